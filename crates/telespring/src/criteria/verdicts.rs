@@ -1,0 +1,1 @@
+//! The four verdicts on a dyad, side by side with the paper's.

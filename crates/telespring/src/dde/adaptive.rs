@@ -1,0 +1,1 @@
+//! An adaptive solver for any right-hand side with delays.

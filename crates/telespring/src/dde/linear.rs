@@ -1,0 +1,1 @@
+//! The ideal linear dyad, solved by Taylor series on steps that divide the delay.

@@ -1,0 +1,4 @@
+//! Delay differential equations in time.
+
+pub mod adaptive;
+pub mod linear;

@@ -1,0 +1,1 @@
+//! A linear system with several constant delays: what a dyad lowers to.

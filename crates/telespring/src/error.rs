@@ -1,0 +1,46 @@
+//! What is refused at the door, and how it is told.
+
+/// A value that was refused, with what is allowed instead and how to mend it.
+///
+/// # Examples
+///
+/// ```
+/// let refused = telespring::Robot::new(vec![-1.0], vec![4.0], None).unwrap_err();
+/// assert_eq!(refused.field, "mass[0]");
+/// assert!(refused.to_string().contains("-1"));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field} = {value}: {allowed}. {remedy}")]
+#[non_exhaustive]
+pub struct InvalidInput {
+    /// Where the value stands, such as `robot1.mass[0]`.
+    pub field: String,
+    /// The value as given.
+    pub value: String,
+    /// What is allowed there, with its unit.
+    pub allowed: String,
+    /// The nearest way to mend it, a full sentence.
+    pub remedy: String,
+}
+
+impl InvalidInput {
+    /// Builds a refusal; `allowed` carries no full stop, `remedy` is a sentence.
+    pub fn new(
+        field: impl Into<String>,
+        value: impl ToString,
+        allowed: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self { field: field.into(), value: value.to_string(), allowed: allowed.into(), remedy: remedy.into() }
+    }
+
+    /// The same refusal with `prefix` and a dot put before the field.
+    #[must_use]
+    pub fn within(mut self, prefix: &str) -> Self {
+        self.field = format!("{prefix}.{}", self.field);
+        self
+    }
+}
+
+/// The result of a check at the door.
+pub type Result<T> = std::result::Result<T, InvalidInput>;

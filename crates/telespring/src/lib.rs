@@ -1,0 +1,28 @@
+//! Stability, simulation and analysis of two people coupled through robots over a delayed network.
+//!
+//! This crate is pure: it reads no clock, does no input or output, and knows no Python.
+//!
+//! | module | job |
+//! |---|---|
+//! | [`model`] | robots, operators, dyads; validated once, at the door |
+//! | [`study`] | the text of a study file to the model |
+//! | [`criteria`] | crossings, critical stiffness, stable delays, the four verdicts and their inverses |
+//! | [`spectrum`] | characteristic roots with a certificate that none is missing |
+//! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
+//! | [`dde`] | the dyad in time: exact for the linear model, adaptive for any right-hand side |
+//! | [`delay_system`] | any linear system with several constant delays |
+
+pub mod criteria;
+pub mod dde;
+pub mod delay_system;
+pub mod error;
+pub mod model;
+pub mod quantity;
+pub mod response;
+pub mod spectrum;
+pub mod study;
+
+mod poly;
+
+pub use error::{InvalidInput, Result};
+pub use model::{Delay, Dyad, DyadAxis, Operator, Robot, Side, hman};

@@ -1,0 +1,80 @@
+//! The physical quantities that enter, each with its unit and its range, checked once at the door.
+//!
+//! The ranges are wide enough for every rehabilitation robot and narrow enough to catch a slip of
+//! unit (grams for kilograms, milliseconds for seconds); inside them no computation overflows.
+
+use crate::error::{InvalidInput, Result};
+
+/// One kind of physical quantity: its name, unit and allowed range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    name: &'static str,
+    unit: &'static str,
+    minimum: f64,
+    maximum: f64,
+    /// The unit that is most often mistaken for `unit`, and the factor from it to `unit`.
+    slip: Option<(&'static str, f64)>,
+}
+
+/// A mass in kg.
+pub const MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 1e4, Some(("g", 1e-3)));
+/// A mass in kg that may be absent (an operator's).
+pub const ADDED_MASS: Quantity = Quantity::new("an added mass", "kg", 0.0, 1e4, Some(("g", 1e-3)));
+/// A viscous damping in N·s/m.
+pub const DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 1e6, None);
+/// The stiffness of the virtual spring in N/m.
+pub const STIFFNESS: Quantity = Quantity::new("a coupling stiffness", "N/m", 1e-6, 1e7, None);
+/// A stiffness in N/m that may be absent (an operator's).
+pub const GROUND_STIFFNESS: Quantity = Quantity::new("an operator stiffness", "N/m", 0.0, 1e7, None);
+/// A one-way delay in s.
+pub const DELAY: Quantity = Quantity::new("a delay", "s", 0.0, 100.0, Some(("ms", 1e-3)));
+/// A span of time in s that is not a delay of the network: jitter, gap, sample period.
+pub const SPAN: Quantity = Quantity::new("a span of time", "s", 0.0, 100.0, Some(("ms", 1e-3)));
+/// A duration to simulate, in s.
+pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None);
+/// A sampling rate in Hz.
+pub const RATE: Quantity = Quantity::new("a rate", "Hz", 1e-6, 1e9, Some(("kHz", 1e3)));
+/// A decay rate in 1/s.
+pub const DECAY_RATE: Quantity = Quantity::new("a decay rate", "1/s", 0.0, 1e6, None);
+
+impl Quantity {
+    const fn new(
+        name: &'static str,
+        unit: &'static str,
+        minimum: f64,
+        maximum: f64,
+        slip: Option<(&'static str, f64)>,
+    ) -> Self {
+        Self { name, unit, minimum, maximum, slip }
+    }
+
+    /// Returns `value` where it is finite and in range.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] naming `field`, the value, the range with its unit and the likely slip.
+    pub fn check(&self, field: &str, value: f64) -> Result<f64> {
+        if value >= self.minimum && value <= self.maximum {
+            return Ok(value);
+        }
+        let remedy = match self.slip {
+            Some((unit, factor))
+                if value > self.maximum && (self.minimum..=self.maximum).contains(&(value * factor)) =>
+            {
+                format!(
+                    "Everything is in SI units: if {value} was meant in {unit}, write {}.",
+                    value * factor
+                )
+            }
+            _ if value.is_nan() => "Replace the missing value by a number.".to_owned(),
+            _ if value < 0.0 => "Check the sign and the unit.".to_owned(),
+            _ => format!("Check the unit: {} is expected.", self.unit),
+        };
+        Err(InvalidInput::new(
+            field,
+            value,
+            format!("{} must be a number from {} to {} {}", self.name, self.minimum, self.maximum, self.unit),
+            remedy,
+        ))
+    }
+}

@@ -1,0 +1,1 @@
+//! The transfer matrix, the Nyquist locus, magnitude and phase.
