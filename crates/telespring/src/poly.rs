@@ -1,1 +1,343 @@
 //! Real roots of polynomials of low degree: isolated, scaled, none missed.
+//!
+//! Between two neighbouring roots of its derivative a polynomial is monotone, so the signs there
+//! decide how many roots lie between, and a bracketed Newton iteration finds each. A sign counts
+//! only where the value exceeds a bound on its rounding error; where one does not (next to a
+//! tangency), everything is repeated in double-double arithmetic.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use twofloat::TwoFloat;
+
+/// The arithmetic a root search runs in.
+pub(crate) trait Real:
+    Copy
+    + PartialOrd
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Relative rounding error of one operation.
+    const EPSILON: f64;
+    /// Relative step of Newton's iteration below which the next step is below `EPSILON`.
+    const SETTLED: f64;
+    fn to_f64(self) -> f64;
+    fn sqrt(self) -> Self;
+}
+
+impl Real for f64 {
+    const EPSILON: f64 = f64::EPSILON;
+    const SETTLED: f64 = 1e-9;
+    fn to_f64(self) -> f64 {
+        self
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Real for TwoFloat {
+    const EPSILON: f64 = 1e-30;
+    const SETTLED: f64 = 1e-17;
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+/// A polynomial by its coefficients, constant first, each with the sum of the magnitudes of the
+/// terms that it was formed from: a coefficient is known to a few `EPSILON` of that sum.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Polynomial<R, const N: usize> {
+    pub coefficient: [R; N],
+    pub magnitude: [f64; N],
+}
+
+/// A positive real root; `slope` is the sign of the derivative there, 0 where the graph only
+/// touches the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Root<R> {
+    pub at: R,
+    pub slope: i8,
+}
+
+/// The positive roots in ascending order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Roots<R, const N: usize> {
+    items: [Root<R>; N],
+    length: usize,
+}
+
+impl<R: Real, const N: usize> Roots<R, N> {
+    fn none() -> Self {
+        Self { items: [Root { at: R::from(0.0), slope: 0 }; N], length: 0 }
+    }
+
+    fn push(&mut self, at: R, slope: i8) {
+        self.items[self.length] = Root { at, slope };
+        self.length += 1;
+    }
+}
+
+impl<R, const N: usize> std::ops::Deref for Roots<R, N> {
+    type Target = [Root<R>];
+    fn deref(&self) -> &[Root<R>] {
+        &self.items[..self.length]
+    }
+}
+
+/// What to do with a value that is smaller than its own rounding error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Doubt {
+    /// Give up, so that the caller repeats in a finer arithmetic.
+    Refuse,
+    /// Take it for zero.
+    Zero,
+}
+
+/// A simple root whose error bound (some 16 times the usual error) exceeds this, relative, is found again in
+/// double-double.
+const ROOT_ACCURACY: f64 = 2e-12;
+
+/// All positive roots, in f64 where every sign is certain and else in double-double.
+///
+/// `precise` forms the same polynomial in double-double from the same data.
+pub(crate) fn positive_roots<const N: usize>(
+    polynomial: &Polynomial<f64, N>,
+    precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
+) -> Roots<f64, N> {
+    if let Some(roots) = search(polynomial, 0, N, Doubt::Refuse) {
+        return roots;
+    }
+    let fine = search(&precise(), 0, N, Doubt::Zero).expect("doubt is resolved as zero");
+    let mut roots = Roots::none();
+    for root in fine.iter() {
+        roots.push(root.at.to_f64(), root.slope);
+    }
+    roots
+}
+
+impl<R: Real, const N: usize> Polynomial<R, N> {
+    /// The value at `x` > 0 over the window `low..high` of coefficients, and a bound on its error.
+    #[inline(always)]
+    fn value(&self, low: usize, high: usize, x: R) -> (R, f64) {
+        let at = x.to_f64();
+        let mut value = self.coefficient[high - 1];
+        let mut magnitude = self.magnitude[high - 1];
+        for i in (low..high - 1).rev() {
+            value = value * x + self.coefficient[i];
+            magnitude = magnitude * at + self.magnitude[i];
+        }
+        (value, 16.0 * R::EPSILON * magnitude)
+    }
+
+    /// The derivative at `x` over the window `low..high`, whose lowest power counts as x⁰.
+    #[inline(always)]
+    fn slope(&self, low: usize, high: usize, x: R) -> R {
+        let mut slope = R::from(0.0);
+        for i in (low + 1..high).rev() {
+            slope = slope * x + self.coefficient[i] * R::from((i - low) as f64);
+        }
+        slope
+    }
+
+    /// The sign of a value with an error bound; 0 where the bound leaves it open.
+    #[inline(always)]
+    fn sign_of((value, bound): (R, f64)) -> i8 {
+        let value = value.to_f64();
+        if value > bound {
+            1
+        } else if value < -bound {
+            -1
+        } else {
+            0
+        }
+    }
+
+    fn sign(&self, low: usize, high: usize, x: R) -> i8 {
+        Self::sign_of(self.value(low, high, x))
+    }
+
+    fn coefficient_sign(&self, i: usize) -> i8 {
+        Self::sign_of((self.coefficient[i], 16.0 * R::EPSILON * self.magnitude[i]))
+    }
+
+    fn derivative(&self, low: usize, high: usize) -> Self {
+        let mut derivative = *self;
+        for i in low + 1..high {
+            let power = (i - low) as f64;
+            derivative.coefficient[i] = self.coefficient[i] * R::from(power);
+            derivative.magnitude[i] = self.magnitude[i] * power;
+        }
+        derivative
+    }
+}
+
+/// The positive roots of the polynomial with the coefficients `low..high`, the first of them its
+/// constant; None where a sign is in doubt and doubt is refused.
+fn search<R: Real, const N: usize>(
+    p: &Polynomial<R, N>,
+    mut low: usize,
+    mut high: usize,
+    doubt: Doubt,
+) -> Option<Roots<R, N>> {
+    // A zero constant is a root at 0, a zero leading coefficient one at infinity: neither is positive.
+    while low < high && p.coefficient_sign(low) == 0 {
+        if doubt == Doubt::Refuse && p.magnitude[low] != 0.0 {
+            return None;
+        }
+        low += 1;
+    }
+    while low < high && p.coefficient_sign(high - 1) == 0 {
+        if doubt == Doubt::Refuse && p.magnitude[high - 1] != 0.0 {
+            return None;
+        }
+        high -= 1;
+    }
+    let mut roots = Roots::none();
+    if high - low < 2 {
+        return Some(roots);
+    }
+    let first = p.coefficient_sign(low);
+    let last = p.coefficient_sign(high - 1);
+
+    // Descartes' rule of signs: with no change of sign there is no positive root, with one there is one.
+    let mut changes = 0;
+    let mut certain = true;
+    let mut previous = first;
+    for i in low + 1..high {
+        let sign = p.coefficient_sign(i);
+        certain &= sign != 0 || p.magnitude[i] == 0.0;
+        if sign != 0 && sign != previous {
+            changes += 1;
+            previous = sign;
+        }
+    }
+    if certain && changes == 0 {
+        return Some(roots);
+    }
+    let one_root = certain && changes == 1;
+
+    if high - low == 2 {
+        roots.push(-p.coefficient[low] / p.coefficient[low + 1], last);
+        return Some(roots);
+    }
+    let splits =
+        if one_root { Roots::none() } else { search(&p.derivative(low, high), low + 1, high, Doubt::Zero)? };
+
+    // The last interval is open: its upper end is moved out until the leading term rules.
+    let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
+    let mut outer = start;
+    while p.sign(low, high, outer) != last {
+        outer = outer * R::from(16.0);
+        if !outer.to_f64().is_finite() {
+            return None;
+        }
+    }
+
+    let mut left = R::from(0.0);
+    let mut left_sign = first;
+    let mut touching: Option<R> = None;
+    for split in splits.iter().map(|root| root.at).chain(std::iter::once(outer)) {
+        let sign = p.sign(low, high, split);
+        if sign == 0 {
+            if doubt == Doubt::Refuse {
+                return None;
+            }
+            touching.get_or_insert(split);
+            continue;
+        }
+        match touching.take() {
+            Some(at) => roots.push(at, if sign == left_sign { 0 } else { sign }),
+            None if sign != left_sign => {
+                let at = bracketed(p, low, high, left, split, left_sign, doubt)?;
+                roots.push(at, sign);
+            }
+            None => {}
+        }
+        left = split;
+        left_sign = sign;
+    }
+    Some(roots)
+}
+
+/// The geometric mean of the roots' magnitudes, rounded down to a power of two: a scale to start from.
+fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
+    let ratio = (p.coefficient[low].to_f64() / p.coefficient[high - 1].to_f64()).abs();
+    let exponent = ratio.log2() / (high - 1 - low) as f64;
+    R::from(if exponent.is_finite() { exponent.exp2() } else { 1.0 })
+}
+
+/// The one root between `left` (sign `left_sign`) and `right`, by Newton's iteration kept inside.
+fn bracketed<R: Real, const N: usize>(
+    p: &Polynomial<R, N>,
+    low: usize,
+    high: usize,
+    mut left: R,
+    mut right: R,
+    left_sign: i8,
+    doubt: Doubt,
+) -> Option<R> {
+    let zero = R::from(0.0);
+    let inside = |left: R, right: R| {
+        // Brackets over many decades are halved on the logarithmic scale.
+        if left <= zero {
+            right * R::from(0.0625)
+        } else if right > left * R::from(4.0) {
+            (left * right).sqrt()
+        } else {
+            (left + right) * R::from(0.5)
+        }
+    };
+    let typical = typical_root(p, low, high);
+    let mut x = if typical > left && typical < right { typical } else { inside(left, right) };
+    let mut previous = f64::INFINITY;
+    // Newton at least halves the bracket every second step; the limit only guards the loop.
+    for _ in 0..2200 {
+        let (value, bound) = p.value(low, high, x);
+        let slope = p.slope(low, high, x);
+        if (value.to_f64() < 0.0) == (left_sign < 0) {
+            left = x;
+        } else {
+            right = x;
+        }
+        let step = value / slope;
+        let mut next = x - step;
+        let size = step.to_f64().abs();
+        let inner = next > left && next < right;
+        if inner && size <= R::SETTLED * x.to_f64() {
+            let accuracy = bound / (slope.to_f64() * x.to_f64()).abs();
+            if doubt == Doubt::Refuse && accuracy > ROOT_ACCURACY {
+                return None;
+            }
+            return Some(next);
+        }
+        if !inner || size > 0.5 * previous {
+            next = inside(left, right);
+            previous = f64::INFINITY;
+        } else {
+            previous = size;
+        }
+        if next == left || next == right || next == x {
+            return Some(next);
+        }
+        x = next;
+    }
+    (doubt == Doubt::Zero).then_some(x)
+}
+
+/// The smallest positive root, if any.
+pub(crate) fn smallest_positive_root<const N: usize>(
+    polynomial: &Polynomial<f64, N>,
+    precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
+) -> Option<f64> {
+    positive_roots(polynomial, precise).first().map(|root| root.at)
+}
+
+#[cfg(test)]
+mod tests;
