@@ -331,13 +331,5 @@ fn bracketed<R: Real, const N: usize>(
     (doubt == Doubt::Zero).then_some(x)
 }
 
-/// The smallest positive root, if any.
-pub(crate) fn smallest_positive_root<const N: usize>(
-    polynomial: &Polynomial<f64, N>,
-    precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
-) -> Option<f64> {
-    positive_roots(polynomial, precise).first().map(|root| root.at)
-}
-
 #[cfg(test)]
 mod tests;

@@ -48,13 +48,17 @@ impl Quantity {
         Self { name, unit, minimum, maximum, slip }
     }
 
+    fn contains(&self, value: f64) -> bool {
+        value >= self.minimum && value <= self.maximum
+    }
+
     /// Returns `value` where it is finite and in range.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] naming `field`, the value, the range with its unit and the likely slip.
     pub fn check(&self, field: &str, value: f64) -> Result<f64> {
-        if value >= self.minimum && value <= self.maximum {
+        if self.contains(value) {
             return Ok(value);
         }
         let remedy = match self.slip {

@@ -17,8 +17,7 @@ fn from_roots(roots: &[f64], scale: f64) -> Polynomial<TwoFloat, 7> {
 }
 
 fn solve(fine: Polynomial<TwoFloat, 7>) -> Vec<(f64, i8)> {
-    let coarse =
-        Polynomial { coefficient: fine.coefficient.map(|c| c.to_f64()), magnitude: fine.magnitude };
+    let coarse = Polynomial { coefficient: fine.coefficient.map(|c| c.to_f64()), magnitude: fine.magnitude };
     positive_roots(&coarse, || fine).iter().map(|root| (root.at, root.slope)).collect()
 }
 

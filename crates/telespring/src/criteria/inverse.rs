@@ -1,0 +1,472 @@
+//! The criteria solved for what an engineer may choose: the stiffness or the damping.
+
+use num_complex::Complex64;
+
+use super::critical::critical_stiffness;
+use super::crossings::all_crossings;
+use super::curve::{Curvature, Jet, LineFunction, Region, Wanted, solve};
+use super::intervals::{is_stable_without_delay, unstable_roots};
+use crate::error::{InvalidInput, Result};
+use crate::model::DyadAxis;
+use crate::quantity;
+
+/// The stiffness K at this one-way delay (s): every k with 0 < k < K is stable, N/m.
+///
+/// Infinite without delay, 0 where the softest spring is already unstable. Some dyads are stable again
+/// at a larger stiffness; that does not count. K is the least stiffness on the curve of crossings, all
+/// of which are enclosed, not the outcome of a search on stable and unstable.
+///
+/// # Errors
+///
+/// [`InvalidInput`] where the delay (s) is not in range.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::{criteria::{maximum_delay, maximum_stiffness}, hman};
+/// let x = hman().axis(0)?;
+/// let stiffness = maximum_stiffness(&x, 0.1)?;
+/// assert!((maximum_delay(&x, stiffness)? - 0.1).abs() < 1e-12);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
+    quantity::DELAY.check("delay", delay)?;
+    if delay == 0.0 {
+        return Ok(if is_stable_without_delay(axis) { f64::INFINITY } else { 0.0 });
+    }
+    let round_trip = 2.0 * delay;
+    let critical = critical_stiffness(axis);
+    let mut low = critical * (1.0 - 1e-9);
+    if critical == 0.0 {
+        low = 1e-9 * stiffness_scale(axis, round_trip);
+        if unstable_roots(axis, low, delay) > 0 {
+            return Ok(0.0);
+        }
+    }
+    let line = StiffnessLine { axis, round_trip, decay_rate: 0.0 };
+    // Every large stiffness is unstable at a positive delay, so that some window holds a crossing.
+    while low.is_finite() {
+        let high = 2.0 * low;
+        let region = Region { frequency: (0.0, highest_frequency(axis, high)), parameter: (low, high) };
+        if let Some(&stiffness) = solve(&line, region, Wanted::Least).first() {
+            return Ok(stiffness);
+        }
+        low = high;
+    }
+    Ok(f64::INFINITY)
+}
+
+/// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is
+/// stable at this stiffness (N/m) and one-way delay (s); 0 where no addition is ever unstable.
+///
+/// # Errors
+///
+/// [`InvalidInput`] where the stiffness or the delay is not in range.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::{DyadAxis, criteria::{critical_stiffness, minimum_damping}};
+/// // At a very long delay the smallest damping is that of the delay-independent dyad.
+/// let axis = DyadAxis::new(1.0, 2.0, 1.0, 2.0)?;
+/// let added = minimum_damping(&axis, 50.0, 100.0)?;
+/// let damped = DyadAxis::new(1.0, 2.0 + added, 1.0, 2.0 + added)?;
+/// assert!((critical_stiffness(&damped) - 50.0).abs() < 0.1);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f64> {
+    quantity::STIFFNESS.check("stiffness", stiffness)?;
+    quantity::DELAY.check("delay", delay)?;
+    if delay == 0.0 {
+        return Ok(0.0);
+    }
+    // With bᵢ² + 2 bᵢ c ≥ 2 mᵢ (k + k_h,i) on both sides no delay destabilises.
+    let c = axis.coupling_damping;
+    let enough = axis.sides.iter().fold(0.0f64, |enough, side| {
+        let elastic = stiffness + side.ground_stiffness;
+        enough.max((2.0 * side.mass * elastic + c * c).sqrt() - c - side.damping)
+    });
+    if enough == 0.0 {
+        return Ok(0.0);
+    }
+    let line = DampingLine { axis, stiffness, round_trip: 2.0 * delay };
+    let region = Region {
+        frequency: (0.0, highest_frequency(axis, stiffness)),
+        parameter: (0.0, enough * (1.0 + 1e-9)),
+    };
+    Ok(solve(&line, region, Wanted::Greatest).first().copied().unwrap_or(0.0))
+}
+
+/// The stiffnesses, as intervals `(low, high)` in N/m, with which every characteristic root but the
+/// rigid-body one lies left of −`decay_rate` (1/s) at this one-way delay (s): a softer spring is slow,
+/// a stiffer one rings. Empty where no stiffness decays that fast; `high` may be infinite without delay.
+///
+/// # Errors
+///
+/// [`InvalidInput`] where the delay or the decay rate is not in range, or their product exceeds 150.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::{criteria::decay_stiffness, hman};
+/// let ranges = decay_stiffness(&hman().axis(0)?, 0.02, 3.0)?;
+/// let (soft, stiff) = ranges[0];
+/// assert!(soft > 0.0 && stiff > soft);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<Vec<(f64, f64)>> {
+    quantity::DELAY.check("delay", delay)?;
+    quantity::DECAY_RATE.check("decay_rate", decay_rate)?;
+    if delay * decay_rate > 150.0 {
+        return Err(InvalidInput::new(
+            "decay_rate",
+            decay_rate,
+            format!("decay rate times delay may be at most 150, that is {} 1/s here", 150.0 / delay),
+            "Ask for a slower decay: no dyad decays by e¹⁵⁰ within one delay.",
+        ));
+    }
+    let round_trip = 2.0 * delay;
+    let limit = stiffness_limit(axis, delay, decay_rate);
+    let line = StiffnessLine { axis, round_trip, decay_rate };
+    let highest = frequency_bound(axis, limit, round_trip, decay_rate);
+    let region = Region { frequency: (1e-9 * highest, highest), parameter: (1e-12 * limit, limit) };
+    let mut changes = solve(&line, region, Wanted::All);
+    changes.extend(real_changes(axis, round_trip, decay_rate).into_iter().filter(|&k| k > 0.0 && k < limit));
+    changes.sort_by(f64::total_cmp);
+
+    let mut ranges: Vec<(f64, f64)> = Vec::new();
+    let mut low = 0.0;
+    for high in changes.into_iter().chain(std::iter::once(limit)) {
+        let middle = if low == 0.0 { 0.5 * high } else { (low * high).sqrt() };
+        if high > low && decays(axis, middle, delay, decay_rate)? {
+            let end = if high == limit && delay == 0.0 { f64::INFINITY } else { high };
+            match ranges.last_mut() {
+                Some(last) if last.1 == low => last.1 = end,
+                _ => ranges.push((low, end)),
+            }
+        }
+        low = high;
+    }
+    Ok(ranges)
+}
+
+/// Whether every root but the rigid-body one lies left of −`decay_rate`.
+fn decays(axis: &DyadAxis, stiffness: f64, delay: f64, decay_rate: f64) -> Result<bool> {
+    let delay = crate::model::Delay::each_way(delay)?;
+    Ok(crate::spectrum::spectral_abscissa(axis, stiffness, &delay)?.value < -decay_rate)
+}
+
+/// A stiffness typical of the dyad where its damping gives none, N/m.
+fn stiffness_scale(axis: &DyadAxis, round_trip: f64) -> f64 {
+    let [first, second] = &axis.sides;
+    let mass = first.mass + second.mass;
+    let damping = first.damping + second.damping + 2.0 * axis.coupling_damping;
+    damping * damping / mass + mass / (round_trip * round_trip)
+}
+
+/// A frequency above every crossing for all stiffnesses up to `stiffness`, rad/s.
+fn highest_frequency(axis: &DyadAxis, stiffness: f64) -> f64 {
+    let squared = if axis.is_free() {
+        // Free handles: ω²/k of the highest crossing grows with k, and so does ω.
+        all_crossings(axis, stiffness).last().map_or(0.0, |last| last.frequency.powi(2))
+    } else {
+        0.0
+    };
+    if squared > 0.0 {
+        return squared.sqrt() * (1.0 + 1e-6);
+    }
+    // From mω² ≥ 2k + k_h on, |P| exceeds |k + cjω|.
+    axis.sides
+        .iter()
+        .map(|side| (2.0 * stiffness + side.ground_stiffness) / side.mass)
+        .fold(0.0, f64::max)
+        .sqrt()
+}
+
+/// A bound on |s| for every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.
+fn frequency_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_rate: f64) -> f64 {
+    let growth = (0.5 * decay_rate * round_trip).exp();
+    let c = axis.coupling_damping;
+    axis.sides.iter().fold(0.0f64, |bound, side| {
+        // m r² − (b + c) r − (k + k_h) ≥ (k + c r) growth beyond its positive root r.
+        let loss = side.damping + c + c * growth;
+        let elastic = stiffness + side.ground_stiffness + stiffness * growth;
+        bound.max(0.5 * (loss + (loss * loss + 4.0 * side.mass * elastic).sqrt()) / side.mass)
+    })
+}
+
+/// A stiffness above which every dyad with a delay is unstable, or, without delay, above which
+/// nothing changes any more.
+fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
+    let [first, second] = &axis.sides;
+    let ground = first.ground_stiffness + second.ground_stiffness;
+    let own = |m: f64, b: f64| b * b / m + decay_rate * (b + decay_rate * m);
+    let c = 2.0 * axis.coupling_damping;
+    let scale = own(first.mass, first.damping + c) + own(second.mass, second.damping + c) + ground;
+    let mut limit = 1e3 * scale;
+    if delay == 0.0 {
+        return 10.0 * limit;
+    }
+    // The highest crossing leaves at least δω/π − 1 times, the returning ones bring back at most
+    // δω/π + 1 pairs; both move apart as the stiffness grows.
+    loop {
+        let found = all_crossings(axis, limit);
+        let highest = found.last().map_or(0.0, |last| last.frequency);
+        let returning = found
+            .iter()
+            .filter(|crossing| crossing.direction < 0)
+            .fold(0.0, |highest: f64, crossing| highest.max(crossing.frequency));
+        if delay * (highest - returning) > 2.0 * std::f64::consts::PI || limit > 1e100 {
+            return limit;
+        }
+        limit *= 4.0;
+    }
+}
+
+/// The stiffnesses at which a real root lies at −`decay_rate`.
+fn real_changes(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> Vec<f64> {
+    if decay_rate == 0.0 {
+        return Vec::new();
+    }
+    let s = -decay_rate;
+    let [a1, a2] = axis.sides.map(|side| (side.mass * s + side.damping) * s + side.ground_stiffness);
+    // With κ = k + c s: (κ + a₁)(κ + a₂) = κ² e^(−s T).
+    let square = -(decay_rate * round_trip).exp_m1();
+    let linear = a1 + a2;
+    let constant = a1 * a2;
+    let shifted = if square == 0.0 {
+        vec![-constant / linear]
+    } else {
+        let discriminant = linear * linear - 4.0 * square * constant;
+        if discriminant < 0.0 {
+            return Vec::new();
+        }
+        let larger = -0.5 * (linear + discriminant.sqrt().copysign(linear));
+        vec![larger / square, constant / larger]
+    };
+    shifted
+        .into_iter()
+        .map(|kappa| kappa + axis.coupling_damping * decay_rate)
+        .filter(|k| k.is_finite())
+        .collect()
+}
+
+/// The exponential part of the characteristic function on the line Re s = −σ.
+struct Exponential {
+    /// (1 − e^(−T s))/s and its derivative by s.
+    held: Complex64,
+    held_slope: Complex64,
+    /// e^(−T s).
+    decay: Complex64,
+}
+
+impl Exponential {
+    fn at(s: Complex64, round_trip: f64) -> Self {
+        let z = s * round_trip;
+        let (size, (sine, cosine)) = ((-z.re).exp(), z.im.sin_cos());
+        let decay = Complex64::new(size * cosine, -size * sine);
+        // 1 − e^(−z) without cancellation.
+        let complement =
+            Complex64::new(2.0 * (0.5 * z.im).sin().powi(2) - (-z.re).exp_m1() * cosine, size * sine);
+        let held = complement / s;
+        let held_slope = if z.norm() < 1e-4 {
+            (z * (2.0 / 3.0) - 1.0) * (0.5 * round_trip * round_trip)
+        } else {
+            (decay * round_trip - held) / s
+        };
+        Self { held, held_slope, decay }
+    }
+
+    /// Bounds on |held| and its first two derivatives for |s| ≥ `least` on Re s = −σ.
+    fn bounds(least: f64, round_trip: f64, decay_rate: f64) -> [f64; 3] {
+        let t = round_trip;
+        let growth = (decay_rate * t).exp();
+        let zeroth = (t * growth).min((1.0 + growth) / least);
+        let first = (0.5 * t * t * growth).min((t * growth + zeroth) / least);
+        let second = (t * t * t / 3.0 * growth).min((t * t * growth + 2.0 * first) / least);
+        [zeroth, first, second]
+    }
+}
+
+/// The coefficients of the characteristic function of one axis at given damping and stiffness.
+struct Coefficients {
+    mass: [f64; 2],
+    /// bᵢ, without c.
+    damping: [f64; 2],
+    ground: [f64; 2],
+    c: f64,
+    stiffness: f64,
+    round_trip: f64,
+}
+
+impl Coefficients {
+    fn new(axis: &DyadAxis, stiffness: f64, added_damping: f64, round_trip: f64) -> Self {
+        Self {
+            round_trip,
+            mass: axis.sides.map(|side| side.mass),
+            damping: axis.sides.map(|side| side.damping + added_damping),
+            ground: axis.sides.map(|side| side.ground_stiffness),
+            c: axis.coupling_damping,
+            stiffness,
+        }
+    }
+
+    fn is_free(&self) -> bool {
+        self.ground == [0.0; 2]
+    }
+
+    /// m₁B₂ + m₂B₁ with B = b + c.
+    fn third(&self) -> f64 {
+        let [m1, m2] = self.mass;
+        let [b1, b2] = self.damping;
+        m1 * (b2 + self.c) + m2 * (b1 + self.c)
+    }
+
+    /// Pᵢ and its derivative.
+    fn side(&self, i: usize, s: Complex64) -> (Complex64, Complex64) {
+        let (m, loss, elastic) = (self.mass[i], self.damping[i] + self.c, self.stiffness + self.ground[i]);
+        ((s * m + loss) * s + elastic, s * (2.0 * m) + loss)
+    }
+
+    /// The characteristic function (divided by s where s = 0 is a root of every such dyad) and its
+    /// derivative by s.
+    fn value(&self, s: Complex64, exponential: &Exponential) -> (Complex64, Complex64) {
+        let spring = s * self.c + self.stiffness;
+        if self.is_free() {
+            let [m1, m2] = self.mass;
+            let [b1, b2] = self.damping;
+            let leading = m1 * m2;
+            let third = self.third();
+            let second = self.stiffness * (m1 + m2) + b1 * b2 + self.c * (b1 + b2);
+            let first = self.stiffness * (b1 + b2);
+            let value = ((s * leading + third) * s + second) * s + first;
+            let slope = (s * (3.0 * leading) + 2.0 * third) * s + second;
+            (
+                value + spring * spring * exponential.held,
+                slope + spring * (exponential.held * (2.0 * self.c) + spring * exponential.held_slope),
+            )
+        } else {
+            let ((p1, p1_slope), (p2, p2_slope)) = (self.side(0, s), self.side(1, s));
+            let returned = exponential.decay * spring;
+            let returned_slope = returned * (2.0 * self.c - spring * self.round_trip);
+            (p1 * p2 - returned * spring, p1_slope * p2 + p1 * p2_slope - returned_slope)
+        }
+    }
+
+    /// A bound on the second derivative by s, for `least` ≤ |s| ≤ `most`.
+    fn curvature(&self, least: f64, most: f64, decay_rate: f64) -> f64 {
+        let spring = self.stiffness + self.c * most;
+        if self.is_free() {
+            let [held, first, second] = Exponential::bounds(least, self.round_trip, decay_rate);
+            6.0 * self.mass[0] * self.mass[1] * most
+                + 2.0 * self.third()
+                + 2.0 * self.c * self.c * held
+                + 4.0 * self.c * spring * first
+                + spring * spring * second
+        } else {
+            let [first, second] = [0, 1].map(|i| {
+                let loss = self.damping[i] + self.c;
+                let value = (self.mass[i] * most + loss) * most + self.stiffness + self.ground[i];
+                (value, 2.0 * self.mass[i] * most + loss, 2.0 * self.mass[i])
+            });
+            let growth = (decay_rate * self.round_trip).exp();
+            let t = self.round_trip;
+            first.2 * second.0
+                + 2.0 * first.1 * second.1
+                + first.0 * second.2
+                + growth * (2.0 * self.c * self.c + t * spring * (4.0 * self.c + t * spring))
+        }
+    }
+}
+
+/// The least and the greatest |s| of a box on the line Re s = −σ.
+fn magnitudes(region: &Region, decay_rate: f64) -> (f64, f64) {
+    (region.frequency.0.hypot(decay_rate), region.frequency.1.hypot(decay_rate))
+}
+
+/// The characteristic function on Re s = −σ over the stiffness.
+struct StiffnessLine<'a> {
+    axis: &'a DyadAxis,
+    round_trip: f64,
+    decay_rate: f64,
+}
+
+impl LineFunction for StiffnessLine<'_> {
+    fn jet(&self, frequency: f64, stiffness: f64) -> Jet {
+        let s = Complex64::new(-self.decay_rate, frequency);
+        let all = Coefficients::new(self.axis, stiffness, 0.0, self.round_trip);
+        let exponential = Exponential::at(s, self.round_trip);
+        let (value, slope) = all.value(s, &exponential);
+        let spring = s * all.c + stiffness;
+        let by_parameter = if all.is_free() {
+            s * (all.mass[0] + all.mass[1])
+                + (all.damping[0] + all.damping[1])
+                + spring * exponential.held * 2.0
+        } else {
+            all.side(0, s).0 + all.side(1, s).0 - spring * exponential.decay * 2.0
+        };
+        Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+    }
+
+    fn curvature(&self, region: &Region) -> Curvature {
+        let (least, most) = magnitudes(region, self.decay_rate);
+        let all = Coefficients::new(self.axis, region.parameter.1, 0.0, self.round_trip);
+        let frequency = all.curvature(least, most, self.decay_rate);
+        let spring = all.stiffness + all.c * most;
+        if all.is_free() {
+            let [held, first, _] = Exponential::bounds(least, self.round_trip, self.decay_rate);
+            Curvature {
+                frequency,
+                mixed: all.mass[0] + all.mass[1] + 2.0 * (all.c * held + spring * first),
+                parameter: 2.0 * held,
+            }
+        } else {
+            let growth = (self.decay_rate * self.round_trip).exp();
+            let slopes: f64 = (0..2).map(|i| 2.0 * all.mass[i] * most + all.damping[i] + all.c).sum();
+            Curvature {
+                frequency,
+                mixed: slopes + 2.0 * growth * (all.c + self.round_trip * spring),
+                parameter: 2.0 * (1.0 + growth),
+            }
+        }
+    }
+}
+
+/// The characteristic function on the imaginary axis over a damping added to both sides.
+struct DampingLine<'a> {
+    axis: &'a DyadAxis,
+    stiffness: f64,
+    round_trip: f64,
+}
+
+impl LineFunction for DampingLine<'_> {
+    fn jet(&self, frequency: f64, added: f64) -> Jet {
+        let s = Complex64::new(0.0, frequency);
+        let all = Coefficients::new(self.axis, self.stiffness, added, self.round_trip);
+        let exponential = Exponential::at(s, self.round_trip);
+        let (value, slope) = all.value(s, &exponential);
+        let mass = all.mass[0] + all.mass[1];
+        let loss = all.damping[0] + all.damping[1] + 2.0 * all.c;
+        let by_parameter = if all.is_free() {
+            (s * mass + loss) * s + 2.0 * self.stiffness
+        } else {
+            (all.side(0, s).0 + all.side(1, s).0) * s
+        };
+        Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+    }
+
+    fn curvature(&self, region: &Region) -> Curvature {
+        let (least, most) = magnitudes(region, 0.0);
+        let all = Coefficients::new(self.axis, self.stiffness, region.parameter.1, self.round_trip);
+        let frequency = all.curvature(least, most, 0.0);
+        let mass = all.mass[0] + all.mass[1];
+        let loss = all.damping[0] + all.damping[1] + 2.0 * all.c;
+        if all.is_free() {
+            Curvature { frequency, mixed: 2.0 * mass * most + loss, parameter: 2.0 * most }
+        } else {
+            let elastic = 2.0 * self.stiffness + all.ground[0] + all.ground[1];
+            let mixed = (3.0 * mass * most + 2.0 * loss) * most + elastic;
+            Curvature { frequency, mixed, parameter: 2.0 * most * most }
+        }
+    }
+}
