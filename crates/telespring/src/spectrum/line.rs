@@ -1,0 +1,233 @@
+//! How many characteristic roots lie to the right of a vertical line: the argument principle in
+//! closed form.
+//!
+//! On s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both terms has a modulus whose crossings of 1
+//! are the zeros of one function of w = y² with at most a handful of turning points. Where |L| ≤ 1
+//! the argument of χ is that of p₁ p₂ within a right angle; where |L| ≥ 1 it is that of −q² e^(−Ts)
+//! within a right angle; both have arguments known in closed form. So the whole turn along the line
+//! follows from its few crossings, for any delay: no step is taken and none can be skipped.
+
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+use super::characteristic::Characteristic;
+use super::polynomial::real_roots;
+
+/// Where |L| passes through 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    /// Imaginary part, rad/s.
+    pub y: f64,
+    /// The argument of L, continuous along a stretch with |L| ≥ 1, rad.
+    pub phase: f64,
+}
+
+/// The count on one line.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    pub sigma: f64,
+    /// The crossings, upwards.
+    pub crossings: Vec<Crossing>,
+    /// Whether |L| > 1 at y = 0, and the argument of L just above it.
+    pub start: Option<f64>,
+    /// Roots to the right, the rigid-body root left out; `None` where one lies too near the line.
+    pub count: Option<usize>,
+    /// Whether the line lies so deep that the roots right of it cannot be told apart in rounding.
+    pub crowded: bool,
+}
+
+/// Phases beyond this carry too much rounding to be counted by.
+const LARGEST_PHASE: f64 = 1e12;
+
+/// |p₁ p₂| against |q² e^(−Ts)| on one line, as functions of w = y².
+struct Moduli {
+    /// pᵢ(σ) and pᵢ′(σ).
+    value: [f64; 2],
+    slope: [f64; 2],
+    q0: f64,
+    g1: f64,
+    growth: f64,
+}
+
+impl Moduli {
+    fn sides(&self, w: f64) -> f64 {
+        let square = |i: usize| {
+            let real = self.value[i] - w;
+            real * real + self.slope[i] * self.slope[i] * w
+        };
+        square(0).sqrt() * square(1).sqrt()
+    }
+
+    fn coupling(&self, w: f64) -> f64 {
+        self.growth * (self.q0 * self.q0 + self.g1 * self.g1 * w)
+    }
+
+    /// |p₁ p₂| − |q² e^(−Ts)|.
+    fn excess(&self, w: f64) -> f64 {
+        self.sides(w) - self.coupling(w)
+    }
+
+    fn excess_slope(&self, w: f64) -> f64 {
+        let term = |i: usize| {
+            let real = self.value[i] - w;
+            let b2 = self.slope[i] * self.slope[i];
+            (b2 - 2.0 * real) / (real * real + b2 * w)
+        };
+        0.5 * self.sides(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
+    }
+
+    /// The turning points of |p₁ p₂| / |q|² at w > 0, upwards.
+    fn turning_points(&self) -> Vec<f64> {
+        let rising = |i: usize| self.slope[i] * self.slope[i] - 2.0 * self.value[i];
+        if self.g1 == 0.0 && rising(0) >= 0.0 && rising(1) >= 0.0 {
+            return Vec::new();
+        }
+        // The origin is moved between the two resonances, so that two near each other are told apart.
+        let origin = (-0.25 * (rising(0) + rising(1))).max(0.0);
+        let quadratic = |i: usize| {
+            let real = self.value[i] - origin;
+            let b2 = self.slope[i] * self.slope[i];
+            [real * real + b2 * origin, b2 - 2.0 * real, 1.0]
+        };
+        let (u1, u2) = (quadratic(0), quadratic(1));
+        let product =
+            [u1[0] * u2[0], u1[0] * u2[1] + u1[1] * u2[0], u1[0] + u2[0] + u1[1] * u2[1], u1[1] + u2[1], 1.0];
+        let slope = [product[1], 2.0 * product[2], 3.0 * product[3], 4.0];
+        let roots = if self.g1 == 0.0 {
+            real_roots(&slope)
+        } else {
+            // (p²)′ v − 2 p² v′ with v = v0 + v1 w; divided by v1, its quintic part vanishes.
+            let v0 = (self.q0 / self.g1) * (self.q0 / self.g1) + origin;
+            real_roots(&[
+                slope[0] * v0 - 2.0 * product[0],
+                slope[1] * v0 + slope[0] - 2.0 * product[1],
+                slope[2] * v0 + slope[1] - 2.0 * product[2],
+                slope[3] * v0 + slope[2] - 2.0 * product[3],
+                slope[3] - 2.0 * product[4],
+            ])
+        };
+        roots.into_iter().map(|v| v + origin).filter(|&w| w > 0.0).collect()
+    }
+
+    /// The zero of the excess between `low` and `high`, whose signs differ.
+    fn zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
+        let mut w = high;
+        for _ in 0..200 {
+            let excess = self.excess(w);
+            if (excess < 0.0) == low_is_large {
+                low = w;
+            } else {
+                high = w;
+            }
+            let newton = w - excess / self.excess_slope(w);
+            let next = if newton > low && newton < high {
+                newton
+            } else if low > 0.0 && high > 16.0 * low {
+                (low * high).sqrt()
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - w).abs() <= 2.0 * f64::EPSILON * w || next == low || next == high {
+                return next;
+            }
+            w = next;
+        }
+        w
+    }
+}
+
+impl Line {
+    /// Counts to the right of Re s = `sigma`.
+    pub(super) fn count(chi: &Characteristic, sigma: f64) -> Self {
+        let t = chi.delay;
+        let moduli = Moduli {
+            value: [0, 1].map(|i| (sigma + chi.beta[i]) * sigma + chi.kappa[i]),
+            slope: [0, 1].map(|i| 2.0 * sigma + chi.beta[i]),
+            q0: chi.gamma[0] + chi.gamma[1] * sigma,
+            g1: chi.gamma[1],
+            growth: (-t * sigma).exp(),
+        };
+        let mut clear = true;
+        let same_sign = (moduli.value[0] > 0.0) == (moduli.value[1] > 0.0);
+        let (real, real_noise) = chi.on_real_axis(sigma);
+        if real.abs() <= real_noise {
+            clear = false;
+        }
+        let start_large = if same_sign { real < 0.0 } else { moduli.excess(0.0) < 0.0 };
+
+        // Where |L| passes 1: between turning points the excess changes sign at most once.
+        let mut zeros: Vec<f64> = Vec::new();
+        let (mut low, mut large) = (0.0, start_large);
+        for turn in moduli.turning_points() {
+            let excess = moduli.excess(turn);
+            if excess.abs() <= 16.0 * f64::EPSILON * moduli.coupling(turn) {
+                // A touch: harmless unless L is near 1 there, which is not worth telling apart.
+                clear = false;
+            }
+            if (excess < 0.0) != large {
+                zeros.push(moduli.zero(low, turn, large));
+                large = !large;
+            }
+            low = turn;
+        }
+        if large {
+            let scale = (moduli.growth.sqrt() * moduli.q0.abs()).max(moduli.growth * moduli.g1 * moduli.g1);
+            let mut high = (2.0 * low).max(scale + moduli.value[0].abs() + moduli.value[1].abs());
+            while high.is_finite() && moduli.excess(high) < 0.0 {
+                high *= 4.0;
+            }
+            if !high.is_finite() {
+                return Self { sigma, crossings: Vec::new(), start: None, count: None, crowded: true };
+            }
+            zeros.push(moduli.zero(low, high, true));
+        }
+
+        // The argument of each factor above the real axis; none of them jumps there.
+        let arguments = |y: f64| {
+            let side = |i: usize| (y * moduli.slope[i]).atan2(moduli.value[i] - y * y);
+            let q = if moduli.g1 == 0.0 { 0.0 } else { (y * moduli.g1).atan2(moduli.q0) };
+            (side(0) + side(1), q)
+        };
+        let phase = |y: f64| {
+            let (sides, q) = arguments(y);
+            2.0 * q - t * y - sides
+        };
+        // The change of arg χ from y = 0 to infinity, in half turns.
+        let sign = |i: usize| if moduli.slope[i] < 0.0 { -1_i64 } else { 1 };
+        let below = |i: usize| if moduli.value[i] < 0.0 { sign(i) } else { 0 };
+        let q_below = i64::from(moduli.q0 < 0.0);
+        let mut half_turns = sign(0) + sign(1) - if start_large { 2 * q_below } else { below(0) + below(1) };
+        let mut large = start_large;
+        let mut crossings = Vec::with_capacity(zeros.len());
+        for w in zeros {
+            let y = w.sqrt();
+            let theta = phase(y);
+            if !(theta.abs() < LARGEST_PHASE) {
+                return Self { sigma, crossings: Vec::new(), start: None, count: None, crowded: true };
+            }
+            let turns = (theta / TAU).floor();
+            let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
+            let noise = 8.0 * f64::EPSILON * moduli.coupling(w);
+            let rate = t + [0, 1]
+                .map(|i| {
+                    let s = Complex64::new(sigma, y);
+                    (s * 2.0 + chi.beta[i]).norm() / chi.side(i, s).norm()
+                })
+                .iter()
+                .sum::<f64>();
+            let y_error = (noise / moduli.excess_slope(w).abs()) / (2.0 * y) + f64::EPSILON * y;
+            if !(gap > 1e-12 + 8.0 * f64::EPSILON * theta.abs() + 4.0 * rate * y_error) {
+                clear = false;
+            }
+            let odd = 2 * turns as i64 + 1;
+            half_turns += if large { odd } else { -odd };
+            large = !large;
+            crossings.push(Crossing { y, phase: theta });
+        }
+        let start = start_large.then(|| (2 * q_below - below(0) - below(1)) as f64 * PI);
+        let all = 2 - half_turns;
+        let rigid = i64::from(chi.rigid_body && sigma < 0.0);
+        let count = usize::try_from(all - rigid).ok().filter(|_| clear);
+        Self { sigma, crossings, start, count, crowded: false }
+    }
+}
