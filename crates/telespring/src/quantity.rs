@@ -48,6 +48,11 @@ impl Quantity {
         Self { name, unit, minimum, maximum, slip }
     }
 
+    /// The largest value that is accepted.
+    pub const fn maximum(&self) -> f64 {
+        self.maximum
+    }
+
     fn contains(&self, value: f64) -> bool {
         value >= self.minimum && value <= self.maximum
     }

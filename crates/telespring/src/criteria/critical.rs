@@ -54,7 +54,8 @@ mod free {
             (first.damping * (first.damping + 2.0 * c), second.damping * (second.damping + 2.0 * c));
         // Where F's lowest coefficient vanishes: Eq. 5, with the damper.
         let at_rest = 2.0 * (m1 + m2) / (d1 + d2);
-        if !at_rest.is_finite() {
+        // An undamped side without a damper resonates at every stiffness.
+        if !at_rest.is_finite() || c == 0.0 && d1 * d2 == 0.0 {
             return 0.0;
         }
         let curve = Touching { m1, m2, d1, d2, g: c * c };

@@ -97,13 +97,17 @@ pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f6
     Ok(solve(&line, region, Wanted::Greatest).first().copied().unwrap_or(0.0))
 }
 
+/// The largest decay rate times delay that is searched for: the search grows with its exponential.
+const FASTEST_DECAY: f64 = 5.0;
+
 /// The stiffnesses, as intervals `(low, high)` in N/m, with which every characteristic root but the
 /// rigid-body one lies left of −`decay_rate` (1/s) at this one-way delay (s): a softer spring is slow,
-/// a stiffer one rings. Empty where no stiffness decays that fast; `high` may be infinite without delay.
+/// a stiffer one rings. Empty where no stiffness decays that fast; searched up to 1e7 N/m, and `high` may
+/// be infinite without delay.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay or the decay rate is not in range, or their product exceeds 150.
+/// [`InvalidInput`] where the delay or the decay rate is not in range, or their product exceeds 5.
 ///
 /// # Examples
 ///
@@ -117,16 +121,20 @@ pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f6
 pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<Vec<(f64, f64)>> {
     quantity::DELAY.check("delay", delay)?;
     quantity::DECAY_RATE.check("decay_rate", decay_rate)?;
-    if delay * decay_rate > 150.0 {
+    if delay * decay_rate > FASTEST_DECAY {
         return Err(InvalidInput::new(
             "decay_rate",
             decay_rate,
-            format!("decay rate times delay may be at most 150, that is {} 1/s here", 150.0 / delay),
-            "Ask for a slower decay: no dyad decays by e¹⁵⁰ within one delay.",
+            format!(
+                "decay rate times delay may be at most {FASTEST_DECAY}, that is {} 1/s here",
+                FASTEST_DECAY / delay
+            ),
+            "Ask for a slower decay: a motion that crosses the network settles in several delays.",
         ));
     }
     let round_trip = 2.0 * delay;
-    let limit = stiffness_limit(axis, delay, decay_rate);
+    let bound = stiffness_limit(axis, delay, decay_rate);
+    let limit = bound.min(quantity::STIFFNESS.maximum());
     let line = StiffnessLine { axis, round_trip, decay_rate };
     let highest = frequency_bound(axis, limit, round_trip, decay_rate);
     let region = Region { frequency: (1e-9 * highest, highest), parameter: (1e-12 * limit, limit) };
@@ -139,7 +147,8 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
     for high in changes.into_iter().chain(std::iter::once(limit)) {
         let middle = if low == 0.0 { 0.5 * high } else { (low * high).sqrt() };
         if high > low && decays(axis, middle, delay, decay_rate)? {
-            let end = if high == limit && delay == 0.0 { f64::INFINITY } else { high };
+            let unbounded = high == limit && delay == 0.0;
+            let end = if unbounded { f64::INFINITY } else { high };
             match ranges.last_mut() {
                 Some(last) if last.1 == low => last.1 = end,
                 _ => ranges.push((low, end)),
@@ -203,10 +212,10 @@ fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
     let own = |m: f64, b: f64| b * b / m + decay_rate * (b + decay_rate * m);
     let c = 2.0 * axis.coupling_damping;
     let scale = own(first.mass, first.damping + c) + own(second.mass, second.damping + c) + ground;
-    let mut limit = 1e3 * scale;
     if delay == 0.0 {
-        return 10.0 * limit;
+        return 1e4 * scale;
     }
+    let mut limit = if ground > 0.0 { 1e3 * scale } else { 1e-3 * scale };
     // The highest crossing leaves at least δω/π − 1 times, the returning ones bring back at most
     // δω/π + 1 pairs; both move apart as the stiffness grows.
     loop {
@@ -219,7 +228,7 @@ fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
         if delay * (highest - returning) > 2.0 * std::f64::consts::PI || limit > 1e100 {
             return limit;
         }
-        limit *= 4.0;
+        limit *= 2.0;
     }
 }
 
