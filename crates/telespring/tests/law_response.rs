@@ -185,3 +185,14 @@ fn law_bad_input_is_refused_by_name() {
     broken.sides[1].mass = f64::NAN;
     assert_eq!(nyquist(&broken, 10.0, &delay).unwrap_err().field, "m2");
 }
+
+#[test]
+fn law_a_heavy_damper_between_undamped_robots_is_counted_or_told() {
+    // c² outweighs everything by 10¹⁰ and more; deciding must neither fail nor take for ever.
+    let axis = DyadAxis::with_operators(0.0023, 0.0, 0.6, 0.0, 1.5e-5, 0.0, 77_677.0).unwrap();
+    let without_delay = nyquist(&axis, 0.0869, &Delay::each_way(0.0).unwrap()).unwrap();
+    // Only robot 1 is grounded, so the damper is felt by every mode, however little.
+    assert!(without_delay.stable());
+    let delayed = nyquist(&axis, 0.0869, &Delay::each_way(0.01).unwrap()).unwrap();
+    assert_eq!(delayed.unstable_roots % 2, 0);
+}

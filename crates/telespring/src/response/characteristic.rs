@@ -278,16 +278,16 @@ impl Characteristic {
             slope = slope * high + power as f64 * coefficient;
         }
         let coupling = self.stiffness.hypot(self.coupling_damping * high);
-        let (lag, lag_slope) = self.lag_bounds(low);
+        let (lag, lag_slope) = self.lag_bounds(low, high);
         slope + coupling * (2.0 * self.coupling_damping * lag + coupling * lag_slope)
     }
 
-    /// Upper bounds of [`Characteristic::lag`] and of its slope from j`low` on:
+    /// Upper bounds of [`Characteristic::lag`] and of its slope on j[`low`, `high`]:
     /// (1 − e^(−Ts))/s is the integral of e^(−us) over 0 < u < T.
-    fn lag_bounds(&self, low: f64) -> (f64, f64) {
+    fn lag_bounds(&self, low: f64, high: f64) -> (f64, f64) {
         let round_trip = self.delay.round_trip();
         if self.deflation == 0 {
-            return (2.0, round_trip);
+            return (2f64.min(round_trip * high), round_trip);
         }
         let bound = round_trip.min(2.0 / low);
         (bound, (0.5 * round_trip * round_trip).min((round_trip + bound) / low))
@@ -299,7 +299,7 @@ impl Characteristic {
         let polynomial = self.undelayed[self.deflation..].iter().rev().fold(0.0, |sum, &c| sum * high + c);
         let coupling = self.stiffness.hypot(self.coupling_damping * high);
         let turn = if self.deflation == 1 { round_trip } else { round_trip * high };
-        ROUNDING * (polynomial + coupling * coupling * self.lag_bounds(low).0)
+        ROUNDING * (polynomial + coupling * coupling * self.lag_bounds(low, high).0)
             + f64::EPSILON * coupling * coupling * turn
     }
 
@@ -335,9 +335,7 @@ impl Characteristic {
                     continue;
                 }
                 let middle = 0.5 * (low + high);
-                let half = 0.5 * (high - low);
-                let undecidable = self.steepness(low, high) * half <= 2.0 * self.noise(low, high);
-                if undecidable || high <= floor || middle <= low || middle >= high {
+                if self.undecidable(low, high) || high <= floor || middle <= low || middle >= high {
                     unresolved_since.get_or_insert(low);
                 } else {
                     pending.push((middle, high));
@@ -354,6 +352,15 @@ impl Characteristic {
             followed.zeros.push(0.5 * (start + here));
         }
         followed
+    }
+
+    /// True where no finer subdivision of j[`low`, `high`] can tell N from zero.
+    pub fn undecidable(&self, low: f64, high: f64) -> bool {
+        let noise = self.noise(low, high);
+        0.5 * (high - low) * self.steepness(low, high) <= 2.0 * noise
+            || [low, 0.5 * (low + high), high]
+                .iter()
+                .all(|&w| self.deflated(Complex64::new(0.0, w)).norm() <= self.noise(w, w))
     }
 
     /// The change of the argument of N from `low` to `high`, where one of the three proofs holds.

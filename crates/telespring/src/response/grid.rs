@@ -154,10 +154,10 @@ fn classify(c: &Characteristic, low: f64, high: f64, resolution: f64, floor: f64
     let half = 0.5 * (high - low);
     let middle = Complex64::new(0.0, 0.5 * (low + high));
     let mut result = Interval::Fine;
-    let mut judge = |size: f64, slope: f64, noise: f64| {
+    let mut judge = |size: f64, slope: f64, undecidable: &dyn Fn() -> bool| {
         let fine = half * slope <= 0.5 * resolution * size;
         if !fine {
-            let pole = half * slope <= 2.0 * noise || high <= floor;
+            let pole = undecidable() || high <= floor;
             if pole && result == Interval::Fine {
                 result = Interval::Pole;
             } else if !pole {
@@ -168,11 +168,11 @@ fn classify(c: &Characteristic, low: f64, high: f64, resolution: f64, floor: f64
     for side in &c.sides {
         let slope = 2.0 * side.mass * high + side.damping;
         let noise = 4.0 * f64::EPSILON * (side.stiffness + high * (side.damping + side.mass * high));
-        judge(side.value(middle).norm(), slope, noise);
+        judge(side.value(middle).norm(), slope, &|| half * slope <= 2.0 * noise);
     }
-    judge(c.deflated(middle).norm(), c.steepness(low, high), c.noise(low, high));
-    judge(c.coupling(middle).norm(), 2.0 * c.coupling_damping, 0.0);
-    judge(1.0, c.delay.round_trip(), 0.0);
+    judge(c.deflated(middle).norm(), c.steepness(low, high), &|| c.undecidable(low, high));
+    judge(c.coupling(middle).norm(), 2.0 * c.coupling_damping, &|| false);
+    judge(1.0, c.delay.round_trip(), &|| false);
     if result == Interval::Coarse && (middle.im <= low || middle.im >= high) {
         return Interval::Pole;
     }
