@@ -141,7 +141,7 @@ fn law_light_damping_and_long_delays_are_resolved() {
     let axis = DyadAxis::new(1.0, 1e-3, 2.0, 1e-3).unwrap();
     let plot = nyquist(&axis, 10.0, &Delay::each_way(100.0).unwrap()).unwrap();
     assert_eq!(plot.locus_status, GridStatus::Resolved);
-    assert!(plot.unstable_roots % 2 == 0 && plot.unstable_roots > 100);
+    assert!(plot.unstable_roots.is_multiple_of(2) && plot.unstable_roots > 100);
     // The peak of one side, |k/P₁| = k/(b √(k/m)) at its resonance, is met within the resolution.
     let frequency = &plot.frequency;
     let peak = partner_response(&axis, 10.0, &Delay::each_way(0.0).unwrap(), 0, frequency).unwrap();

@@ -66,7 +66,7 @@ fn ref_delay_margin_is_eq_10_less_the_delay() {
 fn ref_delay_margin_of_the_hman_axes() {
     // Checked two independent ways when the criteria were fixed: δ_m at 2K_xy and 4K_xy.
     let dyad = telespring::hman();
-    let k = 35.61599 / 1.0;
+    let k = 35.61599;
     let exact = 0.5 * (7.7257_f64.powi(2) + 7.4208_f64.powi(2)) / (0.8334 + 0.7776);
     assert!((k / exact - 1.0).abs() < 1e-6);
     let published =

@@ -80,7 +80,7 @@ impl Nyquist {
 ///
 /// With free handles the locus starts at −1 whatever the parameters, so a plain count is undefined.
 /// Here the count is made on N(s) = χ(s)/s (χ(s) with an operator to the ground): N has degree n at
-/// infinity (3 or 4) and real part of s ≥ 0 only finitely many zeros Z, so by Mikhailov's argument
+/// infinity (3 or 4) and finitely many zeros right of the axis, Z of them; by Mikhailov's argument
 ///
 /// ```text
 /// Z = n/2 − (arg N(j∞) − arg N(0))/π
