@@ -1,1 +1,0 @@
-//! The transfer matrix, the Nyquist locus, magnitude and phase.
