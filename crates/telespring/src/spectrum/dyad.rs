@@ -37,6 +37,7 @@ const SAME_PAIR: f64 = 1e-4;
 /// More starts than this on one line are not made: then the line lies far too deep.
 const MOST_STARTS: f64 = 20_000.0;
 
+static DBG: bool = true;
 struct Search<'a> {
     chi: &'a Characteristic,
     known: Vec<Known>,
@@ -57,6 +58,7 @@ pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
         return search.finish(count, line.sigma, Certificate::NotCounted { reason });
     };
     search.from_line(&line);
+    if DBG { println!("line {} counted {counted} from line {} {:?}", line.sigma, search.right_of(line.sigma), search.known); }
     if search.right_of(line.sigma) < counted {
         for i in 0..2 {
             for start in quadratic_roots(chi.beta[i], chi.kappa[i]) {
@@ -70,7 +72,9 @@ pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
         }
     }
     if search.right_of(line.sigma) < counted {
+        if DBG { println!("hunt {} {:?}", search.right_of(line.sigma), search.known); }
         search.hunt(line.sigma, counted);
+        if DBG { println!("after {:?}", search.known); }
     }
     let found = search.right_of(line.sigma);
     let certificate =
