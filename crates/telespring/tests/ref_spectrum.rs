@@ -23,8 +23,7 @@ fn crossing(bracket: (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
 }
 
 fn abscissa(a0: &DMatrix<f64>, a1: &DMatrix<f64>, delay: f64) -> f64 {
-    let abscissa =
-        DelaySystem::new(a0.clone(), vec![(delay, a1.clone())]).unwrap().spectral_abscissa();
+    let abscissa = DelaySystem::new(a0.clone(), vec![(delay, a1.clone())]).unwrap().spectral_abscissa();
     assert!(abscissa.certificate.is_complete(), "delay {delay}: {}", abscissa.certificate);
     abscissa.value
 }
@@ -121,8 +120,7 @@ fn ref_hman_loses_stability_at_the_known_delays() {
     for (axis, limit) in [(0, 0.16718632424), (1, 0.23185110031)] {
         let axis = dyad.axis(axis).unwrap();
         let found = crossing((0.5 * limit, 1.5 * limit), |delay| {
-            let abscissa =
-                spectral_abscissa(&axis, stiffness, &Delay::each_way(delay).unwrap()).unwrap();
+            let abscissa = spectral_abscissa(&axis, stiffness, &Delay::each_way(delay).unwrap()).unwrap();
             assert!(abscissa.certificate.is_complete());
             abscissa.value
         });
@@ -135,9 +133,8 @@ fn ref_hman_loses_stability_at_the_known_delays() {
 #[test]
 fn ref_unequal_damping_is_unstable_below_the_papers_critical_stiffness() {
     let axis = DyadAxis::new(1.0, 1.0, 1.0, 10.0).unwrap();
-    let value = |delay: f64| {
-        spectral_abscissa(&axis, 24.9975, &Delay::each_way(delay).unwrap()).unwrap().value
-    };
+    let value =
+        |delay: f64| spectral_abscissa(&axis, 24.9975, &Delay::each_way(delay).unwrap()).unwrap().value;
     assert!(value(0.175) > 0.0);
     let limit = crossing((0.1, 0.175), value);
     assert!((limit - 0.1718).abs() < 5e-5, "{limit}");
@@ -147,9 +144,8 @@ fn ref_unequal_damping_is_unstable_below_the_papers_critical_stiffness() {
 #[test]
 fn ref_stability_returns_at_a_longer_delay() {
     let axis = DyadAxis::new(0.97670822, 2.15372614, 0.30379312, 4.59594729).unwrap();
-    let value = |delay: f64| {
-        spectral_abscissa(&axis, 9.174736188, &Delay::each_way(delay).unwrap()).unwrap().value
-    };
+    let value =
+        |delay: f64| spectral_abscissa(&axis, 9.174736188, &Delay::each_way(delay).unwrap()).unwrap().value;
     for (bracket, limit) in [((0.1, 1.2), 0.8508), ((1.2, 2.0), 1.7738), ((2.0, 2.3), 2.1128)] {
         let found = crossing(bracket, value);
         assert!((found - limit).abs() < 5e-5, "{found} for {limit}");
@@ -171,8 +167,7 @@ fn ref_identical_robots_cross_where_the_closed_form_says() {
         });
         // Only rounding separates the two: the abscissa crosses at a slope of about 1/s².
         assert!((found - limit).abs() < 1e-12 * limit.max(1.0), "{found} for {limit}");
-        let roots =
-            characteristic_roots(&axis, k, &Delay::each_way(limit).unwrap(), 2).unwrap().roots;
+        let roots = characteristic_roots(&axis, k, &Delay::each_way(limit).unwrap(), 2).unwrap().roots;
         assert!((roots[0] - Complex64::new(0.0, frequency)).norm() < 1e-12 * frequency);
     }
 }

@@ -1,7 +1,7 @@
 //! The infinitesimal generator of a delay system at Chebyshev nodes.
 
-use nalgebra::linalg::Schur;
 use nalgebra::DMatrix;
+use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 

@@ -119,8 +119,8 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
         // What Newton's pace suggests, a count decides.
         let half = 1e-5 * root.s.norm();
         let corner = Complex64::new(half, half);
-        root.multiplicity =
-            zeros_in_rectangle(matrix, root.s - corner, root.s + corner, 10_000).map_or(1, |inside| inside.max(1));
+        root.multiplicity = zeros_in_rectangle(matrix, root.s - corner, root.s + corner, 10_000)
+            .map_or(1, |inside| inside.max(1));
     }
     root.s.im = root.s.im.abs();
     let scale = matrix.instantaneous.norm();
@@ -145,11 +145,7 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
 /// Counts right of a depth below the `count`-th root, in the widest of the next gaps.
 ///
 /// `None` where fewer roots than wanted, and one to close the gap, are known.
-fn certify(
-    matrix: &CharacteristicMatrix,
-    known: &mut [Known],
-    count: usize,
-) -> Option<(f64, Certificate)> {
+fn certify(matrix: &CharacteristicMatrix, known: &mut [Known], count: usize) -> Option<(f64, Certificate)> {
     let mut total = 0;
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     for (i, root) in known.iter().enumerate() {
