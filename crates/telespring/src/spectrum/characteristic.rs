@@ -85,32 +85,49 @@ impl Characteristic {
     }
 
     /// The function without the rigid-body root: χ/(m₁ m₂), divided by s where both handles are free.
+    ///
+    /// Two forms of the value lose different digits: r − q² (e^(−Ts) − 1) near a resonance, where p₁
+    /// or p₂ is small, and p₁ p₂ − q² e^(−Ts) near s = 0. The one that loses fewer is taken.
     pub(super) fn jet(&self, s: Complex64) -> Jet {
+        let (t, q) = (self.delay, self.coupling(s));
+        let less_one = exp_m1(-s * t);
+        let q2 = q * q;
+        let size = s.norm();
+        let whole = self.remainder.iter().rev().fold(0.0, |sum, c| sum * size + c);
+        let (p1, p2) = (self.side(0, s), self.side(1, s));
+        let bulk = |i: usize| (size + self.beta[i]) * size + self.kappa[i];
+        let delayed = q2 * (less_one + 1.0);
+        let factored = p1.norm() * bulk(1) + p2.norm() * bulk(0) + delayed.norm();
+        let slope = (s * 2.0 + self.beta[0]) * p2 + (s * 2.0 + self.beta[1]) * p1
+            - q * (less_one + 1.0) * (2.0 * self.gamma[1])
+            + delayed * t;
+        if factored < whole + (q2 * less_one).norm() {
+            let value = p1 * p2 - delayed;
+            if !self.rigid_body {
+                return Jet { value, slope };
+            }
+            let value = value / s;
+            return Jet { value, slope: (slope - value) / s };
+        }
         let shift = usize::from(self.rigid_body);
         let coefficients = &self.remainder[shift..];
-        let mut value = Complex64::new(coefficients[coefficients.len() - 1], 0.0);
-        let mut slope = Complex64::ZERO;
-        for &coefficient in coefficients.iter().rev().skip(1) {
-            slope = slope * s + value;
-            value = value * s + coefficient;
+        let value = coefficients.iter().rev().fold(Complex64::ZERO, |sum, &c| sum * s + c);
+        if !self.rigid_body {
+            return Jet { value: value - q2 * less_one, slope };
         }
-        let (t, q) = (self.delay, self.coupling(s));
+        // w = −(e^(−Ts) − 1)/s.
         let z = s * t;
-        let less_one = exp_m1(-z);
-        // w = −(e^(−Ts) − 1), over s where the rigid-body root is divided out.
-        let (w, w_slope) = if self.rigid_body {
-            if z.norm() < 1e-4 {
-                let series = |a: f64, b: f64, c: f64| (z * c + b) * z + a;
-                (series(1.0, -0.5, 1.0 / 6.0) * t, series(-0.5, 1.0 / 3.0, -0.125) * t * t)
-            } else {
-                let w = -less_one / s;
-                (w, ((less_one + 1.0) * t - w) / s)
-            }
+        let (w, w_slope) = if z.norm() < 1e-4 {
+            let series = |a: f64, b: f64, c: f64| (z * c + b) * z + a;
+            (series(1.0, -0.5, 1.0 / 6.0) * t, series(-0.5, 1.0 / 3.0, -0.125) * t * t)
         } else {
-            (-less_one, (less_one + 1.0) * t)
+            let w = -less_one / s;
+            (w, ((less_one + 1.0) * t - w) / s)
         };
-        let q2 = q * q;
-        Jet { value: value + q2 * w, slope: slope + q * w * (2.0 * self.gamma[1]) + q2 * w_slope }
+        let polynomial_slope = (1..coefficients.len())
+            .rev()
+            .fold(Complex64::ZERO, |sum, i| sum * s + i as f64 * coefficients[i]);
+        Jet { value: value + q2 * w, slope: polynomial_slope + q * w * (2.0 * self.gamma[1]) + q2 * w_slope }
     }
 
     /// The whole χ/(m₁ m₂) (the rigid-body root left in) on the real axis, and its rounding error.
@@ -124,18 +141,18 @@ impl Characteristic {
 
     /// Value and first two derivatives of the whole χ/(m₁ m₂), and the rounding error of the value.
     fn derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
-        let r = &self.remainder;
-        let less_one = exp_m1(-s * self.delay);
-        let (t, q, e) = (self.delay, self.coupling(s), less_one + 1.0);
+        let jet = Self { rigid_body: false, ..*self }.jet(s);
+        let (t, q) = (self.delay, self.coupling(s));
+        let e = (-s * t).exp();
+        let (p1, p2) = (self.side(0, s), self.side(1, s));
+        let (d1, d2) = (s * 2.0 + self.beta[0], s * 2.0 + self.beta[1]);
         let g = self.gamma[1];
-        let value = (((s + r[3]) * s + r[2]) * s + r[1]) * s + r[0] - q * q * less_one;
-        let slope =
-            ((s * 4.0 + 3.0 * r[3]) * s + 2.0 * r[2]) * s + r[1] - q * less_one * (2.0 * g) + q * q * e * t;
-        let bend = (s * 12.0 + 6.0 * r[3]) * s + 2.0 * r[2] - less_one * (2.0 * g * g)
-            + (q * (4.0 * g) - q * q * t) * e * t;
-        let size = r.iter().rev().fold(0.0, |sum, c| sum * s.norm() + c);
-        let delayed = q.norm_sqr() * (less_one.norm() + e.norm() * (t * s.norm()));
-        ([value, slope, bend], 4.0 * f64::EPSILON * (size + delayed))
+        let delayed = q * q * e;
+        let bend = (p1 + p2 + d1 * d2) * 2.0 - e * (2.0 * g * g) + (q * (4.0 * g) - q * q * t) * e * t;
+        let size = s.norm();
+        let bulk = |i: usize| (size + self.beta[i]) * size + self.kappa[i];
+        let noise = p1.norm() * bulk(1) + p2.norm() * bulk(0) + delayed.norm() * (1.0 + t * size);
+        ([jet.value, jet.slope, bend], 4.0 * f64::EPSILON * noise)
     }
 
     /// Newton from `start` to the root it leads to; `None` where it leads nowhere.
@@ -207,7 +224,10 @@ impl Characteristic {
         }
         let ([value, _, bend], noise) = self.derivatives(centre);
         let half = if value.norm() <= noise { Complex64::ZERO } else { (-value * 2.0 / bend).sqrt() };
-        let near = (centre - s).norm() <= 1e-2 * s.norm() && half.norm() <= 1e-3 * s.norm();
+        // Two roots, not two of a chain: far nearer each other than 1/T, and `s` is one of them.
+        let reach = (1e-3 * s.norm()).min(0.02 / self.delay);
+        let off = (s - centre - half).norm().min((s - centre + half).norm());
+        let near = half.norm() <= reach && off <= 0.3 * half.norm() + (1e-5 * s.norm()).min(reach);
         near.then_some(Refined::Pair(centre, half))
     }
 }

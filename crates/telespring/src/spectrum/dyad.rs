@@ -153,6 +153,8 @@ impl Search<'_> {
 
     /// A line that no root touches, at or near `sigma`.
     fn clear_line(&self, sigma: f64) -> Line {
+        // Roots of undamped sides gather at the axis itself: no line is put on it by chance.
+        let sigma = if sigma == 0.0 { -1e-3 / self.chi.delay } else { sigma };
         let mut line = Line::count(self.chi, sigma);
         let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / self.chi.delay.max(1e-12));
         for _ in 0..6 {
@@ -210,7 +212,9 @@ impl Search<'_> {
     /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
     /// each such place belongs to one root further right.
     fn from_line(&mut self, line: &Line) {
+        let t = self.chi.delay;
         let mut stretch = line.start.map(|phase| (0.0, phase));
+        let mut tried: Option<(f64, f64)> = None;
         for crossing in &line.crossings {
             let Some((low, low_phase)) = stretch.take() else {
                 stretch = Some((crossing.y, crossing.phase));
@@ -226,14 +230,59 @@ impl Search<'_> {
             while turn <= last {
                 let share = (turn * TAU - low_phase) / (high_phase - low_phase);
                 let y = if share.is_finite() { low + share * (high - low) } else { low };
-                let s = Complex64::new(line.sigma, y);
-                let ratio = self.chi.coupling(s).norm_sqr()
-                    / (self.chi.side(0, s).norm() * self.chi.side(1, s).norm());
-                let ahead = ratio.ln() / self.chi.delay - line.sigma;
-                self.start(s + ahead.max(0.0));
+                self.branch(line.sigma, y, turn - line.left_of);
                 turn += 1.0;
             }
+            tried = Some((first - line.left_of, last - line.left_of));
         }
+        // Branches that have no place on the line start further right: the lowest ones, where sides
+        // have zeros of their own right of it.
+        let (Some((first, last)), Some(top)) = (tried, line.crossings.last()) else { return };
+        let enough = line.count.unwrap_or(0);
+        let mut turn = last + 1.0;
+        if -turn > enough as f64 {
+            return;
+        }
+        while turn <= 0.0 && self.right_of(line.sigma) < enough {
+            let y = (top.y * turn / (first - 1.0)).max(0.5 / t);
+            self.branch(line.sigma, y, turn);
+            turn += 1.0;
+        }
+    }
+
+    /// Newton on log L = 2πj · `turn`, then on χ, from height `y`.
+    ///
+    /// The argument of each side is taken in [0, 2π), that of s² far out: it is continuous in the
+    /// whole upper half-plane beyond the resonances, so that `turn` names one branch there.
+    fn branch(&mut self, sigma: f64, y: f64, turn: f64) {
+        let chi = self.chi;
+        let t = chi.delay;
+        let mut s = Complex64::new(sigma, y);
+        let mut moved = f64::INFINITY;
+        for iteration in 0..8 {
+            let (q, p1, p2) = (chi.coupling(s), chi.side(0, s), chi.side(1, s));
+            let sides = p1.arg().rem_euclid(TAU) + p2.arg().rem_euclid(TAU);
+            let size = (q.norm_sqr() / (p1.norm() * p2.norm())).ln() - t * s.re;
+            if iteration == 0 {
+                // To where the moduli balance, at this height.
+                s.re += size / t;
+                continue;
+            }
+            let rest = Complex64::new(size, 2.0 * q.arg() - t * s.im - sides - TAU * turn);
+            let slope = (s * 2.0 + chi.beta[0]) / p1 + (s * 2.0 + chi.beta[1]) / p2
+                - q.inv() * (2.0 * chi.gamma[1])
+                + t;
+            let step = rest / slope;
+            let length = step.norm();
+            let longest = 0.5 * moved;
+            let step = if length > longest { step * (longest / length) } else { step };
+            moved = if iteration == 1 { 4.0 / t + 0.5 * s.norm() } else { moved };
+            s += step;
+            if !s.is_finite() || s.im < 0.0 || length < 0.02 / t {
+                break;
+            }
+        }
+        self.start(s);
     }
 
     /// Finds what the starts missed, by bisecting the line at which the count exceeds the known.
@@ -348,12 +397,13 @@ impl Search<'_> {
             self.start(*start);
         }
         // A double root, to which two starts lead.
-        let mut next = 0;
-        while self.right_of(f64::NEG_INFINITY) < degree && next < self.known.len() {
-            if let Some(Refined::Pair(centre, half)) = self.chi.pair(self.known[next].s) {
+        for known in self.known.clone() {
+            if self.right_of(f64::NEG_INFINITY) >= degree {
+                break;
+            }
+            if let Some(Refined::Pair(centre, half)) = self.chi.pair(known.s) {
                 self.keep_pair(centre, half);
             }
-            next += 1;
         }
         let found = self.right_of(f64::NEG_INFINITY);
         let certificate = if found == degree {

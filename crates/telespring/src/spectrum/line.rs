@@ -30,6 +30,9 @@ pub(super) struct Line {
     pub crossings: Vec<Crossing>,
     /// Whether |L| > 1 at y = 0, and the argument of L just above it.
     pub start: Option<f64>,
+    /// How many sides have their mean root right of the line: the argument of each is negative above
+    /// the real axis, 2π less than twice that of s far out.
+    pub left_of: f64,
     /// Roots to the right, the rigid-body root left out; `None` where one lies too near the line.
     pub count: Option<usize>,
     /// Whether the line lies so deep that the roots right of it cannot be told apart in rounding.
@@ -177,7 +180,14 @@ impl Line {
                 high *= 4.0;
             }
             if !high.is_finite() {
-                return Self { sigma, crossings: Vec::new(), start: None, count: None, crowded: true };
+                return Self {
+                    sigma,
+                    crossings: Vec::new(),
+                    start: None,
+                    left_of: 0.0,
+                    count: None,
+                    crowded: true,
+                };
             }
             zeros.push(moduli.zero(low, high, true));
         }
@@ -203,7 +213,14 @@ impl Line {
             let y = w.sqrt();
             let theta = phase(y);
             if !(theta.abs() < LARGEST_PHASE) {
-                return Self { sigma, crossings: Vec::new(), start: None, count: None, crowded: true };
+                return Self {
+                    sigma,
+                    crossings: Vec::new(),
+                    start: None,
+                    left_of: 0.0,
+                    count: None,
+                    crowded: true,
+                };
             }
             let turns = (theta / TAU).floor();
             let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
@@ -228,6 +245,7 @@ impl Line {
         let all = 2 - half_turns;
         let rigid = i64::from(chi.rigid_body && sigma < 0.0);
         let count = usize::try_from(all - rigid).ok().filter(|_| clear);
-        Self { sigma, crossings, start, count, crowded: false }
+        let left_of = moduli.slope.iter().filter(|slope| **slope < 0.0).count() as f64;
+        Self { sigma, crossings, start, left_of, count, crowded: false }
     }
 }

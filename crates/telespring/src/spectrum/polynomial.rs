@@ -104,6 +104,9 @@ pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
         .map(|i| (coefficients[i] / leading).abs().powf(1.0 / (degree - i) as f64))
         .fold(0.0, f64::max)
         * 2.0;
+    if bound == 0.0 {
+        return vec![0.0];
+    }
     let mut roots = Vec::new();
     let mut edges = vec![-bound];
     edges.extend(turns.into_iter().map(|x| x.clamp(-bound, bound)));

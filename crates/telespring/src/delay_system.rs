@@ -1,1 +1,0 @@
-//! A linear system with several constant delays: what a dyad lowers to.
