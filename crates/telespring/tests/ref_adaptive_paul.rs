@@ -7,7 +7,7 @@ mod adaptive_support;
 use std::convert::Infallible;
 use std::f64::consts::{E, PI};
 
-use adaptive_support::{Case, assert_accurate, error, run};
+use adaptive_support::{Case, assert_accurate, run};
 use telespring::dde::adaptive::{DelayKind, Discontinuity, Options, Status, solve};
 
 /// A scalar problem with constant delays from t = 0.
@@ -57,7 +57,7 @@ fn ref_paul1994_1_1_2_sine() {
 fn ref_paul1994_1_1_5_forced() {
     let exact = |t: f64| 3.0 * t.sin() - 5.0 * t.cos();
     let slope = |t: f64, y: f64, z: &[f64]| y + z[0] + 3.0 * t.cos() + 5.0 * t.sin();
-    assert_accurate(&scalar("Paul 1.1.5", 10.0, &[PI], slope, exact, exact), 1e5);
+    assert_accurate(&scalar("Paul 1.1.5", 10.0, &[PI], slope, exact, exact), 1e4);
 }
 
 /// Four delays; the history jumps at 0.
@@ -79,7 +79,7 @@ fn ref_paul1994_1_1_6_four_delays() {
         move |t| polynomials[(t as usize).min(4)].iter().fold(0.0, |sum, c| sum * t + c),
     );
     case.initial = Some(vec![0.0]);
-    assert_accurate(&case, 1.0);
+    assert_accurate(&case, 3.0);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn ref_paul1994_1_1_9_growth() {
             6.0 * (5f64.exp() + t - 1.2) * (5.0 * t - 5.0).exp() + 0.2
         }
     };
-    assert_accurate(&scalar("Paul 1.1.9", 2.0, &[1.0], |_, y, z| 5.0 * y + z[0], |_| 5.0, exact), 30.0);
+    assert_accurate(&scalar("Paul 1.1.9", 2.0, &[1.0], |_, y, z| 5.0 * y + z[0], |_| 5.0, exact), 3.0);
 }
 
 /// The history jumps at −π/2 and at 0; the former is declared.
@@ -112,14 +112,13 @@ fn ref_paul1994_1_1_10_and_11_history_jumps() {
                 } else if t < 1.5 * PI {
                     (-sign * t).exp()
                 } else {
-                    (-sign * 1.5 * PI + 0.5 * sign * ((sign * (3.0 * PI - 2.0 * t)).exp() - 1.0)).exp()
+                    (-sign * 1.5 * PI + 0.5 * ((sign * (3.0 * PI - 2.0 * t)).exp() - 1.0)).exp()
                 }
             },
         );
         case.initial = Some(vec![-1.0]);
         case.breakpoints = vec![Discontinuity::jump(-PI / 2.0)];
         let solution = run(&case, 1e-6);
-        println!("{:?} error {:.2e}", solution.discontinuities, error(&case, &solution));
         assert!(solution.discontinuities.iter().any(|d| d.time == PI / 2.0 && d.order == 1));
         assert_accurate(&case, 30.0);
     }
@@ -151,7 +150,7 @@ fn ref_paul1994_1_1_12_step_in_the_history() {
     assert_accurate(&case, 10.0);
 }
 
-/// A second-order system: x'' = −2m y' + (1 + m²)(−1)^m x(t − π) and the like for y.
+/// A second-order system: x'' = −2m y + (1 + m²)(−1)^m x(t − π) and the like for y.
 #[test]
 fn ref_paul1994_1_4_9_system() {
     let exact = |t: f64| {
@@ -169,14 +168,14 @@ fn ref_paul1994_1_4_9_system() {
             let z = &delayed[0];
             out[0] = y[2];
             out[1] = y[3];
-            out[2] = -4.0 * y[3] + 5.0 * z[0];
-            out[3] = -4.0 * y[2] + 5.0 * z[1];
+            out[2] = -4.0 * y[1] + 5.0 * z[0];
+            out[3] = -4.0 * y[0] + 5.0 * z[1];
         }),
         history: Box::new(move |t, out| out.copy_from_slice(&exact(t))),
         exact: Box::new(exact),
         breakpoints: vec![],
     };
-    assert_accurate(&case, 1e8);
+    assert_accurate(&case, 300.0);
 }
 
 /// State-dependent: y' = y y(ln y − 1)/(t + 1), y = 1 for t <= 0 (C. A. H. Paul 1992, Appl. Numer. Math. 9,
@@ -202,9 +201,8 @@ fn ref_paul1992_state_dependent_breaks_are_found() {
         }),
         breakpoints: vec![],
     };
-    assert_accurate(&case, 1e3);
+    assert_accurate(&case, 10.0);
     let solution = run(&case, 1e-9);
-    println!("{:?}", solution.discontinuities);
     for (time, order) in [(E - 1.0, 2), (E * E - 1.0, 3)] {
         // Landed on within the tolerance, as promised for state-dependent delays.
         let found = solution.discontinuities.iter().find(|d| (d.time - time).abs() < 1e-7);
@@ -214,13 +212,14 @@ fn ref_paul1992_state_dependent_breaks_are_found() {
 
 /// End values of nonlinear problems of the set without closed form, as printed in the tests of a collocation
 /// solver for delay differential-algebraic equations (colddae, Ha and Mehrmann), which shares no method with ours.
+/// Each tolerance is ten times the difference seen; 1.1.3 and 1.1.13 amplify rounding (1 + y nearly touches zero).
 #[test]
 fn cross_paul1994_printed_end_values() {
     type Slope = fn(f64, f64) -> f64;
     let cases: [(&str, f64, f64, Slope, fn(f64) -> f64, f64, f64); 5] = [
         ("1.1.3", 20.0, 1.0, |y, z| -3.0 * z * (1.0 + y), |t| t, 4.671437497493366, 1e-7),
-        ("1.1.4", 10.0, 1.0, |y, z| (1.4 - z) * y, |_| 0.01, 1.367208017754907, 1e-7),
-        ("1.1.7", 20.0, 2.0, |y, z| 2.0 * z / (1.0 + z.powi(7)) - y, |_| 0.5, 1.202617750066138, 1e-7),
+        ("1.1.4", 10.0, 1.0, |y, z| (1.4 - z) * y, |_| 0.01, 1.367208017754907, 1e-12),
+        ("1.1.7", 20.0, 2.0, |y, z| 2.0 * z / (1.0 + z.powi(7)) - y, |_| 0.5, 1.202617750066138, 1e-12),
         (
             "1.1.8",
             20.0,
@@ -228,9 +227,9 @@ fn cross_paul1994_printed_end_values() {
             |y, z| -y + z * (1.0 + 1.5 * (1.0 - (z / 1000.0).powf(2.5))),
             |_| 999.0,
             820.185301965284,
-            1e-7,
+            1e-11,
         ),
-        ("1.1.13", 40.0, 0.74, |y, z| 3.5 * y * (1.0 - z / 19.0), |_| 19.001, 24.7645486398692, 1e-7),
+        ("1.1.13", 40.0, 0.74, |y, z| 3.5 * y * (1.0 - z / 19.0), |_| 19.001, 24.7645486398692, 1e-9),
     ];
     for (name, end, delay, slope, history, printed, tolerance) in cases {
         let solution = solve(
@@ -246,13 +245,12 @@ fn cross_paul1994_printed_end_values() {
             1,
             None,
             (0.0, end),
-            &Options { rtol: 1e-12.into(), atol: 1e-12.into(), ..Options::default() },
+            &Options { rtol: 1e-13.into(), atol: 1e-16.into(), ..Options::default() },
         )
         .expect("the problem is well posed");
         assert_eq!(solution.status, Status::Completed);
         let mut y = [0.0];
         solution.evaluate(end, &mut y).expect("inside");
-        println!("Paul {name}: {} printed {printed}, relative {:.1e}", y[0], y[0] / printed - 1.0);
         assert!((y[0] / printed - 1.0).abs() < tolerance, "{name}: {} against {printed}", y[0]);
     }
 }

@@ -74,7 +74,7 @@ fn ref_ddelib_one_delay_long() {
             })
             .sum()
     };
-    assert_accurate(&scalar("ddelib 1delay_long", 100.0, &[0.2], |y, z| y - z[0], exact), 30.0);
+    assert_accurate(&scalar("ddelib 1delay_long", 100.0, &[0.2], |y, z| y - z[0], exact), 3.0);
 }
 
 /// y' = −y(t − 1/3) − y(t − 1/5): a term for every pair of counts of the two delays.
@@ -96,7 +96,7 @@ fn ref_ddelib_two_delays() {
     let z: f64 = 0.77;
     let printed = 7942.0 / 3375.0 - 128.0 / 25.0 * z + 17.0 / 5.0 * z * z - 2.0 / 3.0 * z.powi(3);
     assert!((exact(z) - printed).abs() < 1e-14);
-    assert_accurate(&scalar("ddelib 2delays", 4.0, &[1.0 / 3.0, 0.2], |_, z| -z[0] - z[1], exact), 10.0);
+    assert_accurate(&scalar("ddelib 2delays", 4.0, &[1.0 / 3.0, 0.2], |_, z| -z[0] - z[1], exact), 3.0);
 }
 
 /// Tracking is what makes the polynomials exact: a polynomial of degree at most 4 between breaks is reproduced to

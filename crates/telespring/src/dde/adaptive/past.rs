@@ -122,7 +122,12 @@ where
     ) -> Result<(), Interrupt<E>> {
         for (index, row) in delayed.chunks_exact_mut(self.equation.dimension).enumerate() {
             let argument = self.equation.argument(index, nominal, seen, y)?;
-            self.look_up(index, nominal, argument.min(nominal), row)?;
+            if argument >= nominal {
+                // No delay at all: the state itself, so that nothing has to be repeated.
+                row.copy_from_slice(y);
+            } else {
+                self.look_up(index, nominal, argument, row)?;
+            }
         }
         Ok(())
     }

@@ -16,6 +16,10 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
 
+/// What a step that did not settle is cut to, and by how much each kept step then lifts that ceiling.
+const UNSETTLED: f64 = 0.5;
+const LIFT: f64 = 1.1;
+
 /// How often a step is cut back to a break that a state-dependent delay meets before it is taken as it is.
 const CUTS: usize = 6;
 
@@ -100,6 +104,8 @@ where
         let mut width = self.first_width()?;
         let (mut cuts, mut cut) = (0, None);
         let mut not_finite = false;
+        // Neither a rejected step nor one that did not settle is tried again at once.
+        let (mut grow, mut ceiling) = (GROW, f64::INFINITY);
         while self.past.here < self.end {
             let here = self.past.here;
             if self.past.mesh.steps() + self.rejected >= self.options.max_steps {
@@ -124,7 +130,8 @@ where
             };
             let Outcome::Error(error) = outcome else {
                 self.rejected += 1;
-                width = 0.25 * ends.width();
+                width = UNSETTLED * ends.width();
+                ceiling = width;
                 if width < resolution(here) {
                     return Ok(if not_finite {
                         Status::NonFinite { at: here }
@@ -150,6 +157,7 @@ where
                 self.rejected += 1;
                 let factor = if error.is_finite() { SAFETY * error.powf(-0.2) } else { SHRINK };
                 width = ends.width() * factor.clamp(SHRINK, SAFETY);
+                grow = 1.0;
                 if width < resolution(here) {
                     return Ok(Status::StepTooSmall { at: here });
                 }
@@ -157,8 +165,11 @@ where
             }
             self.past.equation.judge_delays(ends.end, &self.trial.new)?;
             // A step cut short by a break says little about the step that the solution could bear.
-            let next = ends.width() * factor.clamp(SHRINK, GROW);
+            let next = ends.width() * factor.clamp(SHRINK, grow);
             width = if ends.width() < 0.99 * width && cuts == 0 { next.max(width) } else { next };
+            ceiling *= LIFT;
+            width = width.min(ceiling);
+            grow = GROW;
             self.last_error = error.max(1e-4);
             self.keep(target);
             (cuts, not_finite) = (0, false);
