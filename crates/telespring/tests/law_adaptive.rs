@@ -156,6 +156,65 @@ fn law_delay_that_jumps_at_declared_times() {
     }
 }
 
+/// A solution made to order, y = sin t, through a delay that swings between 0 and 0.6 and vanishes every 2π/5; the
+/// history is the solution too, so that nothing breaks.
+#[test]
+fn law_delay_that_vanishes_again_and_again() {
+    let delay = |t: f64| 0.3 * (1.0 + (5.0 * t).sin());
+    let case = Case {
+        name: "swinging delay",
+        dimension: 1,
+        span: (0.0, 10.0),
+        initial: None,
+        delays: Box::new(move || vec![DelayKind::time(delay)]),
+        slope: Box::new(move |t, _, delayed, out| out[0] = t.cos() + (t - delay(t)).sin() - delayed[0][0]),
+        history: Box::new(|t, out| out[0] = t.sin()),
+        exact: Box::new(|t| vec![t.sin()]),
+        breakpoints: vec![],
+    };
+    assert_accurate(&case, 10.0);
+}
+
+/// A constant delay given as a number, as a function of time and as a function of the state is the same delay, the
+/// jump at the start included.
+#[test]
+fn law_three_ways_to_give_one_delay() {
+    let solve_with =
+        |delay| scalar(|_, y, z| -z[0] - 0.2 * y, vec![delay], |_| 0.0, Some(1.0), (0.0, 5.0), &tight());
+    let number = solve_with(DelayKind::Constant(0.6));
+    for other in [solve_with(DelayKind::time(|_| 0.6)), solve_with(DelayKind::state(|_, _| 0.6))] {
+        assert_eq!(other.discontinuities.len(), number.discontinuities.len());
+        for (a, b) in other.discontinuities.iter().zip(&number.discontinuities) {
+            assert!((a.time - b.time).abs() < 1e-12 && a.order == b.order, "{a:?} {b:?}");
+        }
+        for i in 0..=50 {
+            let t = 0.1 * f64::from(i);
+            // Both are within a few tolerances of the truth.
+            assert!((at(&other, t.min(5.0)) - at(&number, t.min(5.0))).abs() < 1e-9, "t = {t}");
+        }
+    }
+}
+
+/// Ten thousand declared breaks, each sent on through the delay: a delay measured a thousand times a second. Held
+/// between the samples, the argument is t − τ_k, and y' = 1 − y(t − τ) from rest keeps y = t on the first delay.
+#[test]
+fn law_many_declared_breaks() {
+    let sample = |t: f64| (t * 1000.0 + 0.5 * f64::EPSILON).floor();
+    let delay = move |t: f64| 0.2 + 0.0005 * (0.7 * sample(t)).sin();
+    let options = Options {
+        rtol: 1e-6.into(),
+        breakpoints: (1..10_000).map(|k| Discontinuity::kink(f64::from(k) / 1000.0)).collect(),
+        max_steps: 400_000,
+        ..Options::default()
+    };
+    let solution =
+        scalar(|_, _, z| 1.0 - z[0], vec![DelayKind::time(delay)], |_| 0.0, None, (0.0, 10.0), &options);
+    assert_eq!(solution.status, Status::Completed);
+    assert!((at(&solution, 0.19) - 0.19).abs() < 1e-12);
+    // A constant delay of 0.2 would settle at 1 as e^{−1.3 t}; the swing of 0.0005 moves it by less than that.
+    assert!((at(&solution, 10.0) - 1.0).abs() < 1e-3, "{}", at(&solution, 10.0));
+}
+
 /// A force switched at declared times, whichever side its callback assigns them to.
 #[test]
 fn law_declared_force_switches() {

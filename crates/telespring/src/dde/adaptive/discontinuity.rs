@@ -97,7 +97,8 @@ impl Ledger {
 
     /// Records that the solution has reached `here` and sends it on through the constant delays.
     pub(super) fn arrive(&mut self, here: Discontinuity, start: f64) {
-        self.pending.retain(|d| d.time > here.time + resolution(here.time));
+        let done = self.pending.partition_point(|d| d.time <= here.time + resolution(here.time));
+        self.pending.drain(..done);
         self.reached.push(here);
         for i in 0..self.constant_delays.len() {
             let delay = self.constant_delays[i];

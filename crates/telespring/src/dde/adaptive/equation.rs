@@ -9,6 +9,19 @@ type StateDelay<'a, E> = Box<dyn FnMut(f64, &[f64]) -> std::result::Result<f64, 
 type TimeDelay<'a, E> = Box<dyn FnMut(f64) -> std::result::Result<f64, E> + 'a>;
 
 /// One delay τ of the equation; it is never negative.
+///
+/// # Examples
+///
+/// A delay that swings about 0.2 and one that grows with the state:
+///
+/// ```
+/// use telespring::dde::adaptive::DelayKind;
+///
+/// let swinging: DelayKind<'_, String> = DelayKind::time(|t| 0.2 + 0.05 * t.sin());
+/// let growing: DelayKind<'_, String> = DelayKind::state(|_, y| 0.1 + y[0].abs());
+/// let may_fail: DelayKind<'_, String> = DelayKind::Time(Box::new(|_| Err("no packet".to_owned())));
+/// # let _ = (swinging, growing, may_fail);
+/// ```
 pub enum DelayKind<'a, E> {
     /// The same at all times. Break points travel through it exactly.
     Constant(f64),
@@ -20,12 +33,12 @@ pub enum DelayKind<'a, E> {
 }
 
 impl<'a, E> DelayKind<'a, E> {
-    /// A delay given as a function of time that cannot fail.
+    /// A delay given as a function of time that cannot fail; [`DelayKind::Time`] takes one that can.
     pub fn time(mut delay: impl FnMut(f64) -> f64 + 'a) -> Self {
         Self::Time(Box::new(move |t| Ok(delay(t))))
     }
 
-    /// A delay given as a function of time and state that cannot fail.
+    /// A delay given as a function of time and state that cannot fail; [`DelayKind::State`] takes one that can.
     pub fn state(mut delay: impl FnMut(f64, &[f64]) -> f64 + 'a) -> Self {
         Self::State(Box::new(move |t, y| Ok(delay(t, y))))
     }

@@ -30,6 +30,7 @@ pub(super) struct Solver<'a, E, F, H> {
     trial: Trial,
     scale: Scale,
     options: Checked,
+    /// Sorted times of the declared breaks.
     declared: Vec<f64>,
     end: f64,
     /// The current state; the current time is `past.here`.
@@ -64,7 +65,8 @@ where
         let mut past = Past::new(equation, start.time, initial.clone());
         past.jumps = ledger.jumps();
         let scale = Scale { rtol: options.rtol.clone(), atol: options.atol.clone() };
-        let declared = options.breakpoints.iter().map(|d| d.time).collect();
+        let mut declared: Vec<f64> = options.breakpoints.iter().map(|d| d.time).collect();
+        declared.sort_by(f64::total_cmp);
         Self {
             past,
             ledger,
@@ -180,10 +182,11 @@ where
     /// The time that callbacks are shown at the end (`side` −1) or the start (1) of a step: a few roundings
     /// inside it where the caller declared a break.
     fn seen(&self, target: Target, side: f64) -> f64 {
-        let near = |d: &&f64| (**d - target.end).abs() <= resolution(target.end);
-        match self.declared.iter().find(near) {
-            Some(_) => aside(target.end, side, 0.0),
-            None => target.end,
+        let slack = resolution(target.end);
+        let nearest = self.declared.partition_point(|d| *d < target.end - slack);
+        match self.declared.get(nearest) {
+            Some(d) if *d <= target.end + slack => aside(target.end, side, 0.0),
+            _ => target.end,
         }
     }
 
