@@ -1,1 +1,0 @@
-//! An adaptive solver for any right-hand side with delays.

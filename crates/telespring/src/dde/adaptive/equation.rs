@@ -1,0 +1,205 @@
+//! The equation as the caller states it: right-hand side, delays, history, and what may go wrong in them.
+
+use super::discontinuity::resolution;
+use crate::error::{InvalidInput, Result};
+
+/// A delay that a callback computes from the time and, where it depends on it, the state.
+type StateDelay<'a, E> = Box<dyn FnMut(f64, &[f64]) -> std::result::Result<f64, E> + 'a>;
+/// A delay that a callback computes from the time.
+type TimeDelay<'a, E> = Box<dyn FnMut(f64) -> std::result::Result<f64, E> + 'a>;
+
+/// One delay τ of the equation; it is never negative.
+///
+/// # Examples
+///
+/// A delay that swings about 0.2 and one that grows with the state:
+///
+/// ```
+/// use telespring::dde::adaptive::DelayKind;
+///
+/// let swinging: DelayKind<'_, String> = DelayKind::time(|t| 0.2 + 0.05 * t.sin());
+/// let growing: DelayKind<'_, String> = DelayKind::state(|_, y| 0.1 + y[0].abs());
+/// let may_fail: DelayKind<'_, String> = DelayKind::Time(Box::new(|_| Err("no packet".to_owned())));
+/// # let _ = (swinging, growing, may_fail);
+/// ```
+pub enum DelayKind<'a, E> {
+    /// The same at all times. Break points travel through it exactly.
+    Constant(f64),
+    /// A function of time. Break points are found as roots of t − τ(t) = ξ. Where τ itself jumps or has a kink,
+    /// declare the time in [`Options::breakpoints`](super::Options::breakpoints).
+    Time(TimeDelay<'a, E>),
+    /// A function of time and state, τ(t, y(t)).
+    State(StateDelay<'a, E>),
+}
+
+impl<'a, E> DelayKind<'a, E> {
+    /// A delay given as a function of time that cannot fail; [`DelayKind::Time`] takes one that can.
+    pub fn time(mut delay: impl FnMut(f64) -> f64 + 'a) -> Self {
+        Self::Time(Box::new(move |t| Ok(delay(t))))
+    }
+
+    /// A delay given as a function of time and state that cannot fail; [`DelayKind::State`] takes one that can.
+    pub fn state(mut delay: impl FnMut(f64, &[f64]) -> f64 + 'a) -> Self {
+        Self::State(Box::new(move |t, y| Ok(delay(t, y))))
+    }
+}
+
+impl<E> std::fmt::Debug for DelayKind<'_, E> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Constant(delay) => write!(f, "Constant({delay})"),
+            Self::Time(_) => write!(f, "Time(..)"),
+            Self::State(_) => write!(f, "State(..)"),
+        }
+    }
+}
+
+/// The delayed states that a right-hand side sees: `delayed[j][i]` is component i of y(t − τ_j).
+#[derive(Debug, Clone, Copy)]
+pub struct Delayed<'a> {
+    values: &'a [f64],
+    dimension: usize,
+}
+
+impl<'a> Delayed<'a> {
+    /// All values as one array, one row per delay and one column per component.
+    pub fn as_slice(&self) -> &'a [f64] {
+        self.values
+    }
+}
+
+impl std::ops::Index<usize> for Delayed<'_> {
+    type Output = [f64];
+
+    fn index(&self, delay: usize) -> &[f64] {
+        &self.values[delay * self.dimension..(delay + 1) * self.dimension]
+    }
+}
+
+/// Why an evaluation did not yield a number.
+#[derive(Debug)]
+pub(super) enum Interrupt<E> {
+    /// A callback failed.
+    Callback(E),
+    /// A callback yielded an infinity or a NaN.
+    NonFinite,
+    /// A delay asks for the future or is no number.
+    Delay { at: f64, delay: usize, value: f64 },
+}
+
+/// The three callbacks behind one door that counts and checks.
+pub(super) struct Equation<'a, E, F, H> {
+    pub(super) right_hand_side: F,
+    pub(super) delays: Vec<DelayKind<'a, E>>,
+    pub(super) history: H,
+    pub(super) dimension: usize,
+    pub(super) evaluations: usize,
+    /// How far below zero the error of the state may carry a state-dependent delay, relative to the time.
+    pub(super) state_slack: f64,
+}
+
+impl<'a, E, F, H> Equation<'a, E, F, H>
+where
+    F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> std::result::Result<(), E>,
+    H: FnMut(f64, &mut [f64]) -> std::result::Result<(), E>,
+{
+    /// y' at `t`; `delayed` holds one row per delay.
+    pub(super) fn slope(
+        &mut self,
+        t: f64,
+        y: &[f64],
+        delayed: &[f64],
+        out: &mut [f64],
+    ) -> std::result::Result<(), Interrupt<E>> {
+        self.evaluations += 1;
+        let delayed = Delayed { values: delayed, dimension: self.dimension };
+        (self.right_hand_side)(t, y, delayed, out).map_err(Interrupt::Callback)?;
+        finite(out)
+    }
+
+    /// The history at `t`.
+    pub(super) fn past(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
+        (self.history)(t, out).map_err(Interrupt::Callback)?;
+        finite(out)
+    }
+
+    /// The argument t − τ of delay `index`. `nominal` is the time of the mesh and `seen` the one that callbacks
+    /// are shown, which stands a few roundings aside at declared breaks. A state-dependent delay is negative at
+    /// times only because a trial state is rough: its argument is returned as it is and judged once the step is
+    /// kept. Any other negative delay is refused at once; a rounding below zero counts as zero.
+    pub(super) fn argument(
+        &mut self,
+        index: usize,
+        nominal: f64,
+        seen: f64,
+        y: &[f64],
+    ) -> std::result::Result<f64, Interrupt<E>> {
+        let (delay, rough) = match &mut self.delays[index] {
+            DelayKind::Constant(delay) => return Ok(nominal - *delay),
+            DelayKind::Time(delay) => (delay(seen).map_err(Interrupt::Callback)?, false),
+            DelayKind::State(delay) => (delay(seen, y).map_err(Interrupt::Callback)?, true),
+        };
+        if rough && !delay.is_finite() {
+            return Err(Interrupt::NonFinite);
+        }
+        if !delay.is_finite() || (!rough && delay < -resolution(seen)) {
+            return Err(Interrupt::Delay { at: nominal, delay: index, value: delay });
+        }
+        Ok(if rough { nominal - delay } else { nominal - delay.max(0.0) })
+    }
+
+    /// Judges the state-dependent delays at the end of a step that is to be kept.
+    pub(super) fn judge_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+        for index in 0..self.delays.len() {
+            if matches!(self.delays[index], DelayKind::State(_)) {
+                let value = t - self.argument(index, t, t, y)?;
+                if value < -self.state_slack * t.abs().max(f64::MIN_POSITIVE) {
+                    return Err(Interrupt::Delay { at: t, delay: index, value });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether delay `index` varies with time alone.
+    pub(super) fn is_timed(&self, index: usize) -> bool {
+        matches!(self.delays[index], DelayKind::Time(_))
+    }
+
+    /// Whether delay `index` depends on the state.
+    pub(super) fn is_state_dependent(&self, index: usize) -> bool {
+        matches!(self.delays[index], DelayKind::State(_))
+    }
+
+    /// The constant delays, zero ones left out: they send no break anywhere.
+    pub(super) fn constant_delays(&self) -> Vec<f64> {
+        self.delays
+            .iter()
+            .filter_map(|delay| match delay {
+                DelayKind::Constant(delay) if *delay > 0.0 => Some(*delay),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+fn finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+    if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }
+}
+
+/// Refuses constant delays that are negative or no number.
+pub(super) fn check_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
+    for (j, delay) in delays.iter().enumerate() {
+        if let DelayKind::Constant(value) = delay
+            && !(*value >= 0.0 && value.is_finite())
+        {
+            return Err(InvalidInput::new(
+                format!("delays[{j}]"),
+                value,
+                "a delay must be a finite number not below zero",
+                "Check the sign: y(t - delay) looks back for a positive delay.",
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! What the caller may choose: tolerances, limits and declared break points.
+
+use super::discontinuity::Discontinuity;
+use crate::error::{InvalidInput, Result};
+
+/// One tolerance for all components, or one for each.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Tolerance {
+    /// The same for all components.
+    Uniform(f64),
+    /// One per component.
+    PerComponent(Vec<f64>),
+}
+
+impl From<f64> for Tolerance {
+    fn from(value: f64) -> Self {
+        Self::Uniform(value)
+    }
+}
+
+impl From<Vec<f64>> for Tolerance {
+    fn from(values: Vec<f64>) -> Self {
+        Self::PerComponent(values)
+    }
+}
+
+impl Tolerance {
+    /// One value per component, checked.
+    fn expand(&self, field: &str, dimension: usize, minimum: f64) -> Result<Vec<f64>> {
+        let values = match self {
+            Self::Uniform(value) => vec![*value; dimension],
+            Self::PerComponent(values) => values.clone(),
+        };
+        if values.len() != dimension {
+            return Err(InvalidInput::new(
+                field,
+                format!("{} value(s)", values.len()),
+                format!("one value per component is needed, that is {dimension}"),
+                "Give one number for all components or one for each.",
+            ));
+        }
+        for (i, &value) in values.iter().enumerate() {
+            if !(value >= minimum && value.is_finite()) {
+                let place = match self {
+                    Self::Uniform(_) => field.to_owned(),
+                    Self::PerComponent(_) => format!("{field}[{i}]"),
+                };
+                return Err(InvalidInput::new(
+                    place,
+                    value,
+                    format!("a tolerance here must be a finite number from {minimum:e} up"),
+                    "Give a tolerance that double precision can reach.",
+                ));
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// Tolerances, limits and declared break points. The local error of component i is held below
+/// `atol[i] + rtol[i] |y_i|` in every step.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::dde::adaptive::{Discontinuity, Options};
+///
+/// let options = Options {
+///     rtol: 1e-9.into(),
+///     breakpoints: vec![Discontinuity::kink(1.0)],
+///     ..Options::default()
+/// };
+/// assert_eq!(options.max_steps, 100_000);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Relative tolerance, at least 1e-13; by default 1e-6.
+    pub rtol: Tolerance,
+    /// Absolute tolerance in the components' units, above zero; by default 1e-9.
+    pub atol: Tolerance,
+    /// Steps, kept or rejected, after which the computation ends with a status; by default 100 000.
+    pub max_steps: usize,
+    /// The first step to try; chosen from the first slopes where absent.
+    pub initial_step: Option<f64>,
+    /// The longest step; none where absent.
+    pub max_step: Option<f64>,
+    /// Break points that only the caller can know. Before the start: jumps and kinks of the history. After it:
+    /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end on
+    /// them exactly. Callbacks are shown a time a few roundings before such a point when a step ends there and a
+    /// few after it when one starts, so that it does not matter which side they assign the point itself to.
+    pub breakpoints: Vec<Discontinuity>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            rtol: Tolerance::Uniform(1e-6),
+            atol: Tolerance::Uniform(1e-9),
+            max_steps: 100_000,
+            initial_step: None,
+            max_step: None,
+            breakpoints: Vec::new(),
+        }
+    }
+}
+
+/// The options after their check.
+#[derive(Debug)]
+pub(super) struct Checked {
+    pub(super) rtol: Vec<f64>,
+    pub(super) atol: Vec<f64>,
+    pub(super) max_steps: usize,
+    pub(super) initial_step: Option<f64>,
+    pub(super) max_step: f64,
+    pub(super) breakpoints: Vec<Discontinuity>,
+}
+
+impl Options {
+    pub(super) fn check(&self, dimension: usize, start: f64) -> Result<Checked> {
+        let rtol = self.rtol.expand("rtol", dimension, 1e-13)?;
+        let atol = self.atol.expand("atol", dimension, f64::MIN_POSITIVE)?;
+        for (field, step) in [("initial_step", self.initial_step), ("max_step", self.max_step)] {
+            if let Some(step) = step
+                && !(step > 0.0 && step.is_finite())
+            {
+                return Err(InvalidInput::new(
+                    field,
+                    step,
+                    "a step must be a finite number above zero",
+                    "Leave it out to have it chosen.",
+                ));
+            }
+        }
+        for (i, declared) in self.breakpoints.iter().enumerate() {
+            let field = format!("breakpoints[{i}]");
+            if !declared.time.is_finite() {
+                return Err(InvalidInput::new(
+                    field,
+                    declared.time,
+                    "a break point's time must be finite",
+                    "Leave it out.",
+                ));
+            }
+            if declared.time > start && declared.order == 0 {
+                return Err(InvalidInput::new(
+                    field,
+                    format!("order 0 at t = {}", declared.time),
+                    "after the start the order must be at least 1, since the solution is continuous there",
+                    "Write order 1 for a right-hand side or a delay that switches.",
+                ));
+            }
+        }
+        Ok(Checked {
+            rtol,
+            atol,
+            max_steps: self.max_steps,
+            initial_step: self.initial_step,
+            max_step: self.max_step.unwrap_or(f64::INFINITY),
+            breakpoints: self.breakpoints.clone(),
+        })
+    }
+}

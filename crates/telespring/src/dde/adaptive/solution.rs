@@ -1,0 +1,240 @@
+//! The computed solution: the polynomials of all steps and how the computation ended.
+
+use super::discontinuity::Discontinuity;
+use super::interpolant::{self, COEFFICIENTS};
+use crate::error::{InvalidInput, Result};
+
+/// How a computation ended. Whatever the status, the solution up to [`Solution::end`] can be read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The whole span was solved.
+    Completed,
+    /// The tolerance asked for a step too small to be told from zero; the usual causes are a solution that
+    /// runs to infinity and a right-hand side that switches back and forth without end.
+    StepTooSmall {
+        /// The time that was reached.
+        at: f64,
+    },
+    /// [`Options::max_steps`](super::Options::max_steps) were used up.
+    TooManySteps {
+        /// The time that was reached.
+        at: f64,
+    },
+    /// The right-hand side, the history or the solution was infinite or not a number, however small the step.
+    NonFinite {
+        /// The time that was reached.
+        at: f64,
+    },
+    /// A delay was negative (it asks for the future) or not a number.
+    InvalidDelay {
+        /// The time at which it was asked for.
+        at: f64,
+        /// Its place in the list of delays.
+        delay: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A callback failed; its error is in [`Solution::failure`].
+    Stopped {
+        /// The time that was reached.
+        at: f64,
+    },
+}
+
+impl std::fmt::Display for Status {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Completed => write!(f, "the whole span was solved"),
+            Self::StepTooSmall { at } => {
+                write!(
+                    f,
+                    "the step became too small at t = {at}: loosen the tolerance, declare the break points, or \
+                     smooth a switch that never settles"
+                )
+            }
+            Self::TooManySteps { at } => {
+                write!(f, "the steps were used up at t = {at}: raise max_steps or loosen the tolerance")
+            }
+            Self::NonFinite { at } => {
+                write!(f, "the solution or its derivative is not finite after t = {at}")
+            }
+            Self::InvalidDelay { at, delay, value } => {
+                write!(f, "delay {delay} is {value} at t = {at}: a delay must be a number not below zero")
+            }
+            Self::Stopped { at } => write!(f, "a callback failed after t = {at}"),
+        }
+    }
+}
+
+/// The polynomials of consecutive steps.
+#[derive(Debug, Clone)]
+pub(super) struct Mesh {
+    dimension: usize,
+    knots: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+impl Mesh {
+    pub(super) fn new(start: f64, dimension: usize) -> Self {
+        Self { dimension, knots: vec![start], coefficients: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, end: f64, coefficients: &[f64]) {
+        self.knots.push(end);
+        self.coefficients.extend_from_slice(coefficients);
+    }
+
+    pub(super) fn steps(&self) -> usize {
+        self.knots.len() - 1
+    }
+
+    /// The polynomial of step `index`, its start and its width.
+    pub(super) fn step(&self, index: usize) -> (&[f64], f64, f64) {
+        let length = COEFFICIENTS * self.dimension;
+        let (start, end) = (self.knots[index], self.knots[index + 1]);
+        (&self.coefficients[index * length..(index + 1) * length], start, end - start)
+    }
+
+    /// The step that holds `t`; a knot belongs to the step that starts there. `hint` is tried first.
+    fn locate(&self, t: f64, hint: usize) -> usize {
+        let last = self.steps() - 1;
+        for guess in [hint, hint + 1] {
+            if guess <= last && self.knots[guess] <= t && t < self.knots[guess + 1] {
+                return guess;
+            }
+        }
+        self.knots[1..=last].partition_point(|&knot| knot <= t)
+    }
+
+    /// The solution at `t`, which must lie within the steps; returns the step used, the next call's hint.
+    pub(super) fn evaluate(&self, t: f64, hint: usize, out: &mut [f64]) -> usize {
+        let index = self.locate(t, hint);
+        let (coefficients, start, width) = self.step(index);
+        interpolant::evaluate(coefficients, (t - start) / width, out);
+        index
+    }
+}
+
+/// The solution of a delay differential equation as a continuous function, with the record of its computation.
+#[derive(Debug, Clone)]
+pub struct Solution<E> {
+    /// How the computation ended.
+    pub status: Status,
+    /// The error of the callback that stopped the computation, untouched.
+    pub failure: Option<E>,
+    /// Steps that were kept.
+    pub steps: usize,
+    /// Steps that were tried and thrown away.
+    pub rejected: usize,
+    /// Calls of the right-hand side.
+    pub evaluations: usize,
+    /// The break points that steps ended on, from the start on, sorted by time.
+    pub discontinuities: Vec<Discontinuity>,
+    pub(super) mesh: Mesh,
+    pub(super) initial: Vec<f64>,
+}
+
+impl<E> Solution<E> {
+    /// The number of components.
+    pub fn dimension(&self) -> usize {
+        self.initial.len()
+    }
+
+    /// The first time of the solution.
+    pub fn start(&self) -> f64 {
+        self.mesh.knots[0]
+    }
+
+    /// The last time of the solution: that of the span where the status is [`Status::Completed`], otherwise the
+    /// end of the last step that was kept.
+    pub fn end(&self) -> f64 {
+        *self.mesh.knots.last().unwrap_or(&f64::NAN)
+    }
+
+    /// The times at which steps start and end.
+    pub fn knots(&self) -> &[f64] {
+        &self.mesh.knots
+    }
+
+    fn check(&self, t: f64, length: usize, expected: usize) -> Result<()> {
+        if !(self.start()..=self.end()).contains(&t) {
+            return Err(InvalidInput::new(
+                "t",
+                t,
+                format!("the solution is known from {} to {}", self.start(), self.end()),
+                "Ask for a time in that span, and look at the status for why it ends there.",
+            ));
+        }
+        if length != expected {
+            return Err(InvalidInput::new(
+                "out",
+                format!("{length} value(s)"),
+                format!("{expected} are needed"),
+                "Give room for one value per component and time.",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Writes y(`t`), one value per component.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where `t` lies outside [`start`](Self::start) to [`end`](Self::end) or `out` has
+    /// another length than the solution.
+    pub fn evaluate(&self, t: f64, out: &mut [f64]) -> Result<()> {
+        self.check(t, out.len(), self.dimension())?;
+        if self.mesh.steps() == 0 {
+            out.copy_from_slice(&self.initial);
+        } else {
+            self.mesh.evaluate(t, 0, out);
+        }
+        Ok(())
+    }
+
+    /// Writes y'(`t`), the derivative of the same polynomial, one order less accurate than the value. At a kink
+    /// it is the derivative to the right.
+    ///
+    /// # Errors
+    ///
+    /// As [`evaluate`](Self::evaluate), and where no step was kept.
+    pub fn derivative(&self, t: f64, out: &mut [f64]) -> Result<()> {
+        self.check(t, out.len(), self.dimension())?;
+        if self.mesh.steps() == 0 {
+            return Err(InvalidInput::new(
+                "t",
+                t,
+                "the derivative is known once a step was kept",
+                "Look at the status for why none was.",
+            ));
+        }
+        let (coefficients, start, width) = self.mesh.step(self.mesh.locate(t, 0));
+        interpolant::differentiate(coefficients, (t - start) / width, width, out);
+        Ok(())
+    }
+
+    /// The solution at many times as one array, time by time (`times.len()` rows, one column per component).
+    /// Ascending times are fastest.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] naming the first time outside the solution.
+    pub fn sample(&self, times: &[f64]) -> Result<Vec<f64>> {
+        let dimension = self.dimension();
+        let mut out = vec![0.0; times.len() * dimension];
+        let mut hint = 0;
+        for (i, (&t, row)) in times.iter().zip(out.chunks_exact_mut(dimension)).enumerate() {
+            self.check(t, dimension, dimension).map_err(|mut refused| {
+                refused.field = format!("times[{i}]");
+                refused
+            })?;
+            if self.mesh.steps() == 0 {
+                row.copy_from_slice(&self.initial);
+            } else {
+                hint = self.mesh.evaluate(t, hint, row);
+            }
+        }
+        Ok(out)
+    }
+}
