@@ -65,7 +65,10 @@ pub(super) fn count_outside(function: &Characteristic, rate: f64) -> Option<(usi
         current = Some(value);
 
         let size = value.norm();
-        let relative = size / (c[0].norm() + b[0].norm() * echo.norm());
+        let terms = |polynomial: &[f64]| {
+            polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * w.norm() + coefficient.abs())
+        };
+        let relative = size / (terms(&function.undelayed) + terms(&function.delayed) * echo.norm());
         if closeness[1] < closeness[0] && closeness[1] <= relative {
             places.push((closeness[1], previous_place));
         }
