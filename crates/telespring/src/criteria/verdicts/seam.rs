@@ -93,8 +93,8 @@ pub(super) fn crossings(axis: &DyadAxis, k: f64) -> Result<Vec<Crossing>> {
 
 pub(super) fn critical_stiffness(axis: &DyadAxis) -> Result<f64> {
     let bad = |k: f64| !positive_roots(&f(axis, k)).is_empty();
-    let mut lo = 1e-9;
-    let mut hi = 1e-9;
+    let mut lo = 1e-2;
+    let mut hi = 1e-2;
     while !bad(hi) {
         lo = hi;
         hi *= 1.05;
@@ -144,10 +144,10 @@ pub(super) fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
         return Ok(f64::INFINITY);
     }
     let ok = |k: f64| maximum_delay(axis, k).is_ok_and(|d| d > delay);
-    let (mut lo, mut hi) = (1e-9, 1e-9);
+    let (mut lo, mut hi) = (1e-2, 1e-2);
     while ok(hi) {
         lo = hi;
-        hi *= 1.02;
+        hi *= 1.05;
         if hi > 1e12 {
             return Ok(f64::INFINITY);
         }
