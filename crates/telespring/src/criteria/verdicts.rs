@@ -1,1 +1,0 @@
-//! The four verdicts on a dyad, side by side with the paper's.

@@ -1,0 +1,223 @@
+//! Laws of the verdicts: exchange of partners, scaling, the order of the tiers, ranges of operators.
+
+use proptest::prelude::*;
+use telespring::criteria::verdicts::{
+    Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts,
+};
+use telespring::{Delay, Dyad, Operator, Robot};
+
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    m: [f64; 2],
+    b: [f64; 2],
+    kh: [f64; 2],
+    c: f64,
+    k: f64,
+    delay: [f64; 2],
+    jitter: f64,
+    gap: f64,
+    h: f64,
+    computing: f64,
+}
+
+impl Case {
+    fn dyad(&self) -> Dyad {
+        let robot = |i: usize| Robot::new(vec![self.m[i]], vec![self.b[i]], None).unwrap();
+        let operator =
+            |i: usize| Operator::new(vec![0.0], vec![0.0], vec![self.kh[i]]).unwrap();
+        Dyad::new(robot(0), robot(1), Some([operator(0), operator(1)]), self.c).unwrap()
+    }
+
+    fn network(&self) -> Network {
+        let delay = Delay::new(self.delay[0], self.delay[1]).unwrap();
+        Network::new(delay, self.jitter, self.gap, self.h, self.computing).unwrap()
+    }
+
+    fn verdicts(&self) -> Verdicts {
+        verdicts(&self.dyad(), None, self.k, &self.network()).unwrap()
+    }
+
+    fn bounds(&self) -> [Option<f64>; 4] {
+        self.verdicts().tiers.map(|verdict| verdict.stiffness_bound)
+    }
+}
+
+fn case() -> impl Strategy<Value = Case> {
+    (
+        prop::array::uniform2(0.3..3.0_f64),
+        prop::array::uniform2(2.0..20.0_f64),
+        prop::array::uniform2(prop_oneof![Just(0.0), 1.0..300.0_f64]),
+        prop_oneof![3 => Just(0.0), 1 => 0.1..5.0_f64],
+        1.0..200.0_f64,
+        prop::array::uniform2(0.005..0.3_f64),
+        prop_oneof![Just((0.0, 0.0)), (0.0..0.1_f64, 0.0..0.1_f64)],
+        prop_oneof![2 => Just((0.0, 0.0)), 1 => Just((2e-3, 0.0)), 1 => Just((2e-3, 7e-4))],
+    )
+        .prop_map(|(m, b, kh, c, k, delay, (jitter, gap), (h, computing))| Case {
+            m,
+            b,
+            kh,
+            c,
+            k,
+            delay,
+            jitter,
+            gap,
+            h,
+            computing,
+        })
+}
+
+fn same(a: [Option<f64>; 4], b: [Option<f64>; 4], factor: f64, tolerance: f64) -> Result<(), TestCaseError> {
+    for (a, b) in a.into_iter().zip(b) {
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                prop_assert!((a * factor - b).abs() <= tolerance * b.abs(), "{} {b}", a * factor);
+            }
+            (a, b) => prop_assert_eq!(a, b),
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn law_exchange_of_partners(case in case()) {
+        let [m, b, kh, delay] = [case.m, case.b, case.kh, case.delay].map(|[first, second]| [second, first]);
+        let exchanged = Case { m, b, kh, delay, ..case };
+        // Bisections end within 1e-13, criteria on other orders of the same sums.
+        same(case.bounds(), exchanged.bounds(), 1.0, 1e-9)?;
+        prop_assert_eq!(case.verdicts().tiers.map(|v| v.satisfied), exchanged.verdicts().tiers.map(|v| v.satisfied));
+    }
+
+    #[test]
+    fn law_scaling_of_force_and_of_time(case in case()) {
+        // Powers of two leave every rounding as it is.
+        let heavier = Case {
+            m: case.m.map(|v| 8.0 * v),
+            b: case.b.map(|v| 8.0 * v),
+            kh: case.kh.map(|v| 8.0 * v),
+            c: 8.0 * case.c,
+            k: 8.0 * case.k,
+            ..case
+        };
+        same(case.bounds(), heavier.bounds(), 8.0, 1e-9)?;
+        let slower = Case {
+            b: case.b.map(|v| v / 4.0),
+            kh: case.kh.map(|v| v / 16.0),
+            c: case.c / 4.0,
+            k: case.k / 16.0,
+            delay: case.delay.map(|v| 4.0 * v),
+            jitter: 4.0 * case.jitter,
+            gap: 4.0 * case.gap,
+            h: 4.0 * case.h,
+            computing: 4.0 * case.computing,
+            ..case
+        };
+        same(case.bounds(), slower.bounds(), 1.0 / 16.0, 1e-9)?;
+        let radius = |case: &Case| case.verdicts().axes[0].sampled.map(|sampled| sampled.radius);
+        if let (Some(a), Some(b), Some(c)) = (radius(&case), radius(&heavier), radius(&slower)) {
+            prop_assert!((a - b).abs() < 1e-10 && (a - c).abs() < 1e-10, "{a} {b} {c}");
+        }
+    }
+
+    #[test]
+    fn law_what_more_networks_allow_fewer_allow_too(case in case()) {
+        let [first, second, third, fourth] = case.bounds();
+        let (third, fourth) = (third.unwrap(), fourth.unwrap());
+        prop_assert!(third <= fourth * (1.0 + 1e-9));
+        if case.h == 0.0 {
+            // A constant delay is one of the networks that tiers 1 and 2 admit.
+            prop_assert!(first.is_none_or(|first| first <= third * (1.0 + 1e-9)), "{first:?} {third}");
+            prop_assert!(second.is_none_or(|second| second <= fourth * (1.0 + 1e-9)), "{second:?} {fourth}");
+        }
+    }
+
+    #[test]
+    fn law_tiers_1_and_2_hold_for_the_sampled_dyad(case in case(), ticks in prop::array::uniform2(0..400_u32)) {
+        // At a delay of whole periods no sample in use is older than T₁, T₂ and h.
+        let h = 2e-3;
+        let delay = ticks.map(|ticks| f64::from(ticks) * h);
+        let case = Case { h, delay, jitter: 0.0, gap: 0.0, ..case };
+        let axis = case.dyad().axis(0).unwrap();
+        let [first, second, ..] = case.bounds();
+        for bound in [first, second].into_iter().flatten() {
+            let spectrum = sampled_spectral_radius(&axis, 0.999 * bound, &case.network()).unwrap();
+            prop_assert!(spectrum.is_stable(), "{bound} {spectrum:?}");
+        }
+    }
+
+    #[test]
+    fn law_the_solved_stiffness_keeps_tier_2_with_equality(case in case()) {
+        let case = Case { c: 0.0, ..case };
+        let k = case.bounds()[1].unwrap();
+        let network = case.network();
+        let [t1, t2] = network.oldest_partner_sample();
+        let h = network.oldest_own_sample();
+        let [d1, d2] = case.b.map(|b| b - k * h);
+        prop_assert!(d1 > 0.0 && d2 > 0.0);
+        // The differences B − k h lose at most a digit or two here.
+        prop_assert!((k * (t1 + t2) / (2.0 * (d1 * d2).sqrt()) - 1.0).abs() < 1e-11);
+    }
+
+    #[test]
+    fn law_a_worse_network_never_allows_more(case in case(), more in 1.0..3.0_f64) {
+        let [base, jitter, gap, delay] = [
+            case,
+            Case { jitter: case.jitter * more + 1e-3, ..case },
+            Case { gap: case.gap * more + 1e-3, ..case },
+            Case { delay: case.delay.map(|v| v * more), ..case },
+        ].map(|case| case.bounds());
+        for worse in [jitter, gap, delay] {
+            for tier in [1, 3] {
+                if let (Some(base), Some(worse)) = (base[tier], worse[tier]) {
+                    prop_assert!(worse <= base * (1.0 + 1e-9), "{tier} {worse} {base}");
+                }
+            }
+            prop_assert_eq!((base[0], base[2]), (worse[0], worse[2]));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn law_no_operator_in_the_range_is_worse_than_the_worst(
+        case in case(), parts in prop::collection::vec(prop::array::uniform6(0.0..1.0_f64), 20),
+        held in any::<bool>(),
+    ) {
+        let case = Case { c: 0.0, kh: [0.0; 2], h: if held { 0.0 } else { 2e-3 }, computing: 0.0, ..case };
+        let top = [1.5, 10.0, 200.0];
+        let operator = |part: &[f64]| {
+            let [m, b, k] = [0, 1, 2].map(|i| vec![part[i] * top[i]]);
+            Operator::new(m, b, k).unwrap()
+        };
+        let range = OperatorRange::new(operator(&[0.0; 3]), operator(&[1.0; 3])).unwrap();
+        let dyad = case.dyad();
+        let over = verdicts(&dyad, Some(&[range.clone(), range]), case.k, &case.network()).unwrap();
+        prop_assert!(over.operators_examined >= 64);
+        for part in parts {
+            let [first, second] = dyad.robots().clone();
+            let dyad = Dyad::new(first, second, Some([operator(&part[..3]), operator(&part[3..])]), 0.0).unwrap();
+            let one = verdicts(&dyad, None, case.k, &case.network()).unwrap();
+            for tier in Tier::ALL {
+                let (all, one) = (over.tier(tier), one.tier(tier));
+                // Tiers 3 and 4 are searched, to 1e-4 of the box.
+                let slack = if tier >= Tier::AnyConstantDelay { 1e-3 } else { 1e-9 };
+                let (all_bound, one_bound) = (all.stiffness_bound.unwrap(), one.stiffness_bound.unwrap());
+                prop_assert!(all_bound <= one_bound * (1.0 + slack), "{tier:?} {all_bound} {one_bound} {part:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn law_a_range_of_one_operator_is_that_operator(case in case()) {
+        let dyad = case.dyad();
+        let ranges = dyad.operators().each_ref().map(|o| OperatorRange::new(o.clone(), o.clone()).unwrap());
+        let ranged = verdicts(&dyad, Some(&ranges), case.k, &case.network()).unwrap();
+        prop_assert_eq!(ranged.operators_examined, 1);
+        prop_assert_eq!(ranged, case.verdicts());
+    }
+}

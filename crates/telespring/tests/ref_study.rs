@@ -1,0 +1,202 @@
+//! Study files: the paper's own, the schema, and every message as a person will read it.
+
+use telespring::study::Study;
+
+const GOOD: &str = "\
+name = \"test\"
+[robot1]
+mass = [1.0, 2.0]
+damping = 5
+[robot2]
+mass = 1
+damping = [5.0, 6.0]
+[coupling]
+stiffness = 20
+[network]
+delay = 0.05
+[controller]
+sample_period = 0.001
+";
+
+/// The good study with one text put in place of another.
+fn with(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "{from}");
+    GOOD.replacen(from, to, 1)
+}
+
+fn refusal(text: &str) -> String {
+    Study::from_toml(text).expect_err(text).to_string()
+}
+
+#[test]
+fn ref_the_example_file_is_the_paper() {
+    let text = include_str!("../../../examples/hman.toml");
+    let study = Study::from_toml(text).unwrap();
+    assert_eq!(study, Study::paper());
+    assert_eq!(study.dyad(), &telespring::hman());
+    assert_eq!(study.robot_names(), [Some("H-MAN 1"), Some("H-MAN 2")]);
+    // Table III: K = 36 N/m, printed 71 N/m for twice its unrounded value, 167 ms.
+    assert!((study.coupling().stiffness - 2.0 * 35.615988).abs() < 1e-6);
+    assert_eq!(study.network().delay().mean(), 0.167);
+}
+
+#[test]
+fn ref_every_form_of_a_value_is_read() {
+    let study = Study::from_toml(&with(
+        "[network]\ndelay = 0.05",
+        "damping = 1.5\n[operator1]\nmass = 1\nstiffness = {min = 0, max = 300}\n\
+         [operator2]\ndamping = [2, {min = 1, max = 3}]\n\
+         [network]\ndelay = {forward = 0.04, backward = 6e-2}\njitter = 0.01\nmax_gap = 0.02",
+    ))
+    .unwrap();
+    assert_eq!(study.dyad().robots()[0].damping(), [5.0, 5.0]);
+    assert_eq!(study.dyad().robots()[1].mass(), [1.0, 1.0]);
+    assert_eq!(study.dyad().axis_names(), ["x", "y"]);
+    assert_eq!(study.coupling().damping, 1.5);
+    let [first, second] = study.operator_ranges().unwrap();
+    assert_eq!((first.low().stiffness()[1], first.high().stiffness()[1]), (0.0, 300.0));
+    assert_eq!((first.low().mass()[0], first.high().mass()[0]), (1.0, 1.0));
+    assert_eq!((second.low().damping(), second.high().damping()), (&[2.0, 1.0][..], &[2.0, 3.0][..]));
+    assert_eq!(study.dyad().operators()[0].stiffness(), [150.0, 150.0]);
+    let network = study.network();
+    assert_eq!((network.delay().forward(), network.delay().backward()), (0.04, 0.06));
+    assert_eq!((network.jitter(), network.max_gap(), network.sample_period()), (0.01, 0.02, 0.001));
+}
+
+#[test]
+fn ref_one_axis_from_plain_numbers() {
+    let study = Study::from_toml(
+        "[robot1]\nmass=1\ndamping=5\n[robot2]\nmass=2\ndamping=5\n[coupling]\nstiffness=9\n[network]\ndelay=0",
+    )
+    .unwrap();
+    assert_eq!(study.dyad().axis_names(), ["x"]);
+    assert_eq!(study.name(), "unnamed study");
+    assert!(study.operator_ranges().is_none());
+}
+
+#[test]
+fn ref_messages_verbatim() {
+    let cases: &[(String, &str)] = &[
+        (
+            with("delay = 0.05", "delay = 167"),
+            "network.delay = 167: a delay must be a number from 0 to 100 s. Everything is in SI units: \
+             if 167 was meant in ms, write 0.167. See line 11.",
+        ),
+        (
+            with("delay = 0.05", "delay = nan"),
+            "network.delay = NaN: a delay must be a number from 0 to 100 s. Replace the missing value by \
+             a number. See line 11.",
+        ),
+        (
+            with("stiffness = 20", "stiffness = -20"),
+            "coupling.stiffness = -20: a coupling stiffness must be a number from 0.000001 to 10000000 N/m. \
+             Check the sign and the unit. See line 9.",
+        ),
+        (
+            with("mass = [1.0, 2.0]", "mas = [1.0, 2.0]"),
+            "robot1.mas = [1.0, 2.0]: [robot1] has the keys name, axes, mass, damping. \
+             Did you mean \"mass\"? See line 3.",
+        ),
+        (
+            with("[network]", "[netwrok]"),
+            "netwrok = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
+             [operator2], [coupling], [network], [controller]. Did you mean \"network\"? See line 10.",
+        ),
+        (
+            with("stiffness = 20", "stiffness = 20\njitter = 0.01"),
+            "coupling.jitter = 0.01: [coupling] has the keys stiffness, damping. It belongs under \
+             [network]. See line 10.",
+        ),
+        (
+            with("mass = [1.0, 2.0]", "mass = [1.0, 0.0]"),
+            "robot1.mass[1] = 0: a mass must be a number from 0.0001 to 10000 kg. \
+             Check the unit: kg is expected. See line 3.",
+        ),
+        (
+            with("mass = [1.0, 2.0]", "mass = \"1 kg\""),
+            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is needed. \
+             Write numbers without quotes and units. See line 3.",
+        ),
+        (
+            with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]"),
+            "robot2.axes = [\"x\", \"y\", \"z\"]: both robots need the same axes in the same order, here \
+             [\"x\", \"y\"]. Name the axes alike, or leave the names away. See line 5.",
+        ),
+        (
+            with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]\naxes = [\"x\", \"y\"]"),
+            "robot2.damping = [5.0, 6.0, 7.0]: one value per axis is needed, that is 2, and here are 3. \
+             Give one value per axis, or a single number for all of them. See line 7.",
+        ),
+        (
+            String::new(),
+            "robot1.mass = nothing: this value is needed. Add the section [robot1] with mass = 1.0 (kg).",
+        ),
+        (
+            with("delay = 0.05", "jitter = 0.05"),
+            "network.delay = nothing: this value is needed. Add delay = 0.05 (s, one way) under [network]. \
+             See line 10.",
+        ),
+        (
+            with("delay = 0.05", "delay = {forward = 0.05}"),
+            "network.delay = {forward = 0.05}: both forward and backward are needed. Add backward = …, or \
+             give one number. See line 11.",
+        ),
+        (
+            with("sample_period = 0.001", "sample_period = 0.001\ncomputing_time = 0.002"),
+            "controller.computing_time = 0.002: a computing time must fit into the sample period of 0.001 s. \
+             Shorten it, or state the sample period at which the controller really runs. See line 14.",
+        ),
+        (
+            with("[network]", "[operator1]\nstiffness = {min = 300, max = 0}\n[network]"),
+            "operator1.stiffness = {min = 300, max = 0}: min must not exceed max. Exchange the two. \
+             See line 11.",
+        ),
+        (
+            with("[controller]", "[task]\nkind = \"figure eight\"\n[controller]"),
+            "task = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
+             [operator2], [coupling], [network], [controller]. Remove it, or correct its name. See line 12.",
+        ),
+    ];
+    for (text, message) in cases {
+        assert_eq!(refusal(text), *message);
+    }
+}
+
+#[test]
+fn ref_text_that_is_not_toml_names_its_line() {
+    let message = refusal(&with("delay = 0.05", "delay = 50 ms"));
+    assert!(message.starts_with("study = \"delay = 50 ms\": a study is TOML text, and this is not: "), "{message}");
+    assert!(message.ends_with("Mend line 11."), "{message}");
+    let twice = refusal(&with("delay = 0.05", "delay = 0.05\ndelay = 0.06"));
+    assert!(twice.contains("duplicate key") && twice.ends_with("Mend line 12."), "{twice}");
+}
+
+#[test]
+fn ref_hostile_text_is_refused() {
+    for text in [
+        "[".repeat(100_000),
+        format!("a = {}", "[".repeat(100_000)),
+        format!("a = {}", "{a=".repeat(100_000)),
+        format!("{} = 1", vec!["a"; 100_000].join(".")),
+        "a".repeat(2 << 20),
+        "\u{feff}\0\r\n".to_owned(),
+        "robot1 = 3".to_owned(),
+        "robot1 = []".to_owned(),
+        "[[robot1]]\nmass = 1".to_owned(),
+        with("delay = 0.05", "delay = 1979-05-27T07:32:00Z"),
+        with("delay = 0.05", "delay = 1e999"),
+        with("delay = 0.05", "delay = 0xFFFFFFFFFFFFFFFF"),
+        with("delay = 0.05", "delay = 99999999999999999999999999999999999999999999"),
+        with("delay = 0.05", "delay = {}"),
+        with("delay = 0.05", "delay = []"),
+        with("mass = 1", "mass = []"),
+        with("mass = 1", "mass = [{min = 1, max = 2}]"),
+        with("mass = 1", "mass = 1\naxes = []"),
+        with("mass = 1", "mass = 1\naxes = [\"x\", \"x\"]"),
+        with("mass = 1", "mass = 1\nname = 7"),
+        with("name = \"test\"", "name = 7"),
+    ] {
+        let message = refusal(&text);
+        assert!(message.len() < 600, "{message}");
+    }
+}
