@@ -1,0 +1,400 @@
+//! The ideal linear dyad in time, exact to rounding: Taylor series on steps that divide the delay.
+//!
+//! One axis of a dyad with constant delays, each robot on its own clock from t = 0:
+//!
+//! ```text
+//! m₁ x₁'' + b₁ x₁' + k_h1 x₁ = k (x₂(t − backward) − x₁) + c (x₂'(t − backward) − x₁') + f₁(t)
+//! m₂ x₂'' + b₂ x₂' + k_h2 x₂ = k (x₁(t − forward)  − x₂) + c (x₁'(t − forward)  − x₂') + f₂(t)
+//! ```
+//!
+//! (Du, Kulkarni, Kager and Campolo, Eq. 1, with operators, a coupling damper and unequal delays added.)
+//! On each step both positions are one Taylor series, whose coefficients follow from those of the
+//! partner one delay earlier by a two-term recurrence. No delay is rounded, nothing is interpolated.
+//! Unequal delays become their mean by starting one robot's clock later by half of the difference;
+//! that is exact and also how the two differ physically.
+//!
+//! | part | job |
+//! |---|---|
+//! | `grid` | steps that divide the delay |
+//! | `smooth` | steps longer than the delay, for delays far below the robots' own times, and for none |
+//! | `series` | recurrences, re-expansion, evaluation |
+//! | `force`, `history`, `piecewise` | what acts, and what was before |
+
+mod force;
+mod grid;
+mod history;
+mod output;
+mod piecewise;
+mod series;
+mod smooth;
+
+pub use force::{Force, Hold, SampledForce, Sine};
+pub use history::History;
+pub use piecewise::PiecewisePolynomial;
+
+use crate::error::{InvalidInput, Result};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
+use force::Break;
+use output::Writer;
+use series::Rates;
+
+/// A simulation ends as diverged where a position passes this magnitude, in m: numbers far beyond any
+/// robot, still far from overflow. It also bounds forces and histories.
+pub const LIMIT: f64 = 1e12;
+
+/// Most outputs of one simulation.
+pub const MAX_OUTPUTS: usize = 1_000_000_000;
+
+/// Most steps that a simulation may need: about two minutes of work.
+pub const MAX_STEPS: f64 = 1e9;
+
+/// Most steps within one delay: they are all kept, and fill about 0.7 GB.
+pub const MAX_STEPS_PER_DELAY: f64 = 5e5;
+
+/// Largest (fastest rate · step length): a degree of about 25 resolves it.
+const REACH: f64 = 2.0;
+
+/// Below this (fastest rate · delay), steps longer than the delay are cheaper than steps that divide it.
+const SHORT_DELAY: f64 = 0.02;
+
+/// How a simulation ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Status {
+    /// Every output was reached.
+    Completed,
+    /// A position passed [`LIMIT`]; outputs from that time on are left out.
+    Diverged {
+        /// The first time, on the robot's clock, that is left out, s.
+        at: f64,
+    },
+}
+
+/// One simulation: an axis, a coupling, what acts and for how long.
+#[derive(Debug, Clone, Copy)]
+pub struct Simulation<'a> {
+    /// The axis.
+    pub axis: &'a DyadAxis,
+    /// Stiffness of the virtual spring, N/m; 0 leaves only the coupling damper, if any.
+    pub stiffness: f64,
+    /// The delays.
+    pub delay: &'a Delay,
+    /// The force on each robot, N, on that robot's clock.
+    pub forces: &'a [Force; 2],
+    /// Where each robot was before t = 0.
+    pub histories: &'a [History; 2],
+    /// How long, s.
+    pub duration: f64,
+    /// Outputs per second, Hz.
+    pub rate: f64,
+}
+
+/// Positions and velocities of both robots at t = i/rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// Outputs per second, Hz.
+    pub rate: f64,
+    /// Per robot, one position (m) per output.
+    pub position: [Vec<f64>; 2],
+    /// Per robot, one velocity (m/s) per output.
+    pub velocity: [Vec<f64>; 2],
+    /// How it ended.
+    pub status: Status,
+    /// Per robot, how far its force was approximated (N); 0 unless it came from a function.
+    pub force_error: [f64; 2],
+    /// Per robot, how far its history was approximated (m); 0 unless it came from a function.
+    pub history_error: [f64; 2],
+}
+
+impl Trajectory {
+    /// The time of output `index`, s.
+    pub fn time(&self, index: usize) -> f64 {
+        index as f64 / self.rate
+    }
+
+    /// How many outputs there are.
+    pub fn len(&self) -> usize {
+        self.position[0].len()
+    }
+
+    /// True where the simulation diverged before its first output.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// How a simulation into the caller's arrays ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ending {
+    /// How it ended.
+    pub status: Status,
+    /// How many outputs were written, from the first on; the rest of the arrays is undefined.
+    pub outputs: usize,
+}
+
+/// Memory for simulations. One that is used again makes [`Simulation::run_into`] free of allocations.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    grid: grid::Grid,
+    smooth: smooth::Smooth,
+}
+
+/// How many outputs a simulation has: i = 0, 1, … up to and including `duration`·`rate`.
+///
+/// # Errors
+///
+/// [`InvalidInput`] where duration or rate is out of range or there would be more than [`MAX_OUTPUTS`].
+///
+/// # Examples
+///
+/// ```
+/// assert_eq!(telespring::dde::linear::output_count(10.0, 1000.0)?, 10_001);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+pub fn output_count(duration: f64, rate: f64) -> Result<usize> {
+    quantity::DURATION.check("duration", duration)?;
+    quantity::RATE.check("rate", rate)?;
+    // 0.29 s at 100 Hz has its output at 0.29 s, though the product rounds to 28.999…
+    let last = (duration * rate * (1.0 + 4.0 * f64::EPSILON)).floor();
+    if last < MAX_OUTPUTS as f64 {
+        return Ok(last as usize + 1);
+    }
+    Err(InvalidInput::new(
+        "rate",
+        rate,
+        format!("duration times rate may give at most {MAX_OUTPUTS} outputs, here {last:e}"),
+        "Shorten the simulation or lower the rate.",
+    ))
+}
+
+/// Simulates one axis of a dyad; see the [module](self) for the equations.
+///
+/// Relative error, against the largest value of the signal: below 1e-11 for steps, sines, polynomials and
+/// sampled signals; for a function of time, its reported approximation error comes on top.
+///
+/// # Errors
+///
+/// [`InvalidInput`] where a value is out of range, or the axis is so stiff (damping/mass so large) that
+/// more than [`MAX_STEPS`] steps, or [`MAX_STEPS_PER_DELAY`] within one delay, would be needed.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::dde::linear::{Force, History, Status, simulate};
+/// use telespring::{Delay, hman};
+///
+/// let axis = hman().axis(0)?;
+/// let forces = [Force::Step(1.0), Force::Step(-1.0)];
+/// let stiffness = 2.0 * 35.615988;
+/// let result = simulate(&axis, stiffness, &Delay::each_way(0.05)?, &forces, 10.0, 1000.0, &Default::default())?;
+/// assert_eq!(result.status, Status::Completed);
+/// // stable: the robots come to rest where the spring balances both forces
+/// let stretch = result.position[0][10_000] - result.position[1][10_000];
+/// assert!((stretch - 1.0 / stiffness * 2.0 / 2.0).abs() < 0.05);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+pub fn simulate(
+    axis: &DyadAxis,
+    stiffness: f64,
+    delay: &Delay,
+    forces: &[Force; 2],
+    duration: f64,
+    rate: f64,
+    histories: &[History; 2],
+) -> Result<Trajectory> {
+    Simulation { axis, stiffness, delay, forces, histories, duration, rate }.run(&mut Workspace::default())
+}
+
+impl Simulation<'_> {
+    /// Runs it and returns positions and velocities.
+    ///
+    /// # Errors
+    ///
+    /// As [`simulate`].
+    pub fn run(&self, workspace: &mut Workspace) -> Result<Trajectory> {
+        let count = output_count(self.duration, self.rate)?;
+        let mut position = [vec![0.0; count], vec![0.0; count]];
+        let mut velocity = [vec![0.0; count], vec![0.0; count]];
+        let ending = {
+            let ([x1, x2], [v1, v2]) = (&mut position, &mut velocity);
+            self.run_into([x1, x2], Some([v1, v2]), workspace)?
+        };
+        for values in position.iter_mut().chain(&mut velocity) {
+            values.truncate(ending.outputs);
+        }
+        Ok(Trajectory {
+            rate: self.rate,
+            position,
+            velocity,
+            status: ending.status,
+            force_error: [self.forces[0].error(), self.forces[1].error()],
+            history_error: [self.histories[0].error(), self.histories[1].error()],
+        })
+    }
+
+    /// Runs it into the caller's arrays, each of [`output_count`] values or more: positions (m) and, where
+    /// wanted, velocities (m/s). After the first call with the same workspace nothing is allocated.
+    ///
+    /// # Errors
+    ///
+    /// As [`simulate`], and where an array is too short.
+    pub fn run_into(
+        &self,
+        position: [&mut [f64]; 2],
+        velocity: Option<[&mut [f64]; 2]>,
+        workspace: &mut Workspace,
+    ) -> Result<Ending> {
+        let count = output_count(self.duration, self.rate)?;
+        let shortest = position.iter().chain(velocity.iter().flatten()).map(|values| values.len()).min();
+        if shortest.is_none_or(|length| length < count) {
+            return Err(InvalidInput::new(
+                "position",
+                format!("{} value(s)", shortest.unwrap_or(0)),
+                format!("every output array needs {count} values"),
+                "Ask output_count for the length.",
+            ));
+        }
+        let problem = self.problem(count)?;
+        let mut writer = Writer::new(self.rate, count, position, velocity);
+        let outcome = problem.solve(workspace, &mut writer)?;
+        let (status, outputs) = match outcome {
+            Outcome::Completed => (Status::Completed, count),
+            Outcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
+            Outcome::Unresolved => return Err(too_stiff("a series does not converge", self.stiffness)),
+        };
+        Ok(Ending { status, outputs })
+    }
+
+    fn problem(&self, count: usize) -> Result<Problem<'_>> {
+        check_axis(self.axis)?;
+        if self.stiffness != 0.0 {
+            quantity::STIFFNESS.check("stiffness", self.stiffness)?;
+        }
+        for (i, force) in self.forces.iter().enumerate() {
+            force.check(&format!("forces[{i}]"))?;
+        }
+        let c = self.axis.coupling_damping;
+        let rates = self.axis.sides.map(|side| Rates {
+            damping: (side.damping + c) / side.mass,
+            stiffness: (self.stiffness + side.ground_stiffness) / side.mass,
+            coupling: self.stiffness / side.mass,
+            damper: c / side.mass,
+            force: 1.0 / side.mass,
+        });
+        let fastest =
+            [rates[0].fastest(), rates[1].fastest(), self.forces[0].fastest(), self.forces[1].fastest()];
+        // the robot whose messages travel longer starts later on the common clock
+        let half = 0.5 * (self.delay.forward() - self.delay.backward());
+        Ok(Problem {
+            rates,
+            forces: self.forces,
+            histories: self.histories,
+            offsets: [half.max(0.0), (-half).max(0.0)],
+            delay: self.delay.mean(),
+            fastest: fastest.into_iter().fold(0.0, f64::max),
+            end: (count - 1) as f64 / self.rate,
+        })
+    }
+}
+
+/// How one attempt ended.
+pub(in crate::dde::linear) enum Outcome {
+    Completed,
+    Diverged {
+        at: f64,
+    },
+    /// A series did not converge: shorter steps are needed.
+    Unresolved,
+}
+
+/// What the methods work on: both robots on one clock, with the mean delay each way.
+struct Problem<'a> {
+    rates: [Rates; 2],
+    forces: &'a [Force; 2],
+    histories: &'a [History; 2],
+    /// When each robot starts on the common clock, s; one of them at 0.
+    offsets: [f64; 2],
+    delay: f64,
+    /// The fastest rate of either side or force, 1/s.
+    fastest: f64,
+    /// The last output on the robots' own clocks, s.
+    end: f64,
+}
+
+impl Problem<'_> {
+    /// The first break of a robot (history, start, force) at or after index `cursor`, which is moved to it.
+    fn own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
+        let history = self.histories[robot].break_count();
+        if *cursor < history {
+            return self.histories[robot].break_at(*cursor);
+        }
+        if *cursor == history {
+            return Some(Break { time: 0.0, order: 1, effect: 1.0 });
+        }
+        let mut force_cursor = *cursor - history - 1;
+        let found = self.forces[robot].next_break(&mut force_cursor);
+        *cursor = force_cursor + history + 1;
+        found
+    }
+
+    fn solve(&self, workspace: &mut Workspace, writer: &mut Writer) -> Result<Outcome> {
+        let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
+        let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };
+        let cells = (self.delay * self.fastest / REACH).ceil().max(1.0);
+        let follows_breaks = spacing < 8.0 * self.delay;
+        let divides = self.fastest * self.delay > SHORT_DELAY || follows_breaks;
+        let intervals = if divides { self.end / self.delay } else { 0.0 };
+        if self.fastest * self.end / REACH + intervals + breaks > MAX_STEPS {
+            return Err(too_stiff("too many steps would be needed", self.fastest));
+        }
+        if !divides {
+            return Ok(smooth::run(self, &mut workspace.smooth, writer));
+        }
+        // cells as short as the breaks are dense keep the degree low where many cuts are to come
+        let mut cells = cells.max((self.delay / spacing).floor());
+        loop {
+            if cells > MAX_STEPS_PER_DELAY {
+                return Err(too_stiff("too many steps would be needed within one delay", self.fastest));
+            }
+            match grid::run(self, cells as usize, &mut workspace.grid, writer) {
+                Outcome::Unresolved => {
+                    cells *= 2.0;
+                    writer.restart();
+                }
+                outcome => return Ok(outcome),
+            }
+        }
+    }
+}
+
+fn too_stiff(what: &str, rate: f64) -> InvalidInput {
+    InvalidInput::new(
+        "axis",
+        format!("fastest rate {rate} 1/s"),
+        format!(
+            "{what}: the step follows the fastest rate of either side or force, beside duration and delay"
+        ),
+        "Lower damping, stiffness or frequency, raise the mass, or shorten the simulation.",
+    )
+}
+
+fn check_axis(axis: &DyadAxis) -> Result<()> {
+    let check = |field: String, value: f64, positive: bool| {
+        if value.is_finite() && (value > 0.0 || (!positive && value == 0.0)) {
+            return Ok(());
+        }
+        let allowed = if positive {
+            "a finite number above 0 is needed"
+        } else {
+            "a finite number of 0 or more is needed"
+        };
+        Err(InvalidInput::new(field, value, allowed, "Build the axis with DyadAxis::new, which checks it."))
+    };
+    for (i, side) in axis.sides.iter().enumerate() {
+        check(format!("axis.sides[{i}].mass"), side.mass, true)?;
+        check(format!("axis.sides[{i}].damping"), side.damping, false)?;
+        check(format!("axis.sides[{i}].ground_stiffness"), side.ground_stiffness, false)?;
+    }
+    check("axis.coupling_damping".to_owned(), axis.coupling_damping, false)
+}

@@ -1,0 +1,285 @@
+//! Piecewise polynomials of time, given or approximated from a function.
+
+use super::series::{Coefficients, reexpand};
+use crate::error::{InvalidInput, Result};
+
+/// Highest degree of a piece that is accepted.
+const MAX_PIECE_DEGREE: usize = 24;
+/// Degree of the pieces that a function is approximated by.
+const FIT_DEGREE: usize = 12;
+/// Most pieces that a function is cut into.
+const MAX_PIECES: usize = 100_000;
+/// What a function's approximation aims at, relative to the largest value met.
+const FIT_TOLERANCE: f64 = 1e-14;
+/// Times a piece is halved at most before its error is accepted (and reported).
+const MAX_HALVINGS: u32 = 30;
+
+/// A piecewise polynomial of time; outside its pieces the nearest end value is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PiecewisePolynomial {
+    edges: Vec<f64>,
+    /// Coefficients in powers of (t − middle)/(half length), which runs from −1 to 1.
+    pieces: Vec<Vec<f64>>,
+    /// False where an edge only ends a piece of one and the same smooth function.
+    breaks: Vec<bool>,
+    error: f64,
+}
+
+impl PiecewisePolynomial {
+    /// A piecewise polynomial from its edges (s, rising) and, per piece, its coefficients in rising
+    /// powers of the time since the start of that piece (SI units).
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where edges do not rise, counts do not match, a piece has no coefficient or
+    /// more than 25, or a number is not finite or beyond 1e12.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::dde::linear::PiecewisePolynomial;
+    /// // a ramp of 2 N/s for 0.5 s, then held
+    /// let ramp = PiecewisePolynomial::new(vec![0.0, 0.5], &[vec![0.0, 2.0]])?;
+    /// assert_eq!(ramp.value(0.25), 0.5);
+    /// assert_eq!(ramp.value(3.0), 1.0);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn new(edges: Vec<f64>, coefficients: &[Vec<f64>]) -> Result<Self> {
+        check_edges("edges", &edges)?;
+        if coefficients.len() + 1 != edges.len() {
+            return Err(InvalidInput::new(
+                "coefficients",
+                format!("{} piece(s)", coefficients.len()),
+                format!("{} edges bound {} piece(s)", edges.len(), edges.len() - 1),
+                "Give one list of coefficients per piece.",
+            ));
+        }
+        let mut pieces = Vec::with_capacity(coefficients.len());
+        for (i, list) in coefficients.iter().enumerate() {
+            let field = format!("coefficients[{i}]");
+            if list.is_empty() || list.len() > MAX_PIECE_DEGREE + 1 {
+                return Err(InvalidInput::new(
+                    field,
+                    format!("{} coefficient(s)", list.len()),
+                    format!("a piece has 1 to {} coefficients", MAX_PIECE_DEGREE + 1),
+                    "Cut the piece into shorter ones of lower degree.",
+                ));
+            }
+            let half = 0.5 * (edges[i + 1] - edges[i]);
+            let mut centred: Coefficients = [0.0; super::series::STRIDE];
+            reexpand(list, half, half, &mut centred);
+            for value in list.iter().chain(&centred[..list.len()]) {
+                check_value(&field, *value)?;
+            }
+            pieces.push(centred[..list.len()].to_vec());
+        }
+        let breaks = vec![true; edges.len()];
+        Ok(Self { edges, pieces, breaks, error: 0.0 })
+    }
+
+    /// Approximates `function` on `start` to `end` (s) between its `breakpoints`, where it may jump or
+    /// bend, by Chebyshev interpolation on pieces that are halved until the error is negligible.
+    ///
+    /// [`PiecewisePolynomial::error`] then tells the error found: it is measured between the nodes of
+    /// every piece, so it is an estimate, sound for functions that are smooth between the breakpoints.
+    /// The function is never asked at a breakpoint itself.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where the span or a breakpoint is not finite, or the function returns a value
+    /// that is not finite or is beyond 1e12.
+    pub fn from_function(
+        function: &mut dyn FnMut(f64) -> f64,
+        breakpoints: &[f64],
+        start: f64,
+        end: f64,
+    ) -> Result<Self> {
+        let mut edges = vec![start];
+        for (i, &at) in breakpoints.iter().enumerate() {
+            check_value(&format!("breakpoints[{i}]"), at)?;
+            if at > start && at < end {
+                edges.push(at);
+            }
+        }
+        edges.push(end);
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        check_edges("span", &edges)?;
+        let mut fit =
+            Fit { function, scale: 0.0, edges: vec![start], pieces: vec![], breaks: vec![true], error: 0.0 };
+        for pair in edges.windows(2) {
+            fit.piece(pair[0], pair[1], 0)?;
+            if let Some(last) = fit.breaks.last_mut() {
+                *last = true;
+            }
+        }
+        Ok(Self { edges: fit.edges, pieces: fit.pieces, breaks: fit.breaks, error: fit.error })
+    }
+
+    /// The largest approximation error found, in the unit of the values; 0 for given polynomials.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The value at `time` (s).
+    pub fn value(&self, time: f64) -> f64 {
+        let mut local = [0.0; super::series::STRIDE];
+        self.series(time, 0.0, time, &mut local);
+        local[0]
+    }
+
+    /// The edges of the pieces, s.
+    pub fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
+    /// False where an edge does not end a smooth stretch.
+    pub(super) fn is_break(&self, edge: usize) -> bool {
+        self.breaks[edge]
+    }
+
+    /// The slope just before the last edge.
+    pub(super) fn final_slope(&self) -> f64 {
+        let piece = self.pieces.len() - 1;
+        let half = 0.5 * (self.edges[piece + 1] - self.edges[piece]);
+        self.pieces[piece].iter().enumerate().map(|(n, c)| n as f64 * c).sum::<f64>() / half
+    }
+
+    /// Writes the series of the piece around `middle` over [start, start + length]; returns how many
+    /// coefficients it has.
+    pub(super) fn series(&self, start: f64, length: f64, middle: f64, into: &mut Coefficients) -> usize {
+        let (first, last) = (self.edges[0], self.edges[self.edges.len() - 1]);
+        let held = if middle < first {
+            Some((0, -1.0))
+        } else if middle > last {
+            Some((self.pieces.len() - 1, 1.0))
+        } else {
+            None
+        };
+        if let Some((piece, w)) = held {
+            into[0] = self.pieces[piece].iter().rev().fold(0.0, |value, c| value * w + c);
+            return 1;
+        }
+        let piece = self.edges.partition_point(|&edge| edge <= middle).clamp(1, self.pieces.len()) - 1;
+        let half = 0.5 * (self.edges[piece + 1] - self.edges[piece]);
+        let shift = ((start - self.edges[piece]) - half) / half;
+        reexpand(&self.pieces[piece], shift, length / half, into);
+        self.pieces[piece].len()
+    }
+}
+
+struct Fit<'a> {
+    function: &'a mut dyn FnMut(f64) -> f64,
+    scale: f64,
+    edges: Vec<f64>,
+    pieces: Vec<Vec<f64>>,
+    breaks: Vec<bool>,
+    error: f64,
+}
+
+impl Fit<'_> {
+    fn ask(&mut self, time: f64) -> Result<f64> {
+        let value = (self.function)(time);
+        if !(value.abs() <= super::LIMIT) {
+            return Err(InvalidInput::new(
+                format!("function({time})"),
+                value,
+                format!("a function of time must return finite numbers up to {:e}", super::LIMIT),
+                "Look at the function near this time.",
+            ));
+        }
+        self.scale = self.scale.max(value.abs());
+        Ok(value)
+    }
+
+    fn piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
+        const NODES: usize = FIT_DEGREE + 1;
+        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+        let mut values = [0.0; NODES];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = self.ask(middle + half * node(i, NODES))?;
+        }
+        let centred = interpolate(&values);
+        let mut error = 0.0_f64;
+        // checked at the nodes of the next but one degree: they lie between those of the fit
+        for i in 0..NODES + 1 {
+            let w = node(i, NODES + 1);
+            let exact = self.ask(middle + half * w)?;
+            error = error.max((centred.iter().rev().fold(0.0, |v, c| v * w + c) - exact).abs());
+        }
+        let splits = halvings < MAX_HALVINGS
+            && self.pieces.len() < MAX_PIECES
+            && middle > start
+            && middle < end
+            && half > 1e-13 * start.abs().max(end.abs());
+        if error > FIT_TOLERANCE * self.scale && splits {
+            self.piece(start, middle, halvings + 1)?;
+            return self.piece(middle, end, halvings + 1);
+        }
+        self.error = self.error.max(error);
+        self.edges.push(end);
+        self.pieces.push(centred.to_vec());
+        self.breaks.push(false);
+        Ok(())
+    }
+}
+
+/// The i-th Chebyshev node of the first kind: never an end of the interval.
+fn node(i: usize, count: usize) -> f64 {
+    ((2 * i + 1) as f64 * std::f64::consts::PI / (2 * count) as f64).cos()
+}
+
+/// Power coefficients on [−1, 1] of the polynomial through the Chebyshev nodes.
+fn interpolate<const N: usize>(values: &[f64; N]) -> [f64; N] {
+    let mut powers = [0.0; N];
+    // T₀, T₁, … in powers, by their recurrence
+    let (mut previous, mut current) = ([0.0; N], [0.0; N]);
+    previous[0] = 1.0;
+    current[1] = 1.0;
+    for k in 0..N {
+        let sum: f64 = (0..N)
+            .map(|i| {
+                let angle = (k * (2 * i + 1)) as f64 * std::f64::consts::PI / (2 * N) as f64;
+                values[i] * angle.cos()
+            })
+            .sum();
+        let weight = if k == 0 { 1.0 } else { 2.0 } * sum / N as f64;
+        for (power, t) in powers.iter_mut().zip(&previous) {
+            *power += weight * t;
+        }
+        let mut next = [0.0; N];
+        for n in 0..N {
+            next[n] = if n > 0 { 2.0 * current[n - 1] } else { 0.0 } - previous[n];
+        }
+        previous = current;
+        current = next;
+    }
+    powers
+}
+
+fn check_value(field: &str, value: f64) -> Result<()> {
+    if value.abs() <= super::LIMIT {
+        return Ok(());
+    }
+    Err(InvalidInput::new(
+        field,
+        value,
+        format!("a number must be finite and at most {:e} in magnitude", super::LIMIT),
+        "Check the unit: SI units are expected.",
+    ))
+}
+
+fn check_edges(field: &str, edges: &[f64]) -> Result<()> {
+    for (i, &edge) in edges.iter().enumerate() {
+        check_value(&format!("{field}[{i}]"), edge)?;
+    }
+    if edges.len() >= 2 && edges.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Ok(());
+    }
+    Err(InvalidInput::new(
+        field,
+        format!("{} time(s)", edges.len()),
+        "at least two times are needed, each later than the one before",
+        "Sort the times and drop repeated ones.",
+    ))
+}
