@@ -136,14 +136,16 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
-    /// The derivative at `x` over the window `low..high`, whose lowest power counts as x⁰.
+    /// The value and the derivative at `x` over the window `low..high`, whose lowest power counts as x⁰.
     #[inline(always)]
-    fn slope(&self, low: usize, high: usize, x: R) -> R {
+    fn value_and_slope(&self, low: usize, high: usize, x: R) -> (R, R) {
+        let mut value = self.coefficient[high - 1];
         let mut slope = R::from(0.0);
-        for i in (low + 1..high).rev() {
-            slope = slope * x + self.coefficient[i] * R::from((i - low) as f64);
+        for i in (low..high - 1).rev() {
+            slope = slope * x + value;
+            value = value * x + self.coefficient[i];
         }
-        slope
+        (value, slope)
     }
 
     /// The sign of a value with an error bound; 0 where the bound leaves it open.
@@ -266,11 +268,13 @@ fn search<R: Real, const N: usize>(
     Some(roots)
 }
 
-/// The geometric mean of the roots' magnitudes, rounded down to a power of two: a scale to start from.
+/// A power of two near the geometric mean of the roots' magnitudes: a scale to start from.
+#[inline(always)]
 fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
-    let ratio = (p.coefficient[low].to_f64() / p.coefficient[high - 1].to_f64()).abs();
-    let exponent = ratio.log2() / (high - 1 - low) as f64;
-    R::from(if exponent.is_finite() { exponent.exp2() } else { 1.0 })
+    let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i64;
+    let ratio = exponent(p.coefficient[low].to_f64()) - exponent(p.coefficient[high - 1].to_f64());
+    let power = ratio / (high - 1 - low) as i64;
+    R::from(f64::from_bits(((1023 + power) as u64) << 52))
 }
 
 /// The one root between `left` (sign `left_sign`) and `right`, by Newton's iteration kept inside.
@@ -299,8 +303,7 @@ fn bracketed<R: Real, const N: usize>(
     let mut previous = f64::INFINITY;
     // Newton at least halves the bracket every second step; the limit only guards the loop.
     for _ in 0..2200 {
-        let (value, bound) = p.value(low, high, x);
-        let slope = p.slope(low, high, x);
+        let (value, slope) = p.value_and_slope(low, high, x);
         if (value.to_f64() < 0.0) == (left_sign < 0) {
             left = x;
         } else {
@@ -311,8 +314,9 @@ fn bracketed<R: Real, const N: usize>(
         let size = step.to_f64().abs();
         let inner = next > left && next < right;
         if inner && size <= R::SETTLED * x.to_f64() {
-            let accuracy = bound / (slope.to_f64() * x.to_f64()).abs();
-            if doubt == Doubt::Refuse && accuracy > ROOT_ACCURACY {
+            let bound = || p.value(low, high, x).1;
+            let accurate = ROOT_ACCURACY * (slope.to_f64() * x.to_f64()).abs();
+            if doubt == Doubt::Refuse && bound() > accurate {
                 return None;
             }
             return Some(next);

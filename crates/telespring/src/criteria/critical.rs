@@ -137,7 +137,7 @@ mod free {
                     at_older *= if weight > 0.0 { weight } else { 0.5 };
                 }
                 (newer, at_newer) = (y, value);
-                if value == 0.0 || moved.min((newer - older).abs()) <= 1e-9 * y {
+                if value == 0.0 || moved.min((newer - older).abs()) <= 1e-8 * y {
                     break;
                 }
             }

@@ -274,9 +274,7 @@ fn network(reader: &Reader<'_>) -> Result<Network> {
             forward.number(quantity::DELAY, "a number")?,
             backward.number(quantity::DELAY, "a number")?,
         ),
-        None => Delay::each_way(
-            entry.number(quantity::DELAY, "a number or {forward = …, backward = …}")?,
-        ),
+        None => Delay::each_way(entry.number(quantity::DELAY, "a number or {forward = …, backward = …}")?),
     };
     Network::new(
         delay.map_err(|error| reader.place("network", error))?,

@@ -321,13 +321,18 @@ fn axis_verdict(
         }
     }
     if !examined.tiers[3].satisfied {
-        remedies.delay =
-            (shortest > 0.0).then(|| remedies.delay.unwrap_or(f64::INFINITY).min(shortest)).filter(|d| d.is_finite());
+        remedies.delay = (shortest > 0.0)
+            .then(|| remedies.delay.unwrap_or(f64::INFINITY).min(shortest))
+            .filter(|d| d.is_finite());
     }
     let sampled_stiffness_bound = sampled.map(|_| {
         let limit = examined.tiers[3].stiffness_bound.unwrap_or(f64::INFINITY);
         let bound = sampled::stiffness_bound(&nominal, network, limit);
-        if worst_sampled == nominal { bound } else { sampled::stiffness_bound(&worst_sampled, network, bound) }
+        if worst_sampled == nominal {
+            bound
+        } else {
+            sampled::stiffness_bound(&worst_sampled, network, bound)
+        }
     });
     Ok(AxisVerdict {
         name: dyad.axis_names()[index].clone(),

@@ -85,7 +85,9 @@ impl Network {
             return Err(InvalidInput::new(
                 "sample_period",
                 sample_period,
-                format!("a sample period must be 0 (a continuous controller) or at least {SHORTEST_PERIOD} s"),
+                format!(
+                    "a sample period must be 0 (a continuous controller) or at least {SHORTEST_PERIOD} s"
+                ),
                 "Check the unit: s is expected.",
             ));
         }

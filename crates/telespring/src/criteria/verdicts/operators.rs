@@ -1,8 +1,8 @@
 //! Verdicts over a range of operators: a grip varies, and the worst one counts.
 
-use super::{Network, Tier, any_network, bounded_delay, local_loop};
-use super::seam::{critical_stiffness, maximum_stiffness, stable_delays};
 use super::held::HeldSide;
+use super::seam::{critical_stiffness, maximum_stiffness, stable_delays};
+use super::{Network, Tier, any_network, bounded_delay, local_loop};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis, Operator, Side};
 
@@ -217,7 +217,8 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         satisfied: false,
         operators: as_operators(&limpest),
     };
-    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&limpest), network) else {
+    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&limpest), network)
+    else {
         return none;
     };
     let mut worst = limpest;
@@ -225,9 +226,9 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         let axis = region.axis(&corner);
         // One gain decides whether a sampled, grounded corner can be worse at all.
         if network.sample_period() > 0.0 && !axis.is_free() && axis.coupling_damping == 0.0 {
-            let held = axis.sides.map(|side| {
-                HeldSide::new(&side, network.sample_period(), network.computing_time())
-            });
+            let held = axis
+                .sides
+                .map(|side| HeldSide::new(&side, network.sample_period(), network.computing_time()));
             if held.iter().map(|side| local_loop::gain(side, bound)).product::<f64>() < 1.0 {
                 continue;
             }
@@ -283,7 +284,11 @@ fn is_stable(axis: &DyadAxis, k: f64, delay: f64) -> Result<bool> {
 fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Result<(AxisTier, Six, usize)> {
     let bound = |at: &Six| -> Result<f64> {
         let axis = region.axis(at);
-        if tier == Tier::AnyConstantDelay { critical_stiffness(&axis) } else { maximum_stiffness(&axis, delay) }
+        if tier == Tier::AnyConstantDelay {
+            critical_stiffness(&axis)
+        } else {
+            maximum_stiffness(&axis, delay)
+        }
     };
     let holds = |at: &Six, bound: f64| -> Result<bool> {
         let axis = region.axis(at);
@@ -338,12 +343,8 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
         }
     }
     let attained = tier == Tier::AnyConstantDelay && is_attained(&region.axis(&worst.0), worst.1);
-    let verdict = AxisTier {
-        stiffness_bound: Some(worst.1),
-        attained,
-        satisfied,
-        operators: as_operators(&worst.0),
-    };
+    let verdict =
+        AxisTier { stiffness_bound: Some(worst.1), attained, satisfied, operators: as_operators(&worst.0) };
     Ok((verdict, worst.0, count))
 }
 

@@ -28,10 +28,7 @@ pub struct PaperVerdict {
 
 /// The axis as the paper's formulas see it: no operator stiffness, no coupling damping.
 fn as_printed(axis: &DyadAxis) -> DyadAxis {
-    DyadAxis {
-        sides: axis.sides.map(|side| Side { ground_stiffness: 0.0, ..side }),
-        coupling_damping: 0.0,
-    }
+    DyadAxis { sides: axis.sides.map(|side| Side { ground_stiffness: 0.0, ..side }), coupling_damping: 0.0 }
 }
 
 /// Eq. 5, N/m.

@@ -42,7 +42,12 @@ fn f(axis: &DyadAxis, k: f64) -> Vec<f64> {
 
 fn positive_roots(p: &[f64]) -> Vec<f64> {
     let n = p.len() - 1;
-    let scale = p.iter().enumerate().take(n).map(|(i, c)| (c / p[n]).abs().powf(1.0 / (n - i) as f64)).fold(1e-300, f64::max);
+    let scale = p
+        .iter()
+        .enumerate()
+        .take(n)
+        .map(|(i, c)| (c / p[n]).abs().powf(1.0 / (n - i) as f64))
+        .fold(1e-300, f64::max);
     let mut m = DMatrix::zeros(n, n);
     for i in 0..n {
         m[(0, i)] = -p[n - 1 - i] / p[n] / scale.powi(i as i32 + 1);
@@ -84,7 +89,11 @@ pub(super) fn crossings(axis: &DyadAxis, k: f64) -> Result<Vec<Crossing>> {
             let q = Complex64::new(k, c * w);
             let arg = (pp / (q * q)).arg();
             let d = p.iter().rev().fold((0.0, 0.0), |(v, d), c| (v * x + c, d * x + v)).1;
-            Crossing { delay: (-arg).rem_euclid(2.0 * std::f64::consts::PI) / w / 2.0, frequency: w, direction: if d > 0.0 { 1 } else { -1 } }
+            Crossing {
+                delay: (-arg).rem_euclid(2.0 * std::f64::consts::PI) / w / 2.0,
+                frequency: w,
+                direction: if d > 0.0 { 1 } else { -1 },
+            }
         })
         .collect();
     out.sort_by(|a, b| a.delay.total_cmp(&b.delay));
