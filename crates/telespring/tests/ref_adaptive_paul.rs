@@ -216,7 +216,8 @@ fn ref_paul1992_state_dependent_breaks_are_found() {
 #[test]
 fn cross_paul1994_printed_end_values() {
     type Slope = fn(f64, f64) -> f64;
-    let cases: [(&str, f64, f64, Slope, fn(f64) -> f64, f64, f64); 5] = [
+    type Past = fn(f64) -> f64;
+    let cases: [(&str, f64, f64, Slope, Past, f64, f64); 5] = [
         ("1.1.3", 20.0, 1.0, |y, z| -3.0 * z * (1.0 + y), |t| t, 4.671437497493366, 1e-7),
         ("1.1.4", 10.0, 1.0, |y, z| (1.4 - z) * y, |_| 0.01, 1.367208017754907, 1e-12),
         ("1.1.7", 20.0, 2.0, |y, z| 2.0 * z / (1.0 + z.powi(7)) - y, |_| 0.5, 1.202617750066138, 1e-12),

@@ -14,8 +14,8 @@ const SETTLED: f64 = 0.01;
 ///
 /// The pair's own estimate weighs a jump of the slope between 0 and 0.8 of the step by 0.003 or less where the
 /// error is a quarter of it, so a switch of friction could pass at a hundred times the tolerance. The defect
-/// sees such a jump whole. In smooth steps a tenth of it is about as large as the estimate, and it also holds the
-/// dense output to the tolerance.
+/// sees such a jump whole (Enright and Hayashi 1997 control it alone). In smooth steps a tenth of it is about as
+/// large as the estimate, and it also holds the dense output to the tolerance.
 const DEFECT: f64 = 10.0;
 
 /// The two ends of a step: the mesh times, and the times that callbacks are shown there.
