@@ -99,6 +99,7 @@ pub struct DdeSolution(Solution<PyErr>);
 
 /// Solves y' = rhs(t, y, delayed) over `span`; what the user's functions raise comes out as it is.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn solve_dde(
     py: Python<'_>,
     rhs: Py<PyAny>,
