@@ -1,8 +1,32 @@
 //! Python binding of `telespring`: newtypes and conversions only.
+//!
+//! Everything public is documented, broadcast and typed in `python/telespring`; what stands here
+//! takes flat contiguous arrays and lets go of the interpreter while it computes.
+
+mod arrays;
+mod criteria;
+mod dde;
+mod errors;
+mod model;
+mod simulation;
+mod spectrum;
+
 use pyo3::prelude::*;
 
-/// The compiled core of `telespring`.
+/// The compiled core of `telespring`; use the functions of `telespring` itself.
 #[pymodule]
-fn _core(_m: &Bound<'_, PyModule>) -> PyResult<()> {
-    Ok(())
+mod _core {
+    #[pymodule_export]
+    use crate::criteria::{
+        critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
+        stable_delays,
+    };
+    #[pymodule_export]
+    use crate::dde::{DdeSolution, solve_dde};
+    #[pymodule_export]
+    use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::simulation::simulate;
+    #[pymodule_export]
+    use crate::spectrum::{characteristic_roots, spectral_abscissa};
 }

@@ -1,0 +1,97 @@
+# Everything that one can do here; `make help` lists it.
+#
+# Needs Rust, Python with venv, a C compiler and make; each is checked first (tools/check-toolchain.sh).
+# All that is installed goes into .venv, from the pinned requirements/.
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+
+VENV := .venv
+STAMPS := $(VENV)/.stamps
+PYTHON_IN_VENV := $(VENV)/bin/python
+# one interpreter for every build of the binding, so that none is redone because another was found
+export PYO3_PYTHON := $(CURDIR)/$(PYTHON_IN_VENV)
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_QUIET := 1
+
+BINDING_SOURCES := Cargo.toml Cargo.lock pyproject.toml \
+	$(shell find crates -name '*.rs' -o -name '*.toml')
+
+# A .venv that was interrupted, moved with its folder, or whose Python is gone is made again.
+VENV_USABLE := $(shell [ ! -e $(VENV)/.unfinished ] && [ "$$(cat $(VENV)/.place 2>/dev/null)" = "$$(pwd)" ] \
+	&& $(PYTHON_IN_VENV) -c '' 2>/dev/null && echo yes)
+ifneq ($(VENV_USABLE),yes)
+REMAKE := remake
+endif
+
+.PHONY: help study test lint format verify oracles fuzz bench clean toolchain remake
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+
+study: $(STAMPS)/binding ## set everything up and analyse the paper's robots into out/study/
+	$(VENV)/bin/telespring study
+
+test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and prove it
+	cargo test --workspace --locked
+	$(PYTHON_IN_VENV) -m pytest
+
+lint: $(STAMPS)/test ## formatting, warnings as errors, types
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	$(PYTHON_IN_VENV) -m ruff check .
+	$(PYTHON_IN_VENV) -m ruff format --check .
+	$(PYTHON_IN_VENV) -m mypy
+
+format: $(STAMPS)/test ## write the formatting that lint asks for
+	cargo fmt --all
+	$(PYTHON_IN_VENV) -m ruff check --fix .
+	$(PYTHON_IN_VENV) -m ruff format .
+
+verify: $(STAMPS)/binding $(STAMPS)/oracles ## the large random comparisons (minutes to hours)
+	cargo test --workspace --locked --release -- --ignored
+	$(PYTHON_IN_VENV) -m pytest -m verify --timeout 0
+
+bench: $(STAMPS)/binding $(STAMPS)/oracles ## the table of speed and accuracy, ours beside the peers
+	$(PYTHON_IN_VENV) benches/run.py
+
+FUZZ_SECONDS := 60
+fuzz: toolchain ## the fuzzers, each for FUZZ_SECONDS (needs nightly Rust and cargo-fuzz)
+	@cargo +nightly --version >/dev/null 2>&1 || \
+		{ echo "make fuzz needs nightly Rust: install it with 'rustup toolchain install nightly'." >&2; exit 1; }
+	@cargo +nightly fuzz --version >/dev/null 2>&1 || \
+		{ echo "make fuzz needs cargo-fuzz: install it with 'cargo install cargo-fuzz'." >&2; exit 1; }
+	@set -e; for target in $$(cargo +nightly fuzz list); do \
+		echo "fuzzing $$target for $(FUZZ_SECONDS) s"; \
+		cargo +nightly fuzz run $$target -- -max_total_time=$(FUZZ_SECONDS); \
+	done
+
+clean: ## remove what was built here (not out/)
+	rm -rf $(VENV) target fuzz/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -f python/telespring/_core*.so
+
+toolchain:
+	@tools/check-toolchain.sh
+
+remake:
+
+# Order-only, so that the check runs first every time and yet makes nothing stale.
+$(STAMPS)/run: requirements/run.txt $(REMAKE) | toolchain
+	@# a changed pin starts afresh: what was dropped from the list must go too
+	rm -rf $(VENV)
+	tools/make-venv.sh requirements/run.txt
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/test: requirements/test.txt $(STAMPS)/run
+	tools/make-venv.sh requirements/test.txt
+	@touch $@
+
+$(STAMPS)/oracles: requirements/oracles.txt $(STAMPS)/test
+	tools/make-venv.sh requirements/oracles.txt
+	@touch $@
+
+$(STAMPS)/binding: $(BINDING_SOURCES) $(STAMPS)/run
+	$(VENV)/bin/maturin develop --release --locked
+	@touch $@

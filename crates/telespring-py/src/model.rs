@@ -1,0 +1,414 @@
+//! Robot, Operator and Dyad as Python sees them: frozen, comparable, picklable.
+
+use numpy::{PyArray1, ToPyArray};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
+use telespring::{Delay, DyadAxis, InvalidInput};
+
+use crate::errors::Outcome;
+
+/// One number for every axis, or one per axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PerAxis {
+    /// The same on every axis, however many there are.
+    All(f64),
+    /// One per axis.
+    Each(Vec<f64>),
+}
+
+impl FromPyObject<'_, '_> for PerAxis {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = value.extract::<f64>() {
+            return Ok(Self::All(number));
+        }
+        value.extract::<Vec<f64>>().map(Self::Each).map_err(|_| {
+            PyTypeError::new_err(format!("expected a number or one number per axis, got {}", repr(&value)))
+        })
+    }
+}
+
+impl PerAxis {
+    fn count(&self) -> Option<usize> {
+        match self {
+            Self::All(_) => None,
+            Self::Each(values) => Some(values.len()),
+        }
+    }
+
+    fn on(&self, axes: usize) -> Vec<f64> {
+        match self {
+            Self::All(value) => vec![*value; axes],
+            Self::Each(values) => values.clone(),
+        }
+    }
+
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self {
+            Self::All(value) => value.into_pyobject(py)?.into_any(),
+            Self::Each(values) => PyList::new(py, values)?.into_any(),
+        })
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::All(value) => format!("{value:?}"),
+            Self::Each(values) => format!("{values:?}"),
+        }
+    }
+}
+
+fn repr(value: &Bound<'_, PyAny>) -> String {
+    value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string())
+}
+
+/// A robot with independent axes, each a mass with viscous damping.
+///
+/// Parameters
+/// ----------
+/// mass : float or sequence of float
+///     Mass, kg, one per axis.
+/// damping : float or sequence of float
+///     Viscous damping, N·s/m, one per axis.
+/// axes : sequence of str, optional
+///     The axes' names; x, y, z, axis4, … where none are given.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where a mass is not in 1e-4 to 1e4 kg, a damping not in 0 to 1e6 N·s/m, or lengths differ.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.Robot(mass=[0.8334, 1.0649], damping=[7.7257, 10.1168])
+/// Robot(mass=[0.8334, 1.0649], damping=[7.7257, 10.1168], axes=['x', 'y'])
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot(pub telespring::Robot);
+
+#[pymethods]
+impl Robot {
+    #[new]
+    #[pyo3(signature = (mass, damping, axes=None))]
+    fn new(mass: PerAxis, damping: PerAxis, axes: Option<Vec<String>>) -> Outcome<Self> {
+        Ok(Self(telespring::Robot::new(mass.on(1), damping.on(1), axes)?))
+    }
+
+    /// Mass, kg, one per axis.
+    #[getter]
+    fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.mass().to_pyarray(py)
+    }
+
+    /// Viscous damping, N·s/m, one per axis.
+    #[getter]
+    fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.damping().to_pyarray(py)
+    }
+
+    /// The axes' names.
+    #[getter]
+    fn axes(&self) -> Vec<String> {
+        self.0.axes().to_vec()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Robot(mass={:?}, damping={:?}, axes={})",
+            self.0.mass(),
+            self.0.damping(),
+            names(self.0.axes())
+        )
+    }
+
+    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, Vec<String>) {
+        (self.0.mass().to_vec(), self.0.damping().to_vec(), self.axes())
+    }
+}
+
+/// Names as Python writes a list of them.
+fn names(axes: &[String]) -> String {
+    let quoted: Vec<_> =
+        axes.iter().map(|name| format!("'{}'", name.replace('\\', "\\\\").replace('\'', "\\'"))).collect();
+    format!("[{}]", quoted.join(", "))
+}
+
+/// What holds a robot's handle: a hand, an arm, another robot. All zero is a free handle.
+///
+/// Parameters
+/// ----------
+/// mass : float or sequence of float
+///     Mass that moves with the handle, kg.
+/// damping : float or sequence of float
+///     Viscous damping to the ground, N·s/m.
+/// stiffness : float or sequence of float
+///     Stiffness to the ground, N/m.
+///
+/// A single number holds for every axis of the dyad it is used in.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where a value is negative, not finite or out of range, or lengths differ.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.Operator(stiffness=120.0)
+/// Operator(mass=0.0, damping=0.0, stiffness=120.0)
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Operator {
+    mass: PerAxis,
+    damping: PerAxis,
+    stiffness: PerAxis,
+}
+
+impl Operator {
+    /// On a dyad with that many axes.
+    fn on(&self, axes: usize) -> telespring::Result<telespring::Operator> {
+        telespring::Operator::new(self.mass.on(axes), self.damping.on(axes), self.stiffness.on(axes))
+    }
+
+    fn array<'py>(&self, py: Python<'py>, values: &PerAxis) -> Bound<'py, PyArray1<f64>> {
+        values.on(self.count()).to_pyarray(py)
+    }
+
+    fn count(&self) -> usize {
+        [&self.mass, &self.damping, &self.stiffness].iter().find_map(|v| v.count()).unwrap_or(1)
+    }
+}
+
+impl From<&telespring::Operator> for Operator {
+    fn from(operator: &telespring::Operator) -> Self {
+        Self {
+            mass: PerAxis::Each(operator.mass().to_vec()),
+            damping: PerAxis::Each(operator.damping().to_vec()),
+            stiffness: PerAxis::Each(operator.stiffness().to_vec()),
+        }
+    }
+}
+
+#[pymethods]
+impl Operator {
+    #[new]
+    #[pyo3(signature = (mass=PerAxis::All(0.0), damping=PerAxis::All(0.0), stiffness=PerAxis::All(0.0)),
+           text_signature = "(mass=0.0, damping=0.0, stiffness=0.0)")]
+    fn new(mass: PerAxis, damping: PerAxis, stiffness: PerAxis) -> Outcome<Self> {
+        let operator = Self { mass, damping, stiffness };
+        operator.on(operator.count())?;
+        Ok(operator)
+    }
+
+    /// Mass that moves with the handle, kg; one value where a single number was given.
+    #[getter]
+    fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, &self.mass)
+    }
+
+    /// Viscous damping to the ground, N·s/m; one value where a single number was given.
+    #[getter]
+    fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, &self.damping)
+    }
+
+    /// Stiffness to the ground, N/m; one value where a single number was given.
+    #[getter]
+    fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, &self.stiffness)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Operator(mass={}, damping={}, stiffness={})",
+            self.mass.text(),
+            self.damping.text(),
+            self.stiffness.text()
+        )
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(
+            py,
+            [self.mass.to_python(py)?, self.damping.to_python(py)?, self.stiffness.to_python(py)?],
+        )
+    }
+}
+
+/// Two robots, what holds them, and the damper beside the virtual spring.
+///
+/// Parameters
+/// ----------
+/// robot1, robot2 : Robot
+///     Two robots with the same axes.
+/// operators : pair of Operator or None, optional
+///     What holds each handle; None is a free handle, for one or for both.
+/// coupling_damping : float, optional
+///     A damper beside the virtual spring, through the same delay, N·s/m.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where axes do not match or the coupling damping is negative or not finite.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> robot = ts.Robot(mass=1.0, damping=4.0)
+/// >>> ts.Dyad(robot, robot, operators=(None, ts.Operator(stiffness=120.0))).operators[1].stiffness
+/// array([120.])
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dyad(pub telespring::Dyad);
+
+type OperatorPair<'py> = (Option<Bound<'py, Operator>>, Option<Bound<'py, Operator>>);
+
+#[pymethods]
+impl Dyad {
+    #[new]
+    #[pyo3(signature = (robot1, robot2, operators=None, coupling_damping=0.0))]
+    fn new(
+        robot1: &Bound<'_, Robot>,
+        robot2: &Bound<'_, Robot>,
+        operators: Option<OperatorPair<'_>>,
+        coupling_damping: f64,
+    ) -> Outcome<Self> {
+        let (robot1, robot2) = (robot1.get().0.clone(), robot2.get().0.clone());
+        let axes = robot1.axes().len();
+        let lower = |operator: Option<Bound<'_, Operator>>| match operator {
+            Some(operator) => operator.get().on(axes),
+            None => Ok(telespring::Operator::free(axes)),
+        };
+        let operators = match operators {
+            Some((first, second)) => Some([
+                lower(first).map_err(|refusal| refusal.within("operators[0]"))?,
+                lower(second).map_err(|refusal| refusal.within("operators[1]"))?,
+            ]),
+            None => None,
+        };
+        Ok(Self(telespring::Dyad::new(robot1, robot2, operators, coupling_damping)?))
+    }
+
+    /// Both robots.
+    #[getter]
+    fn robots(&self) -> (Robot, Robot) {
+        let [first, second] = self.0.robots();
+        (Robot(first.clone()), Robot(second.clone()))
+    }
+
+    /// Both operators, one value per axis.
+    #[getter]
+    fn operators(&self) -> (Operator, Operator) {
+        let [first, second] = self.0.operators();
+        (first.into(), second.into())
+    }
+
+    /// The damper beside the virtual spring, N·s/m.
+    #[getter]
+    fn coupling_damping(&self) -> f64 {
+        self.0.coupling_damping()
+    }
+
+    /// The axes' names.
+    #[getter]
+    fn axes(&self) -> Vec<String> {
+        self.0.axis_names().to_vec()
+    }
+
+    fn __repr__(&self) -> String {
+        let ((robot1, robot2), (first, second)) = (self.robots(), self.operators());
+        format!(
+            "Dyad({}, {}, operators=({}, {}), coupling_damping={:?})",
+            robot1.__repr__(),
+            robot2.__repr__(),
+            first.__repr__(),
+            second.__repr__(),
+            self.0.coupling_damping()
+        )
+    }
+
+    fn __getnewargs__(&self) -> (Robot, Robot, (Operator, Operator), f64) {
+        let (robot1, robot2) = self.robots();
+        (robot1, robot2, self.operators(), self.coupling_damping())
+    }
+
+    /// m1, b1, m2, b2, kh1, kh2, c of one axis, operators added to the robots.
+    fn _parameters(&self, axis: AxisChoice) -> Outcome<(f64, f64, f64, f64, f64, f64, f64)> {
+        let axis = axis.of(&self.0)?;
+        let [first, second] = axis.sides;
+        Ok((
+            first.mass,
+            first.damping,
+            second.mass,
+            second.damping,
+            first.ground_stiffness,
+            second.ground_stiffness,
+            axis.coupling_damping,
+        ))
+    }
+}
+
+/// The two H-MANs of Du, Kulkarni, Kager and Campolo (Table III) as a dyad with free handles.
+///
+/// Returns
+/// -------
+/// Dyad
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.hman().axes
+/// ['x', 'y']
+#[pyfunction]
+pub fn hman() -> Dyad {
+    Dyad(telespring::hman())
+}
+
+/// An axis by its index or its name.
+#[derive(FromPyObject)]
+pub enum AxisChoice {
+    /// Counted from 0.
+    Index(usize),
+    /// As the dyad names it.
+    Name(String),
+}
+
+impl AxisChoice {
+    /// That axis of the dyad.
+    pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<DyadAxis> {
+        match self {
+            Self::Index(index) => dyad.axis(*index),
+            Self::Name(name) => match dyad.axis_names().iter().position(|known| known == name) {
+                Some(index) => dyad.axis(index),
+                None => Err(InvalidInput::new(
+                    "axis",
+                    format!("{name:?}"),
+                    format!("this dyad has the axes {:?}", dyad.axis_names()),
+                    "Choose one of them.",
+                )),
+            },
+        }
+    }
+}
+
+/// One delay each way, or the pair (forward, backward), s.
+#[derive(FromPyObject)]
+pub enum DelayChoice {
+    /// The same each way.
+    EachWay(f64),
+    /// From robot 1 to robot 2, and back.
+    Pair(f64, f64),
+}
+
+impl DelayChoice {
+    /// Checked.
+    pub fn check(&self) -> telespring::Result<Delay> {
+        match *self {
+            Self::EachWay(delay) => Delay::each_way(delay),
+            Self::Pair(forward, backward) => Delay::new(forward, backward),
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The exact linear simulation, all axes of a dyad into one block of memory.
+
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use telespring::dde::linear::{
+    Force, History, Hold, SampledForce, Simulation, Sine, Status, Workspace, output_count,
+};
+use telespring::{Delay, InvalidInput};
+
+use crate::errors::Outcome;
+use crate::model::{DelayChoice, Dyad};
+
+/// One sine as Python gives it.
+#[derive(FromPyObject)]
+pub struct SineValue {
+    amplitude: f64,
+    angular_frequency: f64,
+    phase: f64,
+}
+
+impl From<&SineValue> for Sine {
+    fn from(value: &SineValue) -> Self {
+        Self { amplitude: value.amplitude, angular_frequency: value.angular_frequency, phase: value.phase }
+    }
+}
+
+/// A force as Python gives it, told apart by the fields it has.
+#[derive(FromPyObject)]
+pub enum ForceValue {
+    /// A constant, N.
+    Step(f64),
+    /// A sine.
+    Sine(SineValue),
+    /// The sum of several.
+    Sines(Vec<SineValue>),
+    /// A sampled signal.
+    Sampled {
+        /// Samples, N.
+        values: Vec<f64>,
+        /// Samples per second, Hz.
+        rate: f64,
+        /// "linear" or "zero".
+        hold: String,
+    },
+    /// A function of time that jumps or bends at the breakpoints.
+    Signal {
+        /// f(t).
+        function: Py<PyAny>,
+        /// Times, s.
+        breakpoints: Vec<f64>,
+    },
+    /// A smooth function of time.
+    Function(Py<PyAny>),
+}
+
+/// A position before t = 0 as Python gives it.
+#[derive(FromPyObject)]
+pub enum HistoryValue {
+    /// At rest there, m.
+    Rest(f64),
+    /// At rest there until it starts with a velocity, m and m/s.
+    Launched(f64, f64),
+    /// A function of time that jumps or bends at the breakpoints.
+    Signal {
+        /// x(t), t ≤ 0.
+        function: Py<PyAny>,
+        /// Times, s.
+        breakpoints: Vec<f64>,
+    },
+    /// A smooth function of time.
+    Function(Py<PyAny>),
+}
+
+/// Lowers a Python function; what it raises comes out unchanged.
+fn sampled_function<T>(
+    py: Python<'_>,
+    function: &Py<PyAny>,
+    lower: impl FnOnce(&mut dyn FnMut(f64) -> f64) -> telespring::Result<T>,
+) -> Outcome<T> {
+    let mut raised = None;
+    let lowered = lower(&mut |t| {
+        if raised.is_some() {
+            return f64::NAN;
+        }
+        function.call1(py, (t,)).and_then(|value| value.extract::<f64>(py)).unwrap_or_else(|error| {
+            raised = Some(error);
+            f64::NAN
+        })
+    });
+    match raised {
+        Some(error) => Err(error.into()),
+        None => Ok(lowered?),
+    }
+}
+
+impl ForceValue {
+    fn lower(&self, py: Python<'_>, duration: f64) -> Outcome<Force> {
+        Ok(match self {
+            Self::Step(value) => Force::Step(*value),
+            Self::Sine(sine) => Force::Sines { constant: 0.0, sines: vec![sine.into()] },
+            Self::Sines(sines) => {
+                Force::Sines { constant: 0.0, sines: sines.iter().map(Sine::from).collect() }
+            }
+            Self::Sampled { values, rate, hold } => {
+                Force::Sampled(SampledForce::new(values.clone(), *rate, hold_of(hold)?)?)
+            }
+            Self::Signal { function, breakpoints } => {
+                sampled_function(py, function, |f| Force::from_function(f, breakpoints, duration))?
+            }
+            Self::Function(function) => {
+                sampled_function(py, function, |f| Force::from_function(f, &[], duration))?
+            }
+        })
+    }
+}
+
+fn hold_of(name: &str) -> telespring::Result<Hold> {
+    match name {
+        "linear" => Ok(Hold::Linear),
+        "zero" => Ok(Hold::Zero),
+        _ => Err(InvalidInput::new(
+            "hold",
+            format!("{name:?}"),
+            "between samples a signal is \"linear\" or holds its value (\"zero\")",
+            "Choose one of them.",
+        )),
+    }
+}
+
+impl HistoryValue {
+    fn lower(&self, py: Python<'_>, delay: &Delay) -> Outcome<History> {
+        // the partner looks back by one delay; without any, only the value and slope at 0 are needed
+        let span = delay.round_trip().max(1e-3);
+        Ok(match self {
+            Self::Rest(position) => History::rest(*position)?,
+            Self::Launched(position, velocity) => History::rest(*position)?.with_velocity(*velocity)?,
+            Self::Signal { function, breakpoints } => {
+                sampled_function(py, function, |f| History::from_function(f, breakpoints, span))?
+            }
+            Self::Function(function) => {
+                sampled_function(py, function, |f| History::from_function(f, &[], span))?
+            }
+        })
+    }
+}
+
+/// For each axis what both robots have, with the place named where one is refused.
+fn lowered<V, T>(
+    name: &str,
+    axes: usize,
+    values: &[Vec<V>],
+    lower: impl Fn(&V) -> Outcome<T>,
+) -> Outcome<Vec<[T; 2]>> {
+    let shape_is_right = values.len() == 2 && values.iter().all(|robot| robot.len() == axes);
+    if !shape_is_right {
+        let got: Vec<_> = values.iter().map(Vec::len).collect();
+        return Err(InvalidInput::new(
+            name,
+            format!("lists of lengths {got:?}"),
+            format!("two lists are needed, one per robot, each with one entry per axis, that is {axes}"),
+            "Write them as [[robot 1's axes], [robot 2's axes]].",
+        )
+        .into());
+    }
+    let one = |robot: usize, axis: usize| {
+        lower(&values[robot][axis]).map_err(|failure| failure.within(&format!("{name}[{robot}][{axis}]")))
+    };
+    (0..axes).map(|axis| Ok([one(0, axis)?, one(1, axis)?])).collect()
+}
+
+type Block<'py> = Bound<'py, PyArray3<f64>>;
+type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Vec<[f64; 2]>, Vec<[f64; 2]>);
+
+/// Positions and velocities as blocks (robot, axis, time), and per axis when it diverged and how far
+/// functions were approximated.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
+pub fn simulate<'py>(
+    py: Python<'py>,
+    dyad: &Bound<'py, Dyad>,
+    stiffness: f64,
+    delay: DelayChoice,
+    forces: Vec<Vec<ForceValue>>,
+    duration: f64,
+    rate: f64,
+    history: Option<Vec<Vec<HistoryValue>>>,
+    velocities: bool,
+) -> Outcome<Simulated<'py>> {
+    let axes: Vec<_> = dyad.get().0.axes().collect();
+    let delay = delay.check()?;
+    let count = output_count(duration, rate)?;
+    let forces = lowered("forces", axes.len(), &forces, |force| force.lower(py, duration))?;
+    let histories = match history {
+        None => axes.iter().map(|_| Default::default()).collect(),
+        Some(history) => lowered("history", axes.len(), &history, |past| past.lower(py, &delay))?,
+    };
+    let block = 2 * axes.len() * count;
+    let (position, velocity, diverged) = py.detach(|| -> telespring::Result<_> {
+        let mut position = vec![0.0; block];
+        let mut velocity = vec![0.0; if velocities { block } else { 0 }];
+        let mut diverged = Vec::with_capacity(axes.len());
+        let mut workspace = Workspace::default();
+        for (index, axis) in axes.iter().enumerate() {
+            let simulation = Simulation {
+                axis,
+                stiffness,
+                delay: &delay,
+                forces: &forces[index],
+                histories: &histories[index],
+                duration,
+                rate,
+            };
+            let velocity = velocities.then(|| rows(&mut velocity, index, count));
+            let ending = simulation
+                .run_into(rows(&mut position, index, count), velocity, &mut workspace)
+                .map_err(|refusal| on_axis(refusal, index))?;
+            diverged.push(match ending.status {
+                Status::Diverged { at } => Some(at),
+                _ => None,
+            });
+        }
+        Ok((position, velocity, diverged))
+    })?;
+    let shape = [2, axes.len(), count];
+    let velocity = if velocities { Some(velocity.into_pyarray(py).reshape(shape)?) } else { None };
+    Ok((
+        position.into_pyarray(py).reshape(shape)?,
+        velocity,
+        diverged,
+        forces.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
+        histories.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
+    ))
+}
+
+/// The core knows one axis only: `forces[robot]` becomes `forces[robot][axis]`.
+fn on_axis(mut refusal: InvalidInput, axis: usize) -> InvalidInput {
+    if let Some(robot) = refusal.field.strip_prefix("forces[")
+        && let Some((robot, rest)) = robot.split_once(']')
+    {
+        refusal.field = format!("forces[{robot}][{axis}]{rest}");
+    }
+    refusal
+}
+
+/// The rows of both robots on one axis in a block (robot, axis, time).
+fn rows(block: &mut [f64], axis: usize, count: usize) -> [&mut [f64]; 2] {
+    let (first, second) = block.split_at_mut(block.len() / 2);
+    let row = axis * count..(axis + 1) * count;
+    [&mut first[row.clone()], &mut second[row]]
+}

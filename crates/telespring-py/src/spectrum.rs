@@ -1,0 +1,46 @@
+//! Characteristic roots of one axis.
+
+use num_complex::Complex64;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use telespring::spectrum;
+
+use crate::errors::Outcome;
+use crate::model::{AxisChoice, DelayChoice, Dyad};
+
+type Roots<'py> = (Bound<'py, PyArray1<Complex64>>, bool, bool, String, f64);
+
+/// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
+#[pyfunction]
+pub fn characteristic_roots<'py>(
+    py: Python<'py>,
+    dyad: &Bound<'py, Dyad>,
+    stiffness: f64,
+    delay: DelayChoice,
+    count: usize,
+    axis: AxisChoice,
+) -> Outcome<Roots<'py>> {
+    let axis = axis.of(&dyad.get().0)?;
+    let found = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay.check()?, count))?;
+    Ok((
+        found.roots.into_pyarray(py),
+        found.rigid_body,
+        found.certificate.is_complete(),
+        found.certificate.to_string(),
+        found.depth,
+    ))
+}
+
+/// The abscissa as (value, complete, certificate in words).
+#[pyfunction]
+pub fn spectral_abscissa(
+    py: Python<'_>,
+    dyad: &Bound<'_, Dyad>,
+    stiffness: f64,
+    delay: DelayChoice,
+    axis: AxisChoice,
+) -> Outcome<(f64, bool, String)> {
+    let axis = axis.of(&dyad.get().0)?;
+    let found = py.detach(|| spectrum::spectral_abscissa(&axis, stiffness, &delay.check()?))?;
+    Ok((found.value, found.certificate.is_complete(), found.certificate.to_string()))
+}

@@ -1,0 +1,30 @@
+"""What passes between the public functions and the compiled core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+# m1, b1, m2, b2, kh1, kh2, c: flat contiguous columns of one common length, or of length one
+Axes: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+AxisValues: TypeAlias = tuple[float, float, float, float, float, float, float]
+PerAxis: TypeAlias = float | Sequence[float] | FloatArray
+# one-way, s: the same each way, or forward and backward
+Delay: TypeAlias = float | tuple[float, float]
+# a number, or a function and whether it takes the state beside the time
+DelayValue: TypeAlias = float | tuple[Callable[..., float], bool]
+
+
+class OptionValues(TypedDict):
+    """Tolerances and limits of the adaptive solver."""
+
+    rtol: float | list[float]
+    atol: float | list[float]
+    max_steps: int
+    initial_step: float | None
+    max_step: float | None
+    breakpoints: list[tuple[float, int]]

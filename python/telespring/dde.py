@@ -1,0 +1,233 @@
+"""Delay differential equations with any right-hand side, solved adaptively."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from telespring import _core
+from telespring._arrays import as_numbers
+from telespring._errors import InvalidInput
+from telespring._types import DelayValue, FloatArray, OptionValues
+
+__all__ = ["DelaySolution", "solve_dde"]
+
+RightHandSide: TypeAlias = Callable[[float, FloatArray, FloatArray], ArrayLike]
+Delay: TypeAlias = float | Callable[[float], float] | Callable[[float, FloatArray], float]
+
+
+@dataclass(frozen=True, eq=False)
+class DelaySolution:
+    """The solution of a delay differential equation as a continuous function of time.
+
+    Call it with a time or an array of times within `start` to `end`: the result has one component
+    per last index, so that ``solution(times)[:, 0]`` is the first component.
+
+    Attributes
+    ----------
+    status : str
+        "completed", "step too small", "too many steps", "not finite", "invalid delay" or "stopped".
+        Whatever it is, the solution up to `end` can be read.
+    message : str
+        The same as a sentence, with the time reached and what to try.
+    t, y : ndarray
+        The times between the solver's steps, and the solution there, one row per time.
+    discontinuities : list of (float, int)
+        Break points met: time, and the lowest derivative that may jump there.
+    steps, rejected, evaluations : int
+        Steps kept and thrown away, and calls of the right-hand side.
+    """
+
+    status: str
+    message: str
+    t: FloatArray
+    y: FloatArray
+    discontinuities: list[tuple[float, int]]
+    steps: int
+    rejected: int
+    evaluations: int
+    _core: _core.DdeSolution
+
+    @property
+    def completed(self) -> bool:
+        """Whether the whole span was solved."""
+        return self.status == "completed"
+
+    @property
+    def start(self) -> float:
+        """The first time."""
+        return float(self.t[0])
+
+    @property
+    def end(self) -> float:
+        """The last time; that of the span where `completed`."""
+        return float(self.t[-1])
+
+    def __call__(self, times: ArrayLike) -> FloatArray:
+        """Return y at one or many times, one component per last index."""
+        return self._at(times, self._core.sample)
+
+    def derivative(self, times: ArrayLike) -> FloatArray:
+        """Return y' at one or many times, one order less accurate than y."""
+        return self._at(times, self._core.derivative)
+
+    def _at(self, times: ArrayLike, ask: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        asked = as_numbers("times", times)
+        values = ask(np.ascontiguousarray(asked).reshape(-1))
+        return values.reshape((*asked.shape, values.shape[1]))
+
+
+def _takes_state(function: Callable[..., Any], field: str) -> bool:
+    """Tell τ(t, y) from τ(t) by what can be passed."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return False
+    for arguments in ((0.0,), (0.0, 0.0)):
+        try:
+            signature.bind(*arguments)
+        except TypeError:
+            continue
+        return len(arguments) == 2
+    raise InvalidInput(
+        field,
+        repr(function),
+        "a delay is a number, a function of t, or a function of t and y",
+        "Give the function one or two arguments.",
+    )
+
+
+def _delays(delays: Delay | Sequence[Delay]) -> list[DelayValue]:
+    given: Iterable[Delay] = delays if isinstance(delays, Sequence | np.ndarray) else [delays]
+    out: list[DelayValue] = []
+    for i, delay in enumerate(given):
+        if callable(delay):
+            out.append((delay, _takes_state(delay, f"delays[{i}]")))
+        else:
+            out.append(float(as_numbers(f"delays[{i}]", delay)))
+    return out
+
+
+def solve_dde(
+    rhs: RightHandSide,
+    delays: Delay | Sequence[Delay],
+    history: Callable[[float], ArrayLike] | ArrayLike,
+    t_span: tuple[float, float],
+    rtol: ArrayLike = 1e-6,
+    atol: ArrayLike = 1e-9,
+    *,
+    initial: ArrayLike | None = None,
+    breakpoints: Iterable[float | tuple[float, int]] = (),
+    max_steps: int = 100_000,
+    initial_step: float | None = None,
+    max_step: float | None = None,
+) -> DelaySolution:
+    """Solve y'(t) = rhs(t, y(t), [y(t - τ1), y(t - τ2), ...]).
+
+    Parameters
+    ----------
+    rhs : callable
+        ``rhs(t, y, delayed)`` returns y'; ``delayed[j]`` is y at t - τ_j, a row per delay.
+    delays : float, callable, or a sequence of them
+        Each delay is a number, a function of t, or a function of t and y.
+    history : callable or array_like
+        ``history(t)`` gives y for t up to the start of the span; an array is a constant history.
+    t_span : (float, float)
+        Start and end.
+    rtol, atol : float or array_like
+        The local error of component i is held below ``atol[i] + rtol[i] * abs(y[i])``; rtol is at
+        least 1e-13.
+    initial : array_like, optional
+        y at the start, where it differs from the history's end.
+    breakpoints : iterable of float or (float, int)
+        Times at which the history, the right-hand side or a delay is not smooth, each alone (a
+        switch, order 1) or with the lowest derivative of y that may jump there (0 is y itself,
+        before the start only). Steps end on them exactly.
+    max_steps : int
+        Steps, kept or not, after which to give up.
+    initial_step, max_step : float, optional
+        First and longest step.
+
+    Returns
+    -------
+    DelaySolution
+        Dense output with the status of the computation; a computation that ended early is a status,
+        not an exception.
+
+    Raises
+    ------
+    InvalidInput
+        Where an argument is out of its range.
+    Exception
+        What `rhs`, `history` or a delay raises comes out unchanged.
+
+    See Also
+    --------
+    simulate : the linear dyad at constant delay, exact and far faster.
+
+    Notes
+    -----
+    Explicit Runge-Kutta pair of Dormand and Prince with continuous extension, ending steps on break
+    points, which travel through the delays; see [1]_, section II.17.
+
+    References
+    ----------
+    .. [1] E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.,
+       1993.
+
+    Examples
+    --------
+    y' = -y(t - 1) from y = 1 is 1 - t up to t = 1, and -1/2 at t = 2.
+
+    >>> import telespring as ts
+    >>> solution = ts.solve_dde(lambda t, y, delayed: -delayed[0], [1.0], [1.0], (0.0, 2.0), 1e-10, 1e-12)
+    >>> solution.status
+    'completed'
+    >>> [round(float(value), 9) for value in solution([0.5, 2.0])[:, 0]]
+    [0.5, -0.5]
+    """
+    start, end = (float(as_numbers(f"t_span[{i}]", value)) for i, value in enumerate(t_span))
+    if callable(history):
+        past = history
+        first = past(start) if initial is None else initial
+        dimension = np.atleast_1d(as_numbers("history(t)" if initial is None else "initial", first)).size
+    else:
+        constant = np.atleast_1d(as_numbers("history", history))
+        dimension = constant.size
+
+        def past(_: float) -> FloatArray:
+            return constant
+
+    options: OptionValues = {
+        "rtol": _tolerance("rtol", rtol),
+        "atol": _tolerance("atol", atol),
+        "max_steps": max_steps,
+        "initial_step": initial_step,
+        "max_step": max_step,
+        "breakpoints": [point if isinstance(point, tuple) else (float(point), 1) for point in breakpoints],
+    }
+    beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
+    found = _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+    (status, message), (steps, rejected, evaluations) = found.status, found.work
+    knots = found.knots
+    return DelaySolution(
+        status,
+        message,
+        knots,
+        found.sample(knots),
+        found.discontinuities,
+        steps,
+        rejected,
+        evaluations,
+        found,
+    )
+
+
+def _tolerance(name: str, value: ArrayLike) -> float | list[float]:
+    numbers = as_numbers(name, value)
+    return float(numbers) if numbers.ndim == 0 else numbers.tolist()

@@ -1,0 +1,86 @@
+"""The documents say what is so."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+DOCUMENTS = ["README.md", "NOTATION.md", "CHANGELOG.md", "CONTRIBUTING.md"]
+
+
+def test_ref_the_readme_example_runs_and_says_what_the_paper_has(root: Path) -> None:
+    [example] = re.findall(
+        r"```python\n(.*?)```", (root / "README.md").read_text(encoding="utf-8"), re.DOTALL
+    )
+    assert len(example.splitlines()) <= 14
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", example],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    # 2 K_x and its maximum delay, from the paper's Table III by its own equations
+    assert lines[0] == "stiffness 71.2 N/m is stable below 167.2 ms one way"
+    assert "at 0.16 s: -" in lines[2]
+    assert "at 0.18 s: +" in lines[3]
+
+
+def test_law_versions_are_said_once_and_alike(root: Path) -> None:
+    cargo = tomllib.loads((root / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    assert f"Rust ≥ {cargo['rust-version']}" in readme
+    assert f"Python {project['requires-python'].replace('>=', '≥ ')}" in readme
+    assert f"version: {cargo['version']}\n" in (root / "CITATION.cff").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_law_links_lead_somewhere(root: Path, name: str) -> None:
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)", (root / name).read_text(encoding="utf-8")):
+        assert (root / target).exists(), f"{name} links to {target}"
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_law_every_make_target_named_exists(root: Path, name: str) -> None:
+    makefile = (root / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(
+        r"(?:^    |`)make ([a-z]+)", (root / name).read_text(encoding="utf-8"), re.MULTILINE
+    ):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"{name} names make {target}"
+
+
+def test_law_requirements_are_pinned_exactly(root: Path) -> None:
+    seen: dict[str, str] = {}
+    for path in sorted((root / "requirements").glob("*.txt")):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if not line or line.startswith("#"):
+                continue
+            pin = re.fullmatch(r"([a-z0-9-]+)==([0-9][0-9a-z.]*)", line)
+            assert pin, f"{path.name}: {line}"
+            assert pin[1] not in seen, f"{pin[1]} stands in {seen.get(pin[1])} and {path.name}"
+            seen[pin[1]] = path.name
+
+
+def test_ref_the_paper_is_transcribed_whole(du2025: dict[str, Any]) -> None:
+    conditions = du2025["conditions"]
+    tasks = ["UM"] + [
+        f"CM-{k:.0f}-{delay:.0f}"
+        for k in conditions["stiffness"]["values"]
+        for delay in conditions["delay"]["values"]
+    ]
+    assert [row["task"] for row in du2025["table1"]["row"]] == tasks
+    misprints = du2025["misprint"]
+    assert len({misprint["id"] for misprint in misprints}) == len(misprints)
+    for misprint in misprints:
+        assert {"id", "where", "printed", "correct", "kind"} <= set(misprint)
