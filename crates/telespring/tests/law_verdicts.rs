@@ -23,8 +23,7 @@ struct Case {
 impl Case {
     fn dyad(&self) -> Dyad {
         let robot = |i: usize| Robot::new(vec![self.m[i]], vec![self.b[i]], None).unwrap();
-        let operator =
-            |i: usize| Operator::new(vec![0.0], vec![0.0], vec![self.kh[i]]).unwrap();
+        let operator = |i: usize| Operator::new(vec![0.0], vec![0.0], vec![self.kh[i]]).unwrap();
         Dyad::new(robot(0), robot(1), Some([operator(0), operator(1)]), self.c).unwrap()
     }
 
@@ -170,10 +169,9 @@ proptest! {
             Case { delay: case.delay.map(|v| v * more), ..case },
         ].map(|case| case.bounds());
         for worse in [jitter, gap, delay] {
-            for tier in [1, 3] {
-                if let (Some(base), Some(worse)) = (base[tier], worse[tier]) {
-                    prop_assert!(worse <= base * (1.0 + 1e-9), "{tier} {worse} {base}");
-                }
+            // Not so for tier 4: some dyads are stable again at a longer delay.
+            if let (Some(base), Some(worse)) = (base[1], worse[1]) {
+                prop_assert!(worse <= base * (1.0 + 1e-9), "{worse} {base}");
             }
             prop_assert_eq!((base[0], base[2]), (worse[0], worse[2]));
         }
@@ -181,7 +179,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig { cases: 6, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn law_no_operator_in_the_range_is_worse_than_the_worst(

@@ -129,7 +129,10 @@ impl<'a> Reader<'a> {
             InvalidInput::new(
                 "study",
                 format!("{:?}", content.chars().take(60).collect::<String>()),
-                format!("a study is TOML text, and this is not: {}", error.message().trim().replace('\n', ", ")),
+                format!(
+                    "a study is TOML text, and this is not: {}",
+                    error.message().trim().replace('\n', ", ")
+                ),
                 format!("Mend line {line}."),
             )
         })?;
@@ -195,7 +198,8 @@ impl<'a> Reader<'a> {
             .or_else(|| nearest(word, keys).map(|key| format!("Did you mean \"{key}\"?")))
             .unwrap_or_else(|| "Remove it, or correct its name.".to_owned());
         let field: String = field.chars().take(80).collect();
-        let shown = if value.get_ref().is_table() { "a section".to_owned() } else { shown(self.text, value.span()) };
+        let shown =
+            if value.get_ref().is_table() { "a section".to_owned() } else { shown(self.text, value.span()) };
         InvalidInput::new(field, shown, allowed, format!("{remedy} See line {line}."))
     }
 
@@ -285,10 +289,9 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// A list of strings.
     pub fn texts(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
-            return Err(self.refuse(
-                "a list of texts is needed, one per axis",
-                "Write it such as [\"x\", \"y\"].",
-            ));
+            return Err(
+                self.refuse("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
+            );
         };
         items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item).text()).collect()
     }
@@ -325,7 +328,10 @@ impl<'r, 'a> Entry<'r, 'a> {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             DeValue::Integer(integer) => {
                 let (digits, radix) = (integer.as_str(), integer.radix());
-                i128::from_str_radix(digits, radix).ok().map(|value| value as f64).or_else(|| digits.parse().ok())
+                i128::from_str_radix(digits, radix)
+                    .ok()
+                    .map(|value| value as f64)
+                    .or_else(|| digits.parse().ok())
             }
             _ => None,
         };

@@ -117,11 +117,8 @@ pub(super) fn gain(side: &HeldSide, stiffness: f64) -> f64 {
     let unit = side.change[0][1];
     let [[a, b], [c, d]] = side.change;
     let [new, old] = [side.new_force, side.old_force].map(|[x, v]| [stiffness * x, stiffness * v * unit]);
-    let step: Loop = [
-        [1.0 + a - new[0], b / unit, old[0]],
-        [c * unit - new[1], 1.0 + d, old[1]],
-        [-1.0, 0.0, 0.0],
-    ];
+    let step: Loop =
+        [[1.0 + a - new[0], b / unit, old[0]], [c * unit - new[1], 1.0 + d, old[1]], [-1.0, 0.0, 0.0]];
     // Powers 1, 2, 4, … until one contracts.
     let mut powers = vec![step];
     while norm(&powers[powers.len() - 1]) > 0.5 {

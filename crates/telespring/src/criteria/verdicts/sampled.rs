@@ -81,9 +81,10 @@ fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
 /// Value and derivative of a polynomial, constant term first.
 fn evaluate(polynomial: &[f64], w: Complex64) -> (Complex64, Complex64) {
     let zero = Complex64::ZERO;
-    polynomial.iter().rev().fold((zero, zero), |(value, slope), &coefficient| {
-        (value * w + coefficient, slope * w + value)
-    })
+    polynomial
+        .iter()
+        .rev()
+        .fold((zero, zero), |(value, slope), &coefficient| (value * w + coefficient, slope * w + value))
 }
 
 impl Characteristic {
@@ -186,7 +187,9 @@ impl Characteristic {
     /// The count of multipliers with |z| > e^(σ h) and places near which they may lie. Where a root lies
     /// on the circle, a circle beside it by 1e-9 of `scale` is taken.
     fn count(&self, rate: f64, scale: f64) -> Option<(usize, Vec<Complex64>)> {
-        [0.0, 1e-9, -1.7e-9, 1.3e-8].iter().find_map(|shift| contour::count_outside(self, rate + shift * scale))
+        [0.0, 1e-9, -1.7e-9, 1.3e-8]
+            .iter()
+            .find_map(|shift| contour::count_outside(self, rate + shift * scale))
     }
 
     /// The rightmost s = ln(z)/h.
