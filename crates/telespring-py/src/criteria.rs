@@ -69,9 +69,10 @@ pub fn unstable_root_count<'py>(
     axes: Axes<'py>,
     k: Column<'py>,
     delay: Column<'py>,
-) -> Outcome<Bound<'py, PyArray1<u32>>> {
+) -> Outcome<Bound<'py, PyArray1<i64>>> {
     map_axes(py, &axes, [&k, &delay], |axis, [k, delay]| {
         criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
+            .map(i64::from)
     })
 }
 
