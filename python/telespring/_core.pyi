@@ -2,14 +2,24 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, TypeAlias, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from telespring.response import GridStatus
+from telespring._types import (
+    Axes,
+    AxisValues,
+    ComplexArray,
+    Delay,
+    DelayValue,
+    FloatArray,
+    GridStatus,
+    Loop,
+    OptionValues,
+    PerAxis,
+)
 from telespring.spectrum import Spectrum
-from telespring._types import Axes, AxisValues, Delay, DelayValue, FloatArray, OptionValues, PerAxis
 
 __all__ = [
     "Coupling",
@@ -44,10 +54,6 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
-
-ComplexArray: TypeAlias = NDArray[np.complex128]
-# dyad, stiffness, delay, axis
-Loop: TypeAlias = tuple[Dyad, float, Delay, int | str]
 
 @final
 class Robot:
@@ -209,7 +215,7 @@ def stable_delays(axis: AxisValues, k: float, horizon: float) -> list[tuple[floa
 def decay_stiffness(axis: AxisValues, delay: float, decay_rate: float) -> list[tuple[float, float]]: ...
 def characteristic_roots(
     dyad: Dyad, stiffness: float, delay: Delay, count: int, axis: int | str
-) -> tuple[NDArray[np.complex128], bool, bool, str, float]: ...
+) -> tuple[ComplexArray, bool, bool, str, float]: ...
 def spectral_abscissa(
     dyad: Dyad, stiffness: float, delay: Delay, axis: int | str
 ) -> tuple[float, bool, str]: ...

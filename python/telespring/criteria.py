@@ -596,7 +596,7 @@ def unstable_root_count(
     kh2: ArrayLike = 0.0,
     c: ArrayLike = 0.0,
 ) -> int | NDArray[np.int64]:
-    """Number of characteristic roots with positive real part, counted by the crossings.
+    """Count the characteristic roots with positive real part, by the crossings.
 
     Parameters
     ----------

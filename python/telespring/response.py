@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from telespring import _core
 from telespring._arrays import as_vector
 from telespring._errors import InvalidInput
-from telespring._types import Delay, FloatArray
+from telespring._types import ComplexArray, Delay, FloatArray, GridStatus
 
 if TYPE_CHECKING:
     from telespring.model import Dyad
@@ -36,9 +36,7 @@ __all__ = [
     "transfer_matrix",
 ]
 
-ComplexArray: TypeAlias = NDArray[np.complex128]
 Convention: TypeAlias = Literal["exact", "paper"]
-GridStatus: TypeAlias = Literal["resolved", "poles on the axis", "too many points"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,8 +344,10 @@ def frequency_response(
     ((2, 2, 2), -1.5708)
     """
     frequency = as_vector("frequency", frequency)
-    *arrays, poles = _core.frequency_response((dyad, stiffness, delay, axis), frequency, convention)
-    return FrequencyResponse(*arrays, poles_on_axis=tuple(poles))
+    frequency, value, magnitude, phase, poles = _core.frequency_response(
+        (dyad, stiffness, delay, axis), frequency, convention
+    )
+    return FrequencyResponse(frequency, value, magnitude, phase, tuple(poles))
 
 
 def open_loop(
