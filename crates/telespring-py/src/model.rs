@@ -171,6 +171,17 @@ pub struct Operator {
 impl Operator {
     /// On a dyad with that many axes.
     pub fn on(&self, axes: usize) -> telespring::Result<telespring::Operator> {
+        let values = [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)];
+        for (name, values) in values {
+            if let Some(count) = values.count().filter(|&count| count != axes) {
+                return Err(InvalidInput::new(
+                    name,
+                    format!("{count} value(s)"),
+                    format!("one value per axis is needed, that is {axes}"),
+                    "Give one value per axis, or a single number for all of them.",
+                ));
+            }
+        }
         telespring::Operator::new(self.mass.on(axes), self.damping.on(axes), self.stiffness.on(axes))
     }
 
