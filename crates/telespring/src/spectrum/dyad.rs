@@ -53,10 +53,10 @@ pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
     let line = search.line_with(count);
     let Some(counted) = line.count else {
         let reason = "no line free of roots was found to count on".to_owned();
-        search.from_line(&line);
+        search.start_on(&line);
         return search.finish(count, line.sigma, Certificate::NotCounted { reason });
     };
-    search.from_line(&line);
+    search.start_on(&line);
     if search.right_of(line.sigma) < counted {
         for i in 0..2 {
             for start in quadratic_roots(chi.beta[i], chi.kappa[i]) {
@@ -211,7 +211,7 @@ impl Search<'_> {
 
     /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
     /// each such place belongs to one root further right.
-    fn from_line(&mut self, line: &Line) {
+    fn start_on(&mut self, line: &Line) {
         let t = self.chi.delay;
         let mut stretch = line.start.map(|phase| (0.0, phase));
         let mut tried: Option<(f64, f64)> = None;
