@@ -180,8 +180,12 @@ impl Search<'_> {
         let mut line = self.clear_line(guess);
         let (mut deep, mut shallow) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut step = guess.abs();
-        for _ in 0..80 {
+        for _ in 0..150 {
             let sigma = line.sigma;
+            if line.count.is_none() && !line.crowded && deep > f64::NEG_INFINITY {
+                // Rounding allows no finer choice.
+                break;
+            }
             if line.crowded {
                 deep = deep.max(sigma);
             } else if enough(&line) {
@@ -199,7 +203,7 @@ impl Search<'_> {
                 step *= 2.0;
                 sigma + step
             } else {
-                if shallow - deep <= 1e-6 * (deep.abs().max(1e-3 / t)) {
+                if shallow - deep <= 1e-13 * (deep.abs().max(1e-3 / t)) {
                     break;
                 }
                 0.5 * (deep + shallow)
