@@ -19,9 +19,6 @@ const CLAIM: f64 = 2e-13;
 struct Case<'a> {
     axis: DyadAxis,
     stiffness: f64,
-    delays: [usize; 2],
-    step: f64,
-    steps: usize,
     forces: [Force; 2],
     functions: [&'a dyn Fn(f64) -> f64; 2],
     histories: [History; 2],
@@ -38,9 +35,6 @@ impl<'a> Case<'a> {
         Self {
             axis,
             stiffness,
-            delays: [1, 1],
-            step: 1e-3,
-            steps: 1,
             forces,
             functions,
             histories: Default::default(),

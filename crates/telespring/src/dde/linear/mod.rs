@@ -56,7 +56,7 @@ pub const MAX_STEPS_PER_DELAY: f64 = 5e5;
 const REACH: f64 = 2.0;
 
 /// Below this (fastest rate · delay), steps longer than the delay are cheaper than steps that divide it.
-const SHORT_DELAY: f64 = 0.02;
+const SHORT_DELAY: f64 = 0.3;
 
 /// How a simulation ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -349,7 +349,11 @@ impl Problem<'_> {
             return Err(too_stiff("too many steps would be needed", self.fastest));
         }
         if !divides {
-            return Ok(smooth::run(self, &mut workspace.smooth, writer));
+            let outcome = smooth::run(self, &mut workspace.smooth, writer);
+            if self.delay == 0.0 || !matches!(outcome, Outcome::Unresolved) {
+                return Ok(outcome);
+            }
+            writer.restart();
         }
         // cells as short as the breaks are dense keep the degree low where many cuts are to come
         let mut cells = cells.max((self.delay / spacing).floor());

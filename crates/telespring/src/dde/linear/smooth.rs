@@ -9,19 +9,20 @@ use std::collections::VecDeque;
 use super::force::Break;
 use super::output::Writer;
 use super::series::{
-    Coefficients, Instant, STRIDE, Series, State, advance, advance_both, degree_for, lag_of, reexpand,
+    Coefficients, Instant, Pair, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
+    reexpand,
 };
 use super::{Outcome, Problem};
 
 /// Largest (fastest rate · step length).
 const REACH: f64 = 2.0;
-const MAX_ITERATIONS: usize = 60;
 
 /// Memory of the method, kept from one simulation to the next.
 #[derive(Debug, Default)]
 pub(super) struct Smooth {
     past: [VecDeque<Series>; 2],
     events: Vec<f64>,
+    recurrences: [Recurrence; 2],
 }
 
 struct March<'a> {
@@ -32,6 +33,8 @@ struct March<'a> {
     /// From here on no echo of a break matters any more.
     quiet_from: f64,
     cursors: [usize; 2],
+    /// Terms beyond the usual degree, where the last attempt was not resolved.
+    more_terms: usize,
 }
 
 pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -> Outcome {
@@ -39,26 +42,36 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
     for past in &mut memory.past {
         past.clear();
     }
+    memory.recurrences = Default::default();
     let states = [0, 1].map(|i| problem.histories[i].start());
-    let mut march = March { problem, memory, states, clock: 0.0, quiet_from: 0.0, cursors: [0; 2] };
+    let mut march =
+        March { problem, memory, states, clock: 0.0, quiet_from: 0.0, cursors: [0; 2], more_terms: 0 };
     march.remember_history();
-    let mut longest = if problem.fastest > 0.0 { REACH / problem.fastest } else { f64::INFINITY };
+    let limit = problem.end + problem.offsets[0].max(problem.offsets[1]);
+    let longest = if problem.fastest > 0.0 { REACH / problem.fastest } else { f64::INFINITY };
+    let mut cut = 1.0;
     while !writer.is_complete() {
         march.meet_breaks();
-        let limit = problem.end + problem.offsets[0].max(problem.offsets[1]);
-        let room = march.room().min((limit - march.clock).max(problem.delay)).min(longest);
-        let room = if room > 0.0 { room } else { longest.min(1.0) };
+        // the last step ends at the last output, or a little later where that is at 0
+        let left = (limit - march.clock).max(problem.delay).max(f64::MIN_POSITIVE.max(1e-9 * limit));
+        let room = march.room().min(left).min(longest);
+        let room = cut * if room > 0.0 { room } else { 1e-9 };
         let explicit = march.clock < march.quiet_from;
         let next = march.clock + room;
         let length = next - march.clock;
-        let done = if explicit { march.explicit(length) } else { march.implicit(length) };
-        let Some(states) = done else {
-            longest = 0.5 * room;
-            if longest < 1e-3 * REACH / problem.fastest.max(1.0 / limit.max(f64::MIN_POSITIVE)) && !explicit {
+        let Some(states) = (if explicit { march.explicit(length) } else { march.implicit(length) }) else {
+            // a side that hardly moves yet needs more terms to resolve its own small motion
+            if march.more_terms < STRIDE {
+                march.more_terms += 8;
+                continue;
+            }
+            (cut, march.more_terms) = (0.5 * cut, 0);
+            if cut < 1e-3 {
                 return Outcome::Unresolved;
             }
             continue;
         };
+        (cut, march.more_terms) = (1.0, 0);
         let mut diverged = f64::INFINITY;
         for i in 0..2 {
             if let Some((start, state)) = states[i] {
@@ -194,7 +207,7 @@ impl March<'_> {
     }
 
     fn degree(&self, length: f64) -> usize {
-        (degree_for(self.problem.fastest * length) + 2).min(STRIDE - 1)
+        (degree_for(self.problem.fastest * length) + 2 + self.more_terms).min(STRIDE - 1)
     }
 
     /// A step not longer than the delay: what the partner did is known.
@@ -202,7 +215,10 @@ impl March<'_> {
         let mut advanced = [None; 2];
         let mut steps = [None; 2];
         let degree = self.degree(length);
-        for i in (0..2).filter(|&i| self.started(i)) {
+        for i in 0..2 {
+            if !self.started(i) {
+                continue;
+            }
             let local = self.local(i);
             let mut force = [0.0; STRIDE];
             let terms = self.problem.forces[i].series(local, length, degree, &mut force);
@@ -211,6 +227,7 @@ impl March<'_> {
             let mut step = Series { start: self.clock, length, degree, coefficients: [0.0; STRIDE] };
             let end = advance(
                 &self.problem.rates[i],
+                &mut self.memory.recurrences[i],
                 self.states[i],
                 length,
                 degree,
@@ -251,37 +268,21 @@ impl March<'_> {
         let mut force = [[0.0; STRIDE]; 2];
         let terms = [0, 1].map(|i| self.problem.forces[i].series(locals[i], length, degree, &mut force[i]));
         let force = [&force[0][..terms[0]], &force[1][..terms[1]]];
-        let (mut lag, mut series) = ([[0.0; STRIDE]; 2], [[0.0; STRIDE]; 2]);
-        let rates = &self.problem.rates;
-        let shift = self.problem.delay / length;
-        let mut before: Option<[State; 2]> = None;
-        for _ in 0..MAX_ITERATIONS {
-            let (states, resolved) =
-                advance_both(rates, self.states, length, degree, &lag, force, &mut series);
-            let settled = shift == 0.0
-                || before.is_some_and(|before| {
-                    let change = (0..2).map(|i| {
-                        let (old, new): (State, State) = (before[i], states[i]);
-                        (old.x - new.x).abs().max((old.v - new.v).abs() * length)
-                    });
-                    let size = (0..2).map(|i| states[i].x.abs().max(states[i].v.abs() * length));
-                    change.fold(0.0, f64::max) <= 2.0 * f64::EPSILON * size.fold(0.0, f64::max)
-                });
-            if settled {
-                if !resolved {
-                    return None;
-                }
-                for (past, coefficients) in self.memory.past.iter_mut().zip(series) {
-                    past.push_back(Series { start: self.clock, length, degree, coefficients });
-                }
-                return Some([0, 1].map(|i| Some((locals[i], states[i]))));
-            }
-            before = Some(states);
-            for i in 0..2 {
-                lag_of(&series[i][..=degree], shift, &mut lag[i]);
-            }
+        let pair = Pair {
+            rates: &self.problem.rates,
+            delay: self.problem.delay,
+            small: self.problem.fastest * self.problem.delay,
+            from: self.states,
+            length,
+            degree,
+            force,
+        };
+        let mut series = [[0.0; STRIDE]; 2];
+        let states = advance_both(&pair, &mut series)?;
+        for (past, coefficients) in self.memory.past.iter_mut().zip(series) {
+            past.push_back(Series { start: self.clock, length, degree, coefficients });
         }
-        None
+        Some([0, 1].map(|i| Some((locals[i], states[i]))))
     }
 
     /// Drops steps that no delayed window can reach any more.
