@@ -143,10 +143,10 @@ fn law_samples_are_a_sum_of_steps() {
 #[test]
 fn law_short_delays_join_without_a_jump() {
     // x(δ) is smooth in δ: second differences over equal steps of δ vanish as their square, across the
-    // change of method (0.3 over the fastest rate, 0.0321 s here) and down to none
+    // change of method (0.15 over the fastest rate, 0.01618 s here) and down to none
     let axis = hman().axis(0).unwrap();
     let end = |delay: f64| run(&axis, 60.0, delay, delay, &steps(1.0, -1.0), 1.0).position[0][250];
-    for middle in [0.0321, 0.01, 1e-4, 1e-6] {
+    for middle in [0.01618, 0.01, 1e-4, 1e-6] {
         let h = 1e-3 * middle;
         let bend = end(middle + h) - 2.0 * end(middle) + end(middle - h);
         assert!(bend.abs() < 20.0 * h * h + 1e-15, "{middle}: {bend}");

@@ -115,9 +115,9 @@ fn ref_steady_state_is_the_transfer_function() {
         let link = s * c + k;
         let chi = p[0] * p[1] - link * link * (-s * (forward + backward)).exp();
         let response = [p[1] / chi, link * (-s * forward).exp() / chi];
-        for i in 0..2 {
+        for (i, response) in response.into_iter().enumerate() {
             let time = (5900..=6000).map(|n| n as f64 / 100.0);
-            let exact: Vec<f64> = time.map(|t| (response[i] * (s * t).exp()).im).collect();
+            let exact: Vec<f64> = time.map(|t| (response * (s * t).exp()).im).collect();
             close(&result.position[i][5900..], &exact, 1e-12, "position");
         }
     }

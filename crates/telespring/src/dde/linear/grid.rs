@@ -110,11 +110,11 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
     while !writer.is_complete() {
         let mut diverged = f64::INFINITY;
         let (last, tolerance) = (interval * delay, 16.0 * f64::EPSILON * (interval + 3.0) * delay);
-        for i in 0..2 {
+        for (i, robot) in robots.iter_mut().enumerate() {
             let kinks = &mut grid.kinks[i];
             kinks.clear();
             pass_on(problem, i, cell, &grid.kinks_before[1 - i], kinks);
-            add_own(problem, i, interval, tolerance, cell, cells, &mut robots[i].break_cursor, kinks);
+            add_own(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
             let track = &mut grid.current[i];
             track.count = 0;
             let partner = &grid.previous[1 - i];
@@ -138,7 +138,6 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
                     step.degree = count - 1;
                     continue;
                 }
-                let robot = &mut robots[i];
                 let delayed = partner.window(&mut partner_cursor, step.start, length, &mut scratch);
                 if !robot.advance(problem, i, local, degree, delayed, step) {
                     return Outcome::Unresolved;

@@ -254,53 +254,66 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
     let Pair { rates, delay, length, degree, .. } = *pair;
     let terms = degree - 1;
     let square = length * length;
-    let mut damping = [[0.0; STRIDE]; 2];
-    let mut stiffness = [[0.0; STRIDE]; 2];
-    let mut first = [[0.0; STRIDE]; 2];
-    let mut zeroth = [[0.0; STRIDE]; 2];
     let mut fixed = [[0.0; STRIDE]; 2];
     for i in 0..2 {
-        let r = &rates[i];
-        for n in 0..terms {
-            damping[i][n] = -r.damping * length * INVERSES.once[n];
-            stiffness[i][n] = -r.stiffness * square * INVERSES.twice[n];
-            first[i][n] = (r.damper - r.coupling * delay) * length * INVERSES.once[n];
-            zeroth[i][n] = r.coupling * square * INVERSES.twice[n];
-        }
-        drive_series::<FMA>(r, length, &[], pair.force[i], terms, &mut fixed[i]);
+        drive_series::<FMA>(&rates[i], length, &[], pair.force[i], terms, &mut fixed[i]);
         series[i][0] = pair.from[i].x;
         series[i][1] = pair.from[i].v * length;
     }
+    // what the own and the partner's last two coefficients contribute, the 2×2 matrix already solved
     let second = [0, 1].map(|i| (0.5 * rates[i].coupling * delay - rates[i].damper) * delay);
     let determinant = 1.0 / (1.0 - second[0] * second[1]);
+    let own = [0, 1].map(|i| [-rates[i].damping * length, -rates[i].stiffness * square]);
+    let partner =
+        [0, 1].map(|i| [(rates[i].damper - rates[i].coupling * delay) * length, rates[i].coupling * square]);
+    let mut from_own = [[[0.0; STRIDE]; 2]; 2];
+    let mut from_partner = [[[0.0; STRIDE]; 2]; 2];
+    for i in 0..2 {
+        for (back, inverse) in [&INVERSES.once, &INVERSES.twice].into_iter().enumerate() {
+            let a = determinant * (own[i][back] + second[i] * partner[1 - i][back]);
+            let b = determinant * (partner[i][back] + second[i] * own[1 - i][back]);
+            for n in 0..STRIDE {
+                from_own[i][back][n] = a * inverse[n];
+                from_partner[i][back][n] = b * inverse[n];
+            }
+        }
+    }
     let shift = delay / length;
-    let mut drive = fixed;
+    // what the iterated rest amounts to
+    let damped = rates.iter().any(|r| r.damper > 0.0);
+    let negligible = pair.small.powi(if damped { 2 } else { 3 }) < 1e-17;
+    let mut lagged = fixed;
+    let mut drive = [[0.0; STRIDE]; 2];
     let mut before: Option<([State; 2], f64)> = None;
     for _ in 0..MAX_ITERATIONS {
+        for i in 0..2 {
+            for n in 0..STRIDE {
+                drive[i][n] = determinant * fused::<FMA>(second[i], lagged[1 - i][n], lagged[i][n]);
+            }
+        }
         let (mut sum, mut slope, mut order) = ([0.0; 2], [0.0; 2], 2.0);
+        let mut lower = [series[0][0], series[1][0]];
+        let mut upper = [series[0][1], series[1][1]];
         for n in 0..terms {
-            let right = [0, 1].map(|i| {
-                let (own, partner) = (&series[i], &series[1 - i]);
-                let old = fused::<FMA>(
-                    stiffness[i][n],
-                    own[n],
-                    fused::<FMA>(zeroth[i][n], partner[n], drive[i][n]),
-                );
-                fused::<FMA>(damping[i][n], own[n + 1], fused::<FMA>(first[i][n], partner[n + 1], old))
+            let next = [0, 1].map(|i| {
+                let (own, partner) = (&from_own[i], &from_partner[i]);
+                let old =
+                    fused::<FMA>(own[1][n], lower[i], fused::<FMA>(partner[1][n], lower[1 - i], drive[i][n]));
+                fused::<FMA>(own[0][n], upper[i], fused::<FMA>(partner[0][n], upper[1 - i], old))
             });
             for i in 0..2 {
-                let next = fused::<FMA>(second[i], right[1 - i], right[i]) * determinant;
-                series[i][n + 2] = next;
-                sum[i] += next;
-                slope[i] = fused::<FMA>(order, next, slope[i]);
+                series[i][n + 2] = next[i];
+                sum[i] += next[i];
+                slope[i] = fused::<FMA>(order, next[i], slope[i]);
             }
+            (lower, upper) = (upper, next);
             order += 1.0;
         }
         let states = [0, 1].map(|i| State {
             x: pair.from[i].x + fused::<FMA>(pair.from[i].v, length, sum[i]),
             v: pair.from[i].v + slope[i] / length,
         });
-        let mut settled = delay == 0.0;
+        let mut settled = negligible;
         let mut latest = f64::INFINITY;
         if let Some((old, change_before)) = before {
             let (mut change, mut size) = (0.0_f64, 0.0_f64);
@@ -322,14 +335,15 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
             let partner = &series[1 - i][..=degree];
             let mut lag = [0.0; STRIDE];
             shifted_from::<FMA>(partner, shift, pair.small, 3, &mut lag);
+            let gain = rates[i].coupling * square;
             for n in 0..terms {
-                drive[i][n] = fused::<FMA>(zeroth[i][n], lag[n], fixed[i][n]);
+                lagged[i][n] = fused::<FMA>(gain * INVERSES.twice[n], lag[n], fixed[i][n]);
             }
             if rates[i].damper > 0.0 {
                 shifted_from::<FMA>(partner, shift, pair.small, 2, &mut lag);
                 for n in 0..terms {
                     let gain = rates[i].damper * length * INVERSES.once[n];
-                    drive[i][n] = fused::<FMA>(gain, lag[n + 1], drive[i][n]);
+                    lagged[i][n] = fused::<FMA>(gain, lag[n + 1], lagged[i][n]);
                 }
             }
         }

@@ -73,8 +73,8 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
         };
         (cut, march.more_terms) = (1.0, 0);
         let mut diverged = f64::INFINITY;
-        for i in 0..2 {
-            if let Some((start, state)) = states[i] {
+        for (i, advanced) in states.into_iter().enumerate() {
+            if let Some((start, state)) = advanced {
                 march.states[i] = state;
                 if let Some(step) = march.memory.past[i].back()
                     && let Some(at) = writer.write(i, start, step, state)
