@@ -72,7 +72,17 @@ fn cross_published_case_with_opposite_steps() {
 #[test]
 fn cross_delays_from_short_to_long() {
     let case = Case::new(hman().axis(1).unwrap(), 60.0, steps(1.0, 0.25), [&|_| 1.0, &|_| 0.25]);
-    for (delay, step) in [(1, 1e-2), (1, 1e-4), (1, 1e-3), (2, 1e-3), (37, 1e-3), (20, 1e-2), (300, 1e-2)] {
+    for (delay, step) in [
+        (1, 1e-2),
+        (1, 1e-4),
+        (1, 1e-3),
+        (2, 1e-3),
+        (20, 1e-3),
+        (30, 1e-3),
+        (37, 1e-3),
+        (20, 1e-2),
+        (300, 1e-2),
+    ] {
         case.check([delay, delay], step, 1500);
     }
 }

@@ -56,7 +56,7 @@ pub const MAX_STEPS_PER_DELAY: f64 = 5e5;
 const REACH: f64 = 2.0;
 
 /// Below this (fastest rate · delay), steps longer than the delay are cheaper than steps that divide it.
-const SHORT_DELAY: f64 = 0.15;
+const SHORT_DELAY: f64 = 0.35;
 
 /// How a simulation ended.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -207,7 +207,7 @@ fn drive_series<const FMA: bool>(
 
 /// True where the last two coefficients are negligible beside the largest.
 #[inline(always)]
-fn resolved(series: &[f64]) -> bool {
+pub(super) fn resolved(series: &[f64]) -> bool {
     let mut lanes = [0.0_f64; 8];
     let mut chunks = series.chunks_exact(8);
     for chunk in &mut chunks {
@@ -230,6 +230,8 @@ pub(super) struct Pair<'a> {
     pub length: f64,
     pub degree: usize,
     pub force: [&'a [f64]; 2],
+    /// False for the columns of a map, of which only the sum must be resolved.
+    pub must_resolve: bool,
 }
 
 /// Most iterations of [`advance_both`] before the step is refused.
@@ -327,7 +329,7 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
             latest = change;
         }
         if settled {
-            let enough = resolved(&series[0][..=degree]) && resolved(&series[1][..=degree]);
+            let enough = !pair.must_resolve || series.iter().all(|series| resolved(&series[..=degree]));
             return enough.then_some(states);
         }
         before = Some((states, latest));

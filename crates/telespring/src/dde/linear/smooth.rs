@@ -10,7 +10,7 @@ use super::force::Break;
 use super::output::Writer;
 use super::series::{
     Coefficients, Instant, Pair, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
-    reexpand,
+    reexpand, resolved,
 };
 use super::{Outcome, Problem};
 
@@ -23,6 +23,66 @@ pub(super) struct Smooth {
     past: [VecDeque<Series>; 2],
     events: Vec<f64>,
     recurrences: [Recurrence; 2],
+    map: Map,
+}
+
+/// Most steps for which the map is used: its rounding is the same in every step and adds up.
+const MAP_STEPS: f64 = 1e4;
+
+/// The full step as a linear map, built once: what position, velocity and constant force of each robot
+/// contribute to both series and both end states.
+#[derive(Debug, Default)]
+struct Map {
+    columns: Vec<([Coefficients; 2], [State; 2])>,
+    length: f64,
+    degree: usize,
+}
+
+impl Map {
+    fn build(&mut self, pair: &Pair) -> Option<()> {
+        self.columns.clear();
+        (self.length, self.degree) = (pair.length, pair.degree);
+        for column in 0..6 {
+            let (robot, kind) = (column / 3, column % 3);
+            let mut from = [State::default(); 2];
+            let mut force = [[0.0], [0.0]];
+            match kind {
+                0 => from[robot].x = 1.0,
+                1 => from[robot].v = 1.0 / pair.length,
+                _ => force[robot][0] = Self::unit_force(pair, robot),
+            }
+            let mut series = [[0.0; STRIDE]; 2];
+            let unit = Pair { from, force: [&force[0], &force[1]], must_resolve: false, ..*pair };
+            let end = advance_both(&unit, &mut series)?;
+            self.columns.push((series, end));
+        }
+        Some(())
+    }
+
+    /// The force whose contribution is of the order of one.
+    fn unit_force(pair: &Pair, robot: usize) -> f64 {
+        1.0 / (pair.rates[robot].force * pair.length * pair.length)
+    }
+
+    fn apply(&self, pair: &Pair, series: &mut [Coefficients; 2]) -> [State; 2] {
+        let mut states = [State::default(); 2];
+        for (column, (unit, end)) in self.columns.iter().enumerate() {
+            let (robot, kind) = (column / 3, column % 3);
+            let weight = match kind {
+                0 => pair.from[robot].x,
+                1 => pair.from[robot].v * pair.length,
+                _ => pair.force[robot][0] / Self::unit_force(pair, robot),
+            };
+            for i in 0..2 {
+                for (value, unit) in series[i].iter_mut().zip(&unit[i]) {
+                    *value += weight * unit;
+                }
+                states[i].x += weight * end[i].x;
+                states[i].v += weight * end[i].v;
+            }
+        }
+        states
+    }
 }
 
 struct March<'a> {
@@ -30,6 +90,8 @@ struct March<'a> {
     memory: &'a mut Smooth,
     states: [State; 2],
     clock: f64,
+    /// What rounding has left out of the clock.
+    clock_rest: f64,
     /// From here on no echo of a break matters any more.
     quiet_from: f64,
     cursors: [usize; 2],
@@ -43,12 +105,22 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
         past.clear();
     }
     memory.recurrences = Default::default();
+    memory.map.columns.clear();
     let states = [0, 1].map(|i| problem.histories[i].start());
-    let mut march =
-        March { problem, memory, states, clock: 0.0, quiet_from: 0.0, cursors: [0; 2], more_terms: 0 };
+    let mut march = March {
+        problem,
+        memory,
+        states,
+        clock: 0.0,
+        clock_rest: 0.0,
+        quiet_from: 0.0,
+        cursors: [0; 2],
+        more_terms: 0,
+    };
     march.remember_history();
     let limit = problem.end + problem.offsets[0].max(problem.offsets[1]);
     let longest = if problem.fastest > 0.0 { REACH / problem.fastest } else { f64::INFINITY };
+    let may_map = limit / longest <= MAP_STEPS;
     let mut cut = 1.0;
     while !writer.is_complete() {
         march.meet_breaks();
@@ -58,8 +130,12 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
         let room = cut * if room > 0.0 { room } else { 1e-9 };
         let explicit = march.clock < march.quiet_from;
         let next = march.clock + room;
-        let length = next - march.clock;
-        let Some(states) = (if explicit { march.explicit(length) } else { march.implicit(length) }) else {
+        // steps of one length go on exactly; all others end exactly at their event
+        let full = !explicit && room == longest && may_map;
+        let gone = (next - march.clock) - march.clock_rest;
+        let (length, rest) = if full { (room, room - gone) } else { (gone, 0.0) };
+        let done = if explicit { march.explicit(length) } else { march.implicit(length, full) };
+        let Some(states) = done else {
             // a side that hardly moves yet needs more terms to resolve its own small motion
             if march.more_terms < STRIDE {
                 march.more_terms += 8;
@@ -86,7 +162,7 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
         if diverged.is_finite() {
             return Outcome::Diverged { at: diverged };
         }
-        march.clock = next;
+        (march.clock, march.clock_rest) = (next, rest);
         march.forget();
     }
     Outcome::Completed
@@ -199,7 +275,9 @@ impl March<'_> {
     }
 
     fn local(&self, robot: usize) -> Instant {
-        Instant::new(1.0, self.clock, -self.problem.offsets[robot])
+        let mut local = Instant::new(1.0, self.clock, -self.problem.offsets[robot]);
+        local.low += self.clock_rest;
+        local
     }
 
     fn started(&self, robot: usize) -> bool {
@@ -262,7 +340,7 @@ impl March<'_> {
     }
 
     /// A step of any length in a smooth stretch: both partners at once.
-    fn implicit(&mut self, length: f64) -> Option<Advanced> {
+    fn implicit(&mut self, length: f64, full: bool) -> Option<Advanced> {
         let degree = self.degree(length);
         let locals = [self.local(0), self.local(1)];
         let mut force = [[0.0; STRIDE]; 2];
@@ -276,9 +354,22 @@ impl March<'_> {
             length,
             degree,
             force,
+            must_resolve: true,
         };
         let mut series = [[0.0; STRIDE]; 2];
-        let states = advance_both(&pair, &mut series)?;
+        let map = &mut self.memory.map;
+        let states = if full && terms == [1, 1] && self.more_terms == 0 {
+            if map.columns.len() < 6 || (map.length, map.degree) != (length, degree) {
+                map.build(&pair)?;
+            }
+            let states = map.apply(&pair, &mut series);
+            if !series.iter().all(|series| resolved(&series[..=degree])) {
+                return None;
+            }
+            states
+        } else {
+            advance_both(&pair, &mut series)?
+        };
         for (past, coefficients) in self.memory.past.iter_mut().zip(series) {
             past.push_back(Series { start: self.clock, length, degree, coefficients });
         }
