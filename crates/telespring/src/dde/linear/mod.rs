@@ -133,7 +133,8 @@ pub struct Ending {
     pub outputs: usize,
 }
 
-/// Memory for simulations. One that is used again makes [`Simulation::run_into`] free of allocations.
+/// Memory for simulations. Used again, it spares [`Simulation::run_into`] every
+/// allocation that grows with the simulation.
 #[derive(Debug, Default)]
 pub struct Workspace {
     grid: grid::Grid,
@@ -234,7 +235,8 @@ impl Simulation<'_> {
     }
 
     /// Runs it into the caller's arrays, each of [`output_count`] values or more: positions (m) and, where
-    /// wanted, velocities (m/s). After the first call with the same workspace nothing is allocated.
+    /// wanted, velocities (m/s). After the first call with the same workspace only a few short
+    /// lists and names are allocated at the start, nothing while it runs.
     ///
     /// # Errors
     ///
