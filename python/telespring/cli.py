@@ -94,6 +94,8 @@ def decide(
             jitter=read.jitter if jitter is None else jitter,
             max_gap=read.max_gap if max_gap is None else max_gap,
             sample_period=read.sample_period if sample_period is None else sample_period,
+            computing_time=read.computing_time,
+            operator_ranges=read.operator_ranges,
             horizon=horizon,
         )
     if as_json:

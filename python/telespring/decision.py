@@ -39,12 +39,15 @@ TIERS: dict[str, TierDescription] = {
         "any_constant_delay",
         "any constant delay (a playout buffer makes it constant)",
         "the stiffness is below the critical stiffness",
-        "k < k_m exact",
+        "k < kₘ exact",
     ),
     "bounded varying delay": TierDescription(
         "bounded_varying_delay",
         "any variation up to a known longest age of a sample",
-        "twice the mean damping √(b₁b₂) exceeds the stiffness times the age of the oldest samples, there and back",
+        (
+            "twice the mean damping √(b₁b₂) exceeds the stiffness times the age of the "
+            "oldest samples, there and back"
+        ),
         "k < 2√(b₁b₂)/(T₁+T₂)",
     ),
     "any network": TierDescription(
@@ -78,7 +81,8 @@ class Verdict:
     satisfied
         True where the stiffness asked for is allowed.
     assumption_met
-        True where the network asked for is of the kind that the verdict assumes.
+        True where the network asked for is of the kind that the verdict assumes; otherwise it is so
+        only behind a playout buffer that makes the delay constant.
     available
         False where the verdict cannot be given for this dyad, such as a coupling damper in tier 2.
     """
@@ -201,7 +205,14 @@ class Decision:
     axes, verdicts, remedies
         The parts of the answer.
     delay_budget
-        What the oldest sample in use is made of: pairs of name and s, each way.
+        What the age of the oldest sample in use is made of, forward and backward: name to s.
+    paper_agrees
+        True where the paper's verdict on this constant delay is the exact one.
+    sampled_stable
+        Whether the dyad with sampled controllers is stable too; None without a sample period.
+    over_operator_ranges
+        True where operators are ranges: the verdicts are then the worst over them, while the margins
+        of the axes are those of the middle.
     """
 
     stiffness: float
@@ -209,8 +220,11 @@ class Decision:
     horizon: float
     axes: tuple[AxisDecision, ...]
     verdicts: tuple[Verdict, ...]
-    delay_budget: tuple[tuple[str, float], ...]
+    delay_budget: tuple[dict[str, float], dict[str, float]]
     remedies: Remedies
+    paper_agrees: bool
+    sampled_stable: bool | None
+    over_operator_ranges: bool
 
     @property
     def mean_delay(self) -> float:
@@ -242,7 +256,13 @@ class Decision:
             "horizon": self.horizon,
             "axes": [axis.to_json() for axis in self.axes],
             "verdicts": {verdict.description.key: verdict.to_json() for verdict in self.verdicts},
-            "delay_budget": [{"part": part, "seconds": seconds} for part, seconds in self.delay_budget],
+            "paper_agrees": self.paper_agrees,
+            "sampled_stable": self.sampled_stable,
+            "over_operator_ranges": self.over_operator_ranges,
+            "delay_budget": {
+                direction: {**parts, "total": sum(parts.values())}
+                for direction, parts in zip(("forward", "backward"), self.delay_budget, strict=True)
+            },
             "remedies": {
                 "stiffness": finite_or_none(remedies.stiffness),
                 "stiffness_unbounded": math.isinf(remedies.stiffness),
@@ -261,6 +281,8 @@ def decide(
     jitter: float = 0.0,
     max_gap: float = 0.0,
     sample_period: float = 0.0,
+    computing_time: float = 0.0,
+    operator_ranges: Any = None,
     horizon: float | None = None,
 ) -> Decision:
     """Answer for one dyad, stiffness and network.
@@ -273,9 +295,11 @@ def decide(
         Stiffness of the virtual spring, N/m.
     delay
         One-way delay each way, s, or the pair (forward, backward).
-    jitter, max_gap, sample_period
-        What may come on top of the delay, s: its variation, the longest time without a sample, and
-        the period of the controllers.
+    jitter, max_gap, sample_period, computing_time
+        What may come on top of the delay, s: its variation, the longest wait for a newer sample, the
+        period of the controllers, and from reading the samples to applying the force.
+    operator_ranges
+        A study's ranges of operators, over which the verdicts are the worst; None for the dyad's own.
     horizon
         List stable intervals up to this one-way delay, s; 1 s, or twice the delay if that is more,
         unless told.
@@ -292,7 +316,16 @@ def decide(
     """
     both = delay if isinstance(delay, tuple) else (delay, delay)
     # Checks every value at the door, before anything is derived from it.
-    judged = ts.verdicts(dyad, stiffness, delay, jitter=jitter, max_gap=max_gap, sample_period=sample_period)
+    judged = ts.verdicts(
+        dyad,
+        stiffness,
+        delay,
+        jitter=jitter,
+        max_gap=max_gap,
+        sample_period=sample_period,
+        computing_time=computing_time,
+        operators=operator_ranges,
+    )
     mean = 0.5 * sum(both)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     axes = axes_of(dyad)
@@ -301,8 +334,11 @@ def decide(
         delay=both,
         horizon=horizon,
         axes=tuple(_decide_axis(dyad, axis, stiffness, delay, mean, horizon) for axis in axes),
-        verdicts=tuple(_verdicts(judged)),
-        delay_budget=tuple((str(part["part"]), float(part["seconds"])) for part in judged["delay_budget"]),
+        verdicts=tuple(_verdicts(judged, [axis.name for axis in axes])),
+        delay_budget=(_budget(judged.delay_budget[0]), _budget(judged.delay_budget[1])),
+        paper_agrees=judged.paper.agrees,
+        sampled_stable=judged.sampled_stable,
+        over_operator_ranges=operator_ranges is not None,
         remedies=Remedies(
             stiffness=min(axis.maximum_stiffness(mean) for axis in axes),
             delay=min(float(axis.maximum_delay(stiffness)) for axis in axes),
@@ -335,15 +371,31 @@ def _decide_axis(
     )
 
 
-def _verdicts(judged: Any) -> list[Verdict]:
-    return [
+def _verdicts(judged: ts.Verdicts, axis_names: list[str]) -> list[Verdict]:
+    """Put the four tiers, the strongest promise last, and the paper's verdict into one form."""
+    tiers = [
         Verdict(
-            name=row["name"],
-            stiffness_allowed=float(row["stiffness_allowed"]),
-            axis=row["worst_axis"],
-            satisfied=bool(row["satisfied"]),
-            assumption_met=bool(row["assumption_met"]),
-            available=bool(row["available"]),
+            name=tier.tier,
+            stiffness_allowed=math.nan if tier.stiffness_bound is None else float(tier.stiffness_bound),
+            axis=None if tier.worst_axis is None else axis_names[tier.worst_axis],
+            satisfied=bool(tier.satisfied),
+            assumption_met=bool(tier.assumption_met),
+            available=tier.stiffness_bound is not None,
         )
-        for row in judged["verdicts"]
+        for tier in judged.tiers
     ]
+    order = list(TIERS)
+    paper_verdict = Verdict(
+        name="paper",
+        stiffness_allowed=float(judged.paper.critical_stiffness),
+        axis=axis_names[judged.paper.critical_axis],
+        satisfied=bool(judged.paper.stable),
+        assumption_met=next(tier.assumption_met for tier in tiers if tier.name == "constant delay"),
+    )
+    return sorted([*tiers, paper_verdict], key=lambda verdict: order.index(verdict.name))
+
+
+def _budget(parts: ts.DelayBudget) -> dict[str, float]:
+    return {
+        name: float(getattr(parts, name)) for name in ("network", "jitter", "gap", "sampling", "computing")
+    }

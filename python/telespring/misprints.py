@@ -142,8 +142,8 @@ def _rigid_body_root(dyad: ts.Dyad, axis: Axis, k: float) -> Misprint:
         printed="Stability is read off the Nyquist plot's turns about −1, without more ado.",
         true=(
             "χ(0) = 0 for every parameter: both robots can be carried off together. The locus passes through "
-            "−1 at ω = 0, so the count means nothing until that root is divided out. Stable means: s = 0 is a "
-            "simple root and every other root lies in the open left half-plane."
+            "−1 at ω = 0, so the count means nothing until that root is divided out. "
+            "Stable means: s = 0 is a simple root and every other root lies in the open left half-plane."
         ),
         consequence="A program that counts turns naively calls every free dyad marginal or unstable.",
         evidence=(
@@ -175,9 +175,10 @@ def _equation_5_is_not_sufficient() -> Misprint:
         where="Eq. 5 and the proof in Appendix A1",
         printed="Delay-independent stable if k ≤ (b₁²+b₂²)/(2(m₁+m₂)); a positive root of F needs F(0) < 0.",
         true=(
-            "The bound only says F(0) ≥ 0. F can still have two positive roots, so the converse in the proof is "
-            "false. Delay-independent if and only if F has no positive root. For equal masses Eq. 5 fails as soon as "
-            "one damping exceeds the other by the factor 1+√2."
+            "The bound only says F(0) ≥ 0. F can still have two positive roots, so the "
+            "converse in the proof is "
+            "false. Delay-independent if and only if F has no positive root. For equal "
+            "masses Eq. 5 fails as soon as one damping exceeds the other by the factor 1+√2."
         ),
         consequence="A spring that the paper calls safe at every delay makes unequal robots unstable.",
         evidence=(
@@ -214,10 +215,10 @@ def _stability_returns() -> Misprint:
     return Misprint(
         key="equation-4",
         where="Section II below Eq. 3, Eqs. 4 and 6",
-        printed="The system becomes unstable when δ ≥ δ_m.",
+        printed="The system becomes unstable when δ ≥ δₘ.",
         true=(
-            "δ_m ends the first stable interval. F can have up to three positive roots, some of which lead roots back, "
-            "so the stable delays are a union of intervals."
+            "δₘ ends the first stable interval. F can have up to three positive roots, "
+            "some of which lead roots back, so the stable delays are a union of intervals."
         ),
         consequence="A dyad that is stable at its actual delay is refused.",
         evidence=(
@@ -252,11 +253,14 @@ def _sign_in_equation_9(base: Axis) -> Misprint:
         where="Eq. 9",
         printed="z = sign(B) √(A₁A₂)/k with B = ω² − k(b₁+b₂)/(m₁b₂+m₂b₁)",
         true=(
-            "At B = 0 the sign is 0 and so is z. This is no rare case: two identical robots at k = b²/m, twice the "
+            "At B = 0 the sign is 0 and so is z. This is no rare case: two identical "
+            "robots at k = b²/m, twice the "
             "critical stiffness, have B = 0, and that is where the paper takes Δ. The delay is "
             "((−arg(P₁P₂/k²)) mod 2π)/(2ω), which needs no sign."
         ),
-        consequence="At the paper's own base point the printed formula returns zero, or is decided by rounding.",
+        consequence=(
+            "At the paper's own base point the printed formula returns zero, or is decided by rounding."
+        ),
         evidence=(
             Evidence(
                 "B for m = 1 kg, b = 2 N·s/m, k = 4 N/m",
@@ -285,11 +289,14 @@ def _less_or_equal(dyad: ts.Dyad, axis: Axis, k: float) -> Misprint:
     return Misprint(
         key="conjecture-2",
         where="Section III, conjecture 2",
-        printed="The system is stable when k > k_m and δ ≤ δ_m.",
-        true="Only δ < δ_m: at δ_m itself a pair of roots lies on the imaginary axis, and an oscillation never ends.",
-        consequence="The marginal case is counted as stable; Section II says unstable (δ ≥ δ_m).",
+        printed="The system is stable when k > kₘ and δ ≤ δₘ.",
+        true=(
+            "Only δ < δₘ: at δₘ itself a pair of roots lies on the imaginary axis, and an "
+            "oscillation never ends."
+        ),
+        consequence="The marginal case is counted as stable; Section II says unstable (δ ≥ δₘ).",
         evidence=(
-            Evidence(f"δ_m of axis {axis.name}", delay, "s"),
+            Evidence(f"δₘ of axis {axis.name}", delay, "s"),
             Evidence(
                 "real part of the rightmost pair there, 0 up to rounding", float(np.real(roots[0])), "1/s"
             ),
@@ -346,7 +353,10 @@ def _numbers_of_the_robots(axes: list[Axis]) -> Misprint:
         where="Section IV-A, first sentence",
         printed="M₁, B₁ are those of H-MAN₂ and M₂, B₂ those of H-MAN₁.",
         true="Table III has it the other way round: M₁, B₁ belong to H-MAN₁. We follow Table III.",
-        consequence="None for stability: exchanging the robots changes neither K nor Δ. It matters for who moves how far.",
+        consequence=(
+            "None for stability: exchanging the robots changes neither K nor Δ. It matters "
+            "for who moves how far."
+        ),
         evidence=(
             Evidence("K with Table III's numbering", k, "N/m"),
             Evidence(
@@ -371,8 +381,13 @@ def _reference_delay(axes: list[Axis]) -> Misprint:
         key="reference-delay",
         where="Table III, Δ of both axes",
         printed="Δ_xy = 165 ms; Section IV-D and Fig. 8 use 84, 167 and 334 ms.",
-        true="Unrounded K gives 167.2 ms, as the experiment has it; 2·36 N/m gives 164.3 ms. Neither gives 165 ms.",
-        consequence="Repeating the experiment from Table III sets delays that differ from those that were used.",
+        true=(
+            "The unrounded K gives the delays of the experiment, K rounded to 36 N/m gives "
+            "less. Neither gives 165 ms."
+        ),
+        consequence=(
+            "Repeating the experiment from Table III sets delays that differ from those that were used."
+        ),
         evidence=(
             Evidence("Δ_xy printed in Table III", table.reference_delay, "s"),
             Evidence("Δ_xy from the unrounded K", unrounded, "s"),
@@ -408,7 +423,9 @@ def _figure_5j(axes: list[Axis], reference: float) -> Misprint:
         where="Fig. 5(j), its caption and Section IV-A",
         printed="At 4K the system is unstable under all delays from 0.5Δ to 2Δ.",
         true="At 0.5Δ axis x is unstable but axis y is still stable.",
-        consequence="The dyad as a whole is unstable, so the sentence holds; the plot along y does not show it.",
+        consequence=(
+            "The dyad as a whole is unstable, so the sentence holds; the plot along y does not show it."
+        ),
         evidence=(
             Evidence("0.5Δ", delay, "s"),
             *(
@@ -461,22 +478,25 @@ def _constant_delay_only(base: Axis) -> Misprint:
     return Misprint(
         key="constant-delay-only",
         where="Section VI",
-        printed="k ≤ k_m ensures robustness against unpredictable network delays.",
+        printed="k ≤ kₘ ensures robustness against unpredictable network delays.",
         true=(
             "Only against any constant delay. A delay that varies drives identical robots unstable at every "
-            "k > b²/(4m), half of k_m: it is enough that each position received is held until the robots have swung."
+            "k > b²/(4m), half of kₘ: it is enough that each position received is held "
+            "until the robots have swung."
         ),
-        consequence="A real network, whose delay varies, makes a spring unstable that the paper calls robust.",
+        consequence=(
+            "A real network, whose delay varies, makes a spring unstable that the paper calls robust."
+        ),
         evidence=(
-            Evidence("k_m of the base robot", k, "N/m"),
+            Evidence("kₘ of the base robot", k, "N/m"),
             Evidence("b²/(4m), safe on any network", damping**2 / (4 * mass), "N/m"),
-            Evidence("at k_m, each position held for", hold, "s"),
+            Evidence("at kₘ, each position held for", hold, "s"),
             Evidence("the distance grows per hold by the factor", growth, "1"),
             Evidence("which is a growth rate of", math.log(growth) / hold, "1/s"),
-            Evidence("at 0.6 of k_m, each position held for", near_hold, "s"),
+            Evidence("at 0.6 of kₘ, each position held for", near_hold, "s"),
             Evidence("the factor per hold is", near_growth, "1"),
             Evidence(
-                "maximum constant delay at 0.6 of k_m (none: no value)",
+                "maximum constant delay at 0.6 of kₘ (none: no value)",
                 finite_or_none(float(base.maximum_delay(0.6 * k))),
                 "s",
             ),

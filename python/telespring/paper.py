@@ -93,7 +93,8 @@ def delay_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, frequ
     a1 = m1 * frequency**2 - 1j * b1 * frequency - k
     a2 = m2 * frequency**2 - 1j * b2 * frequency - k
     z = float(np.sign(sign_of_equation_9(m1, b1, m2, b2, k, frequency))) * cmath.sqrt(a1 * a2) / k
-    return -cmath.phase(z) / frequency
+    # Adding zero turns the -0.0 of a vanishing z into 0.0.
+    return -cmath.phase(z) / frequency + 0.0
 
 
 def loop_in_figure_3(

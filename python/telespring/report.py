@@ -77,7 +77,8 @@ def format_quantity(value: float | None, unit: str = "1", digits: int = 4) -> st
     if value is None:
         return "no limit"
     shown, factor = _SHOWN.get(unit, (unit, 1.0))
-    scaled = value * factor
+    # Adding zero turns -0.0 into 0.0.
+    scaled = value * factor + 0.0
     if scaled != 0.0 and not 1e-3 <= abs(scaled) < 1e6:
         mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
         text = f"{mantissa}·10{_superscript(int(exponent))}"

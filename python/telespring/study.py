@@ -206,6 +206,7 @@ def _study_numbers(study: ts.Study, axes: list[Axis]) -> dict[str, Any]:
         "jitter": study.jitter,
         "max_gap": study.max_gap,
         "sample_period": study.sample_period,
+        "computing_time": study.computing_time,
         "axes": [
             {
                 "axis": axis.name,
@@ -229,6 +230,8 @@ def _summary(study: ts.Study) -> dict[str, Any]:
             jitter=study.jitter,
             max_gap=study.max_gap,
             sample_period=study.sample_period,
+            computing_time=study.computing_time,
+            operator_ranges=study.operator_ranges,
         )
         row: dict[str, Any] = {"delay": delay}
         for verdict in decision.verdicts:
@@ -276,7 +279,8 @@ def _axis_numbers(axis: Axis, base: _Base) -> dict[str, Any]:
                 "stiffness": factor * base.stiffness,
                 "delay": finite_or_none(float(axis.maximum_delay(factor * base.stiffness))),
             }
-            for factor in _FACTORS
+            # Below the critical stiffness there is none; at it rounding would decide.
+            for factor in (2.0, 4.0)
         ],
     }
 
@@ -323,7 +327,8 @@ def _nyquist(ideal: ts.Dyad, axis: Axis, base: _Base) -> tuple[dict[str, Any], s
         figures.nyquist_figure(grid),
         "nyquist",
         "Nyquist loci of two identical robots",
-        "Nine loci of L for stiffness 0.5K, K and 2K and delay 0.5Δ, Δ and 2Δ. All start at −1, the rigid-body "
+        "Nine loci of L for stiffness 0.5K, K and 2K and delay 0.5Δ, Δ and 2Δ. All start "
+        "at −1, the rigid-body "
         "root. " + " ".join(f"({row['panel']}) {row['verdict']}." for row in rows),
     )
     return {"panels": rows}, svg
@@ -343,16 +348,16 @@ def _frequency(mass: float, damping: float, base: _Base) -> tuple[dict[str, Any]
             value = {**(varied_delay if symbol == "δ" else nominal), symbol: factor * nominal[symbol]}
             axis = free_axis(value["m"], value["b"], value["m"], value["b"])
             pair = ts.Dyad(ts.Robot([value["m"]], [value["b"]]), ts.Robot([value["m"]], [value["b"]]))
-            response = np.asarray(ts.frequency_response(pair, value["k"], value["δ"], frequency))
-            # Pushing robot 2 alone: what robot 1 does per motion of robot 2 is one crossing, k e^(−δs)/P.
-            one_way = response[:, 0, 1] / response[:, 1, 1]
+            # What robot 1 does per motion of robot 2 is one crossing, k e^(−δs)/P.
+            curve = ts.partner_response(pair, value["k"], value["δ"], frequency)
+            magnitude = np.asarray(curve.magnitude)
             crossing = _gain_crossing(axis, value["k"], value["δ"])
             label = f"{_WORDS[factor]}{names[symbol]}" if factor else "0"
             curves.append(
                 figures.FrequencyCurve(
                     label=label,
-                    magnitude=np.abs(one_way),
-                    phase=np.degrees(np.unwrap(np.angle(one_way))),
+                    magnitude=magnitude,
+                    phase=np.degrees(np.asarray(curve.phase)),
                     gain_crossing=crossing,
                 )
             )
@@ -364,7 +369,7 @@ def _frequency(mass: float, damping: float, base: _Base) -> tuple[dict[str, Any]
                     "delay": value["δ"],
                     "mass": value["m"],
                     "damping": value["b"],
-                    "peak_magnitude": float(max(1.0, np.abs(one_way).max())),
+                    "peak_magnitude": float(max(1.0, magnitude.max())),
                     "gain_crossing_frequency": None if crossing is None else crossing[0],
                     "phase_margin": None if crossing is None else math.radians(180.0 + crossing[1]),
                     "verdict": _classify(axis, value["k"], value["δ"]),
@@ -376,8 +381,10 @@ def _frequency(mass: float, damping: float, base: _Base) -> tuple[dict[str, Any]
         figures.frequency_figure(frequency, families),
         "frequency",
         "Magnitude and phase of one crossing under stiffness, delay, inertia and damping",
-        "Magnitude of the motion of one robot per motion of the other above its phase. More stiffness or inertia "
-        "or less damping lifts the magnitude above one; more delay only lowers the phase. A dot marks where the "
+        "Magnitude of the motion of one robot per motion of the other above its phase. "
+        "More stiffness or inertia "
+        "or less damping lifts the magnitude above one; more delay only lowers the "
+        "phase. A dot marks where the "
         "magnitude falls through one; the dyad is stable where the phase there is above −180 degree.",
     )
     return {
@@ -393,6 +400,9 @@ def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, f
         return None
     frequency = max(each["frequency"] for each in found)
     mass, damping = axis.masses[0], axis.dampings[0]
+    if frequency < 1e-3 * math.sqrt(stiffness / mass):
+        # At the critical stiffness itself the crossing sits at rest; rounding may lift it off zero.
+        return None
     lag = math.atan2(damping * frequency, stiffness - mass * frequency**2) + delay * frequency
     return frequency, -math.degrees(lag)
 
@@ -446,7 +456,8 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
         "Positions after opposite unit steps of force",
         "Sixteen panels: stiffness 0.5K, K, 2K and 4K by delay 0, 0.5Δ, Δ and 2Δ. "
         + " ".join(
-            f"k = {row['stiffness_factor']:g}K, delay {row['delay_factor']:g}Δ, axis {row['axis']}: {row['verdict']}."
+            f"k = {row['stiffness_factor']:g}K, delay {row['delay_factor']:g}Δ, axis "
+            f"{row['axis']}: {row['verdict']}."
             for row in rows
         ),
     )
@@ -462,7 +473,7 @@ def _tier_map(study: ts.Study, axes: list[Axis], base: _Base) -> tuple[dict[str,
         if axis.is_plain:
             printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
         shown.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
-    decision = decide(study.dyad, study.stiffness, base.delay)
+    decision = decide(study.dyad, study.stiffness, base.delay, operator_ranges=study.operator_ranges)
     any_network = decision.verdict("any network").stiffness_allowed
     any_constant = decision.verdict("any constant delay").stiffness_allowed
     varying = decision.verdict("bounded varying delay")
@@ -486,8 +497,10 @@ def _tier_map(study: ts.Study, axes: list[Axis], base: _Base) -> tuple[dict[str,
         ),
         "map",
         "Stability over stiffness and delay",
-        "The region where every constant delay shown is stable on all axes lies under the boundaries of the axes, "
-        "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on any network and under any "
+        "The region where every constant delay shown is stable on all axes lies under "
+        "the boundaries of the axes, "
+        "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on "
+        "any network and under any "
         "constant delay; a falling curve marks the limit for a bounded varying delay.",
     )
     curves = [
@@ -571,8 +584,9 @@ def _example_maps() -> tuple[dict[str, Any], str]:
         ),
         "examples",
         "Two dyads on which the paper's formulas fail",
-        "Left: with dampings 1 and 10 the paper calls a hatched region stable that is not. Right: a dyad whose "
-        "stable delays are two separate intervals, so that a cross lies in a stable region above an unstable one.",
+        "Left: with dampings 1 and 10 the paper calls a hatched region stable that is "
+        "not. Right: a dyad whose stable delays are two separate intervals, so that a cross "
+        "lies in a stable region above an unstable one.",
     )
     numbers["unequal_damping"]["mark"] = {
         "stiffness": 0.99 * unequal.critical_stiffness("paper"),

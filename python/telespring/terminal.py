@@ -32,6 +32,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
     return Group(
         _headline(decision, title),
         _verdict_table(decision),
+        *_notes(decision),
         _axis_table(decision),
         _budget(decision),
         _changes(decision),
@@ -123,9 +124,21 @@ def _verdict_table(decision: Decision) -> Table:
             _stiffness(verdict.stiffness_allowed),
             verdict.axis or "–",
             _yes_or_no(verdict.satisfied),
-            Text("fits") if verdict.assumption_met else Text("does not fit", style="red"),
+            Text("fits") if verdict.assumption_met else Text("if buffered", style="yellow"),
         )
     return table
+
+
+def _notes(decision: Decision) -> list[Text]:
+    notes = []
+    if not decision.paper_agrees:
+        notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
+    if decision.sampled_stable is not None:
+        state = "stable" if decision.sampled_stable else "UNSTABLE"
+        notes.append(Text(f"With controllers that sample, at this constant delay: {state}."))
+    if decision.over_operator_ranges:
+        notes.append(Text("Verdicts: the worst over the ranges of operators. Margins: their middle."))
+    return notes
 
 
 def _yes_or_no(is_so: bool) -> Text:
@@ -135,7 +148,7 @@ def _yes_or_no(is_so: bool) -> Text:
 def _axis_table(decision: Decision) -> Padding:
     table = Table(title="Margins by axis", title_justify="left", title_style="bold", box=None, pad_edge=False)
     table.add_column("axis")
-    for name in ("k_m exact", "k_m paper", "δ_m exact", "δ_m paper", "slowest root"):
+    for name in ("kₘ exact", "kₘ paper", "δₘ exact", "δₘ paper", "slowest root"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column(f"stable delays up to {_delay(decision.horizon)}")
     for axis in decision.axes:
@@ -154,12 +167,16 @@ def _axis_table(decision: Decision) -> Padding:
 
 
 def _budget(decision: Decision) -> Padding:
-    used = [(part, seconds) for part, seconds in decision.delay_budget if seconds > 0.0]
-    parts = " + ".join(f"{_delay(seconds)} {part}" for part, seconds in used) or "nothing"
-    total = sum(seconds for _, seconds in decision.delay_budget)
-    return Padding(
-        Text.assemble(("Delay budget, one way: ", "bold"), f"{parts} = {_delay(total)}"), (1, 0, 0, 0)
-    )
+    there, back = decision.delay_budget
+    lines = [_budget_line("each way", there)] if there == back else []
+    if not lines:
+        lines = [_budget_line("there", there), _budget_line("back", back)]
+    return Padding(Text.assemble(("Oldest sample in use, ", "bold"), "; ".join(lines)), (1, 0, 0, 0))
+
+
+def _budget_line(direction: str, parts: dict[str, float]) -> str:
+    used = " + ".join(f"{_delay(seconds)} {part}" for part, seconds in parts.items() if seconds > 0.0)
+    return f"{direction}: {used or 'nothing'} = {_delay(sum(parts.values()))}"
 
 
 def _changes(decision: Decision) -> Padding:
