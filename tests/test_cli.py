@@ -226,5 +226,5 @@ def test_law_help_names_every_option_with_its_unit() -> None:
         "--sample-period",
         "--json",
     ):
-        assert option in text
+        assert f"--{option}" in text
     assert "N/m" in text

@@ -6,6 +6,7 @@ number can be typed by hand and every one can be traced.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -122,7 +123,7 @@ def render(numbers: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
 
     def quantity(key: str, unit: str = "1", digits: int = 4) -> Markup:
         value = look_up(numbers, key)
-        exact = "" if value is None else repr(value)
+        exact = "" if value is None else json.dumps(value)
         return Markup('<data value="{}" data-key="{}">{}</data>').format(
             exact, key, format_quantity(value, unit, digits)
         )
