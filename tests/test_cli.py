@@ -5,7 +5,6 @@ import json
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -171,15 +170,13 @@ def test_law_the_program_runs_as_a_process() -> None:
     assert json.loads(found.stdout)["stable"]
 
 
-@pytest.mark.parametrize("moment", [0.0, 0.4])
-def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path, moment: float) -> None:
+def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path) -> None:
     out = tmp_path / "study"
     process = subprocess.Popen(
         [sys.executable, "-c", WAITS_FOR_ITS_FIRST_STEP, str(out)], stdout=subprocess.PIPE, text=True
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "begun\n"
-    time.sleep(moment)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
     # Whole files or none: where the study was quicker than the signal, both stand.
@@ -226,5 +223,5 @@ def test_law_help_names_every_option_with_its_unit() -> None:
         "--sample-period",
         "--json",
     ):
-        assert f"--{option}" in text
+        assert option in text
     assert "N/m" in text

@@ -27,8 +27,8 @@ def frequency() -> Figure:
 def responses() -> Figure:
     time = np.linspace(0.0, 4.0, 100)
     position = np.sin(time)[:, None, None] * np.array([[1.0, 0.5], [-1.0, -0.5]])
-    panel = figures.ResponsePanel("a", "k = K, δ = Δ", position, ["stable", "unstable"])
-    return figures.response_figure(time, ["x", "y"], [[panel] * 3] * 2)
+    panel = figures.ResponsePanel("a", "k = K, δ = Δ", time, position, ["stable", "unstable"])
+    return figures.response_figure(["x", "y"], [[panel] * 3] * 2)
 
 
 def tiers() -> Figure:
@@ -70,8 +70,8 @@ def test_law_nothing_is_cut_off(drawing: tuple[str, Figure]) -> None:
     _, figure = drawing
     with figures.style.styled():
         canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        box = figure.get_tightbbox(canvas.get_renderer())
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]
     width, height = figure.get_size_inches()
     # a hundredth of an inch: half of a line's width may stand over the edge
     assert box.x0 > -0.01

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import telespring as ts
 from telespring import figures, paper
@@ -415,7 +414,6 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
     forces = [[1.0] * len(axes), [-1.0] * len(axes)]
     grid, rows = [], []
     letters = iter("abcdefghijkl")
-    time: NDArray[np.float64] = np.zeros(0)
     for stiffness_factor in _FACTORS:
         stiffness = stiffness_factor * base.stiffness
         drawn = []
@@ -428,7 +426,9 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
             letter = next(letters) if delay_factor else ""
             verdicts = [_classify(axis, stiffness, delay) for axis in axes]
             drawn.append(
-                figures.ResponsePanel(letter, _setting(stiffness_factor, delay_factor), position, verdicts)
+                figures.ResponsePanel(
+                    letter, _setting(stiffness_factor, delay_factor), time, position, verdicts
+                )
             )
             for axis, verdict in zip(axes, verdicts, strict=True):
                 rows.append(
@@ -451,7 +451,7 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
                 )
         grid.append(drawn)
     svg = figures.to_svg(
-        figures.response_figure(time, [axis.name for axis in axes], grid),
+        figures.response_figure([axis.name for axis in axes], grid),
         "responses",
         "Positions after opposite unit steps of force",
         "Sixteen panels: stiffness 0.5K, K, 2K and 4K by delay 0, 0.5Δ, Δ and 2Δ. "

@@ -29,6 +29,8 @@ class ResponsePanel:
         The panel's letter in the paper's figure, or "" where the paper has no such panel.
     setting
         Stiffness and delay in words.
+    time
+        s; a simulation that diverged may have fewer samples than the others.
     position
         Position in m, indexed by time, robot, axis.
     verdicts
@@ -37,19 +39,16 @@ class ResponsePanel:
 
     letter: str
     setting: str
+    time: NDArray[np.float64]
     position: NDArray[np.float64]
     verdicts: Sequence[str]
 
 
-def response_figure(
-    time: NDArray[np.float64], axis_names: Sequence[str], panels: Sequence[Sequence[ResponsePanel]]
-) -> Figure:
+def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[ResponsePanel]]) -> Figure:
     """Draw the grid of responses, a row per stiffness and a column per delay.
 
     Parameters
     ----------
-    time
-        s, shared by all panels.
     axis_names
         Names of the robots' axes.
     panels
@@ -61,6 +60,7 @@ def response_figure(
         The grid; a panel whose motion grows has its own scale, printed on it.
     """
     rows, columns = len(panels), len(panels[0])
+    longest = max(float(panel.time[-1]) for row in panels for panel in row)
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 1.5 * rows + 0.5), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
@@ -71,7 +71,7 @@ def response_figure(
                 for axis in range(len(axis_names)):
                     for robot in range(2):
                         axes.plot(
-                            time,
+                            panel.time,
                             shown[:, robot, axis],
                             color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
                             linestyle=_ROBOT_DASHES[robot],
@@ -79,7 +79,7 @@ def response_figure(
                         )
                 extent = 1.12 * float(np.nanmax(np.abs(shown)))
                 # Room for the line of words under the curves.
-                axes.set(xlim=(time[0], time[-1]), ylim=(-1.45 * extent, extent))
+                axes.set(xlim=(0.0, longest), ylim=(-1.45 * extent, extent))
                 axes.locator_params(axis="y", nbins=5)
                 panel_label(axes, panel.letter, panel.setting)
                 words = ", ".join(
