@@ -94,9 +94,9 @@ class Axis:
         found = ts.crossings(*self.parameters, stiffness, **self.keywords)
         return [
             {
-                "delay": float(record["delay"]),
-                "frequency": float(record["frequency"]),
-                "direction": int(record["direction"]),
+                "delay": record.delay,
+                "frequency": record.frequency,
+                "direction": record.direction,
             }
             for record in found
         ]

@@ -83,7 +83,7 @@ def decide(
         if horizon is not None and not 0.0 < horizon <= 1000.0:
             raise ts.InvalidInput(
                 "horizon",
-                horizon,
+                str(horizon),
                 "a horizon must be a number above 0 and up to 1000 s",
                 "Leave it away for 1 s.",
             )
@@ -129,7 +129,7 @@ def simulate(
     with _refusals():
         if out.suffix not in {f".{each}" for each in Format}:
             raise ts.InvalidInput(
-                "out", out, "the file's name must end in .nc or .csv", "Choose one of them."
+                "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
         asked = _asked(ts.read_study(study), stiffness, delay, backward)
         axes = list(asked.dyad.axes)

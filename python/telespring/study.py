@@ -100,7 +100,7 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
             if damping == 0.0:
                 raise ts.InvalidInput(
                     f"robot{side}.damping[{i}]",
-                    0.0,
+                    "0",
                     "the paper's study needs a damping above 0 N·s/m on every axis, for K is 0 without it",
                     "Give the measured damping, or use `telespring decide`.",
                 )
