@@ -206,7 +206,7 @@ def test_law_study_writes_two_whole_files_and_tells_the_answer(tmp_path: Path) -
     found = run("study", "--out", str(out))
     assert found.exit_code == 0, found.stderr
     assert sorted(each.name for each in out.iterdir()) == ["report.html", "study.json"]
-    assert "over 100 ms each way" in found.stdout
+    assert "Over 100 ms each way" in found.stdout
     assert "any constant delay" in found.stdout
     text = (out / "study.json").read_text(encoding="utf-8")
     assert json.loads(text)["schema"] == "telespring study 1"

@@ -185,7 +185,7 @@ def study_command(
             limit = "not available"
         else:
             limit = f"{entry['stiffness']:.4g} N/m (axis {entry['axis']})"
-        console.print(f"  {limit:<24} {tier['network']}")
+        console.print(f"  {limit:<24} {tier['name']}")
     console.print(f"Report:  {report}\nNumbers: {numbers}")
 
 
