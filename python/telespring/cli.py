@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 import telespring as ts
 from telespring.files import replacing, write_whole
@@ -142,7 +143,7 @@ def simulate(
                 found.to_netcdf(beside, engine="h5netcdf")
         for line in _simulation_summary(found, asked, axes, forces):
             console.print(line)
-        console.print(f"Written: {out}")
+        console.print(f"Written: {out}", markup=False)
 
 
 @app.command("study")
@@ -174,9 +175,8 @@ def study_command(
         report, numbers = write(analysis, out)
     summary = analysis.numbers["summary"]
     row = summary["rows"][summary["highlight"]]
-    console.print(
-        f"[bold]{asked.name}[/bold], over {1e3 * row['delay']:.0f} ms each way the spring may have up to"
-    )
+    console.print(f"[bold]{escape(asked.name)}[/bold]")
+    console.print(f"Over {1e3 * row['delay']:.0f} ms each way the spring may have up to")
     for tier in summary["tiers"]:
         entry = row[tier["key"]]
         if entry["unbounded"]:
@@ -185,8 +185,8 @@ def study_command(
             limit = "not available"
         else:
             limit = f"{entry['stiffness']:.4g} N/m (axis {entry['axis']})"
-        console.print(f"  {limit:<24} {tier['name']}")
-    console.print(f"Report:  {report}\nNumbers: {numbers}")
+        console.print(f"  {limit:<24} {tier['name']}", markup=False)
+    console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
 
 
 def main() -> None:
@@ -277,7 +277,7 @@ def _simulation_summary(
     import numpy as np
 
     time, position = np.asarray(found["time"]), np.asarray(found["position"])
-    yield f"[bold]{asked.name}[/bold]: {asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
+    yield f"[bold]{escape(asked.name)}[/bold]: {asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
     diverged = found.attrs.get("diverged_at")
     if diverged is not None and math.isfinite(float(diverged)):
         yield f"[bold red]Diverged at {float(diverged):.4g} s[/bold red]: beyond it the numbers mean nothing."
@@ -286,7 +286,7 @@ def _simulation_summary(
         apart = apart[np.isfinite(apart)]
         abscissa = float(ts.spectral_abscissa(asked.dyad, asked.stiffness, asked.delay, axis=i))
         largest = 1e3 * float(np.max(np.abs(apart)))
-        text = f"  axis {axis}: apart {1e3 * apart[-1]:.4g} mm at the end, at most {largest:.4g} mm"
+        text = f"  axis {escape(axis)}: apart {1e3 * apart[-1]:.4g} mm at the end, at most {largest:.4g} mm"
         rest = _rest_distance(asked, forces, i)
         if abscissa >= 0.0:
             text += ", unstable: it does not come to rest"
