@@ -30,7 +30,7 @@ network.delay = {forward = 0.05, backward = 0.07}
 
 @pytest.fixture(scope="module")
 def analysis() -> Analysis:
-    return analyse(ts.read_study(None))
+    return analyse(ts.Study.paper())
 
 
 class Page(HTMLParser):
@@ -126,7 +126,7 @@ def test_law_verdict_has_the_sign_of_the_rightmost_root(analysis: Analysis) -> N
 
 
 def test_law_robots_that_settle_rest_one_over_k_apart() -> None:
-    study = ts.read_study(None)
+    study = ts.Study.paper()
     for stiffness in (18.0, 36.0):
         found = ts.simulate(study.dyad, stiffness, 0.084, [[1.0, 1.0], [-1.0, -1.0]], 20.0, rate=50.0)
         apart = np.asarray(found["position"])[-1, 0] - np.asarray(found["position"])[-1, 1]
@@ -195,7 +195,7 @@ def test_law_page_is_self_contained_and_holds_every_figure(analysis: Analysis) -
 
 
 def test_law_same_study_same_bytes(analysis: Analysis) -> None:
-    again = analyse(ts.read_study(None))
+    again = analyse(ts.Study.paper())
     assert again.html == analysis.html
     assert json.dumps(again.numbers) == json.dumps(analysis.numbers)
 
@@ -204,7 +204,7 @@ def test_law_a_study_of_other_robots_is_told_as_well(tmp_path: Path) -> None:
     file = tmp_path / "other.toml"
     file.write_text(OTHER, encoding="utf-8")
     steps: list[str] = []
-    found = analyse(ts.read_study(file), steps.append)
+    found = analyse(ts.Study.read(file), steps.append)
     assert tuple(steps) == STEPS
     report, numbers = write(found, tmp_path / "out")
     assert sorted(each.name for each in (tmp_path / "out").iterdir()) == ["report.html", "study.json"]
@@ -217,7 +217,7 @@ def test_law_robots_without_damping_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "undamped.toml"
     file.write_text(OTHER.replace("damping = 6.0", "damping = 0.0"), encoding="utf-8")
     with pytest.raises(ts.InvalidInput, match=r"robot1\.damping\[0\]"):
-        analyse(ts.read_study(file))
+        analyse(ts.Study.read(file))
 
 
 def test_cross_growth_under_a_held_partner_against_stepping_in_time() -> None:

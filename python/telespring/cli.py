@@ -79,7 +79,7 @@ def decide(
     from telespring.decision import decide as answer
 
     with _refusals():
-        read = ts.read_study(study)
+        read = _read(study)
         asked = _asked(read, stiffness, delay, backward)
         if horizon is not None and not 0.0 < horizon <= 1000.0:
             raise ts.InvalidInput(
@@ -92,10 +92,10 @@ def decide(
             asked.dyad,
             asked.stiffness,
             asked.delay,
-            jitter=read.jitter if jitter is None else jitter,
-            max_gap=read.max_gap if max_gap is None else max_gap,
-            sample_period=read.sample_period if sample_period is None else sample_period,
-            computing_time=read.computing_time,
+            jitter=read.network.jitter if jitter is None else jitter,
+            max_gap=read.network.max_gap if max_gap is None else max_gap,
+            sample_period=read.network.sample_period if sample_period is None else sample_period,
+            computing_time=read.network.computing_time,
             operator_ranges=read.operator_ranges,
             horizon=horizon,
         )
@@ -132,7 +132,7 @@ def simulate(
             raise ts.InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
-        asked = _asked(ts.read_study(study), stiffness, delay, backward)
+        asked = _asked(_read(study), stiffness, delay, backward)
         axes = list(asked.dyad.axes)
         forces = _forces(force, len(axes))
         found = ts.simulate(asked.dyad, asked.stiffness, asked.delay, forces, duration, rate=rate)
@@ -158,7 +158,7 @@ def study_command(
 
     console = Console(highlight=False)
     with _refusals():
-        asked = ts.read_study(study)
+        asked = _read(study)
         with Progress(
             TextColumn("{task.description:<28}"),
             BarColumn(),
@@ -223,6 +223,11 @@ def _refusals() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
+def _read(study: Path | None) -> ts.Study:
+    """Read a study file, or take the paper's study where none is named."""
+    return ts.Study.paper() if study is None else ts.Study.read(study)
+
+
 @dataclass(frozen=True)
 class _Asked:
     """A dyad, its name, the stiffness (N/m) and the delays there and back (s) asked about."""
@@ -277,7 +282,8 @@ def _simulation_summary(
     import numpy as np
 
     time, position = np.asarray(found["time"]), np.asarray(found["position"])
-    yield f"[bold]{escape(asked.name)}[/bold]: {asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
+    yield f"[bold]{escape(asked.name)}[/bold]"
+    yield f"{asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
     diverged = found.attrs.get("diverged_at")
     if diverged is not None and math.isfinite(float(diverged)):
         yield f"[bold red]Diverged at {float(diverged):.4g} s[/bold red]: beyond it the numbers mean nothing."

@@ -282,7 +282,7 @@ def decide(
     max_gap: float = 0.0,
     sample_period: float = 0.0,
     computing_time: float = 0.0,
-    operator_ranges: Any = None,
+    operator_ranges: tuple[ts.OperatorRange, ts.OperatorRange] | None = None,
     horizon: float | None = None,
 ) -> Decision:
     """Answer for one dyad, stiffness and network.
@@ -324,7 +324,7 @@ def decide(
         max_gap=max_gap,
         sample_period=sample_period,
         computing_time=computing_time,
-        operators=operator_ranges,
+        operator_range=operator_ranges,
     )
     mean = 0.5 * sum(both)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)

@@ -78,7 +78,7 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
     Parameters
     ----------
     study
-        Robots, coupling and network, as `telespring.read_study` gives them.
+        Robots, coupling and network, as `telespring.Study.read` gives them.
     progress
         Called with the name of each step (one of `STEPS`) as it begins; nothing is called unless given.
 
@@ -202,10 +202,10 @@ def _study_numbers(study: ts.Study, axes: list[Axis]) -> dict[str, Any]:
         "name": study.name,
         "stiffness": study.stiffness,
         "delay": {"forward": study.delay[0], "backward": study.delay[1]},
-        "jitter": study.jitter,
-        "max_gap": study.max_gap,
-        "sample_period": study.sample_period,
-        "computing_time": study.computing_time,
+        "jitter": study.network.jitter,
+        "max_gap": study.network.max_gap,
+        "sample_period": study.network.sample_period,
+        "computing_time": study.network.computing_time,
         "axes": [
             {
                 "axis": axis.name,
@@ -226,10 +226,10 @@ def _summary(study: ts.Study) -> dict[str, Any]:
             study.dyad,
             study.stiffness,
             delay,
-            jitter=study.jitter,
-            max_gap=study.max_gap,
-            sample_period=study.sample_period,
-            computing_time=study.computing_time,
+            jitter=study.network.jitter,
+            max_gap=study.network.max_gap,
+            sample_period=study.network.sample_period,
+            computing_time=study.network.computing_time,
             operator_ranges=study.operator_ranges,
         )
         row: dict[str, Any] = {"delay": delay}
