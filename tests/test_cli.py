@@ -49,6 +49,9 @@ def test_ref_decide_answers_in_json_for_the_papers_case() -> None:
         "paper",
     }
     assert answer["verdicts"]["constant_delay"]["satisfied"]
+    assert answer["allowing_verdict"] == "constant delay"
+    bound = answer["verdicts"]["constant_delay"]["stiffness_allowed"]
+    assert answer["stiffness_allowed"] == bound == pytest.approx(71.28, abs=0.005)
     assert not answer["verdicts"]["any_constant_delay"]["satisfied"]
 
 

@@ -81,8 +81,9 @@ class Verdict:
     satisfied
         True where the stiffness asked for is allowed.
     assumption_met
-        True where the network asked for is of the kind that the verdict assumes; otherwise it is so
-        only behind a playout buffer that makes the delay constant.
+        True where the network asked for is of the kind that the verdict assumes.
+    assumption
+        The same in words: "met", "met behind playout buffer" (which makes the delay constant), "not met".
     available
         False where the verdict cannot be given for this dyad, such as a coupling damper in tier 2.
     """
@@ -92,6 +93,7 @@ class Verdict:
     axis: str | None
     satisfied: bool
     assumption_met: bool
+    assumption: str
     available: bool = True
 
     @property
@@ -110,6 +112,7 @@ class Verdict:
             "axis": self.axis,
             "satisfied": self.satisfied,
             "assumption_met": self.assumption_met,
+            "assumption": self.assumption,
             "available": self.available,
         }
 
@@ -206,6 +209,9 @@ class Decision:
         The parts of the answer.
     delay_budget
         What the age of the oldest sample in use is made of, forward and backward: name to s.
+    stiffness_allowed, allowing_verdict
+        The largest stiffness, N/m, that any verdict gives whose assumption this network meets as it is,
+        and that verdict's name; None where none does.
     paper_agrees
         True where the paper's verdict on this constant delay is the exact one.
     sampled_stable
@@ -222,6 +228,8 @@ class Decision:
     verdicts: tuple[Verdict, ...]
     delay_budget: tuple[dict[str, float], dict[str, float]]
     remedies: Remedies
+    stiffness_allowed: float | None
+    allowing_verdict: str | None
     paper_agrees: bool
     sampled_stable: bool | None
     over_operator_ranges: bool
@@ -256,6 +264,11 @@ class Decision:
             "horizon": self.horizon,
             "axes": [axis.to_json() for axis in self.axes],
             "verdicts": {verdict.description.key: verdict.to_json() for verdict in self.verdicts},
+            "stiffness_allowed": (
+                None if self.stiffness_allowed is None else finite_or_none(self.stiffness_allowed)
+            ),
+            "stiffness_allowed_unbounded": self.stiffness_allowed == math.inf,
+            "allowing_verdict": self.allowing_verdict,
             "paper_agrees": self.paper_agrees,
             "sampled_stable": self.sampled_stable,
             "over_operator_ranges": self.over_operator_ranges,
@@ -336,6 +349,8 @@ def decide(
         axes=tuple(_decide_axis(dyad, axis, stiffness, delay, mean, horizon) for axis in axes),
         verdicts=tuple(_verdicts(judged, [axis.name for axis in axes])),
         delay_budget=(_budget(judged.delay_budget[0]), _budget(judged.delay_budget[1])),
+        stiffness_allowed=None if judged.stiffness_allowed is None else judged.stiffness_allowed.stiffness,
+        allowing_verdict=None if judged.stiffness_allowed is None else judged.stiffness_allowed.tier,
         paper_agrees=judged.paper.agrees,
         sampled_stable=judged.sampled_stable,
         over_operator_ranges=operator_ranges is not None,
@@ -379,18 +394,21 @@ def _verdicts(judged: ts.Verdicts, axis_names: list[str]) -> list[Verdict]:
             stiffness_allowed=math.nan if tier.stiffness_bound is None else float(tier.stiffness_bound),
             axis=None if tier.worst_axis is None else axis_names[tier.worst_axis],
             satisfied=bool(tier.satisfied),
-            assumption_met=bool(tier.assumption_met),
+            assumption_met=tier.assumption_met,
+            assumption=tier.assumption,
             available=tier.stiffness_bound is not None,
         )
         for tier in judged.tiers
     ]
     order = list(TIERS)
+    constant = next(tier for tier in tiers if tier.name == "constant delay")
     paper_verdict = Verdict(
         name="paper",
         stiffness_allowed=float(judged.paper.critical_stiffness),
         axis=axis_names[judged.paper.critical_axis],
         satisfied=bool(judged.paper.stable),
-        assumption_met=next(tier.assumption_met for tier in tiers if tier.name == "constant delay"),
+        assumption_met=constant.assumption_met,
+        assumption=constant.assumption,
     )
     return sorted([*tiers, paper_verdict], key=lambda verdict: order.index(verdict.name))
 

@@ -46,6 +46,14 @@ def refusal_screen(console: Console, field: str, value: str, allowed: str, remed
     console.print(Text(f"  {remedy}"))
 
 
+#: Whether the network is of the kind that a verdict assumes, for a narrow column.
+_FITS = {
+    "met": Text("fits"),
+    "met behind playout buffer": Text("if buffered", style="yellow"),
+    "not met": Text("does not fit", style="red"),
+}
+
+
 def _stiffness(value: float) -> str:
     return "no limit" if math.isinf(value) else f"{value:.4g} N/m"
 
@@ -124,13 +132,16 @@ def _verdict_table(decision: Decision) -> Table:
             _stiffness(verdict.stiffness_allowed),
             verdict.axis or "–",
             _yes_or_no(verdict.satisfied),
-            Text("fits") if verdict.assumption_met else Text("if buffered", style="yellow"),
+            _FITS[verdict.assumption],
         )
     return table
 
 
 def _notes(decision: Decision) -> list[Text]:
     notes = []
+    if decision.stiffness_allowed is not None:
+        allowed = _stiffness(decision.stiffness_allowed)
+        notes.append(Text(f"This network as it is allows up to {allowed} ({decision.allowing_verdict})."))
     if not decision.paper_agrees:
         notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
     if decision.sampled_stable is not None:
