@@ -310,9 +310,9 @@ fn bracketed<R: Real, const N: usize>(
         let size = step.to_f64().abs();
         let inner = next > left && next < right;
         // Once quadratic, the next step shrinks by the square of this one's ratio; a slow approach to one
-        // of two close roots does not.
+        // of two close roots does not. A step of the size of x itself leaves only rounding behind.
         let ratio = (size / previous).max(if previous.is_finite() { 0.0 } else { 1.0 });
-        if inner && size * ratio * ratio <= R::EPSILON * x.to_f64() {
+        if inner && size <= 0.5 * x.to_f64() && size * ratio * ratio <= R::EPSILON * x.to_f64() {
             let bound = || p.value(low, high, x).1;
             let accurate = ROOT_ACCURACY * (slope.to_f64() * x.to_f64()).abs();
             if doubt == Doubt::Refuse && bound() > accurate {
