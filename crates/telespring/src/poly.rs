@@ -22,15 +22,12 @@ pub(crate) trait Real:
 {
     /// Relative rounding error of one operation.
     const EPSILON: f64;
-    /// Relative step of Newton's iteration below which the next step is below `EPSILON`.
-    const SETTLED: f64;
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
 }
 
 impl Real for f64 {
     const EPSILON: f64 = f64::EPSILON;
-    const SETTLED: f64 = 1e-9;
     fn to_f64(self) -> f64 {
         self
     }
@@ -41,7 +38,6 @@ impl Real for f64 {
 
 impl Real for TwoFloat {
     const EPSILON: f64 = 1e-30;
-    const SETTLED: f64 = 1e-17;
     fn to_f64(self) -> f64 {
         self.into()
     }
@@ -313,7 +309,10 @@ fn bracketed<R: Real, const N: usize>(
         let mut next = x - step;
         let size = step.to_f64().abs();
         let inner = next > left && next < right;
-        if inner && size <= R::SETTLED * x.to_f64() {
+        // Once quadratic, the next step shrinks by the square of this one's ratio; a slow approach to one
+        // of two close roots does not. A step of the size of x itself leaves only rounding behind.
+        let ratio = (size / previous).max(if previous.is_finite() { 0.0 } else { 1.0 });
+        if inner && size <= 0.5 * x.to_f64() && size * ratio * ratio <= R::EPSILON * x.to_f64() {
             let bound = || p.value(low, high, x).1;
             let accurate = ROOT_ACCURACY * (slope.to_f64() * x.to_f64()).abs();
             if doubt == Doubt::Refuse && bound() > accurate {
