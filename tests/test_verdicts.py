@@ -106,6 +106,14 @@ def test_law_a_coupling_damper_leaves_tier_2_without_a_rule(hman: ts.Dyad) -> No
     assert found.any_passive_operator is None
 
 
+def test_ref_the_operators_are_told_in_their_order(hman: ts.Dyad) -> None:
+    held = ts.Dyad(*hman.robots, operators=(None, ts.Operator(0.5, 1.0, 10.0)))
+    expected = (ts.OperatorPoint(0.0, 0.0, 0.0), ts.OperatorPoint(0.5, 1.0, 10.0))
+    found = ts.verdicts(held, 30.0, 0.1)
+    assert [verdict.worst_operators for verdict in found.tiers] == [expected] * 4
+    assert [tier.operators for axis in found.axes for tier in axis.tiers] == [expected] * 8
+
+
 def test_law_a_range_of_operators_is_judged_by_its_worst(hman: ts.Dyad) -> None:
     grip = ts.OperatorRange(ts.Operator(), ts.Operator(mass=[1.0, 1.5], stiffness=200.0))
     both = ts.verdicts(hman, 30.0, 0.1, operator_range=grip)
