@@ -43,7 +43,8 @@ fn chi(parameters: [f64; 7], k: f64, round_trip: f64, s: Complex64) -> (Complex6
         + delayed * round_trip;
     let n = s.norm();
     let bulk = |m: f64, b: f64, k: f64| (m * n + b) * n + k;
-    let size = bulk(m1, b1 + c, k + kh1) * bulk(m2, b2 + c, k + kh2) + delayed.norm() * (1.0 + round_trip * n);
+    let size =
+        bulk(m1, b1 + c, k + kh1) * bulk(m2, b2 + c, k + kh2) + delayed.norm() * (1.0 + round_trip * n);
     (p1 * p2 - delayed, slope, size)
 }
 

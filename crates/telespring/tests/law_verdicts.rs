@@ -23,8 +23,7 @@ struct Case {
 impl Case {
     fn dyad(&self) -> Dyad {
         let robot = |i: usize| Robot::new(vec![self.m[i]], vec![self.b[i]], None).unwrap();
-        let operator =
-            |i: usize| Operator::new(vec![0.0], vec![0.0], vec![self.kh[i]]).unwrap();
+        let operator = |i: usize| Operator::new(vec![0.0], vec![0.0], vec![self.kh[i]]).unwrap();
         Dyad::new(robot(0), robot(1), Some([operator(0), operator(1)]), self.c).unwrap()
     }
 
