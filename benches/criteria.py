@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import reference
-import telespring as ts
 from case import HMAN, REFERENCE_STIFFNESS
 from harness import Effort, Row, attempt
 from rustside import RustSide
+
+import telespring as ts
 
 EACH = "critical stiffness and maximum delay, each dyad"
 SETS = {
@@ -22,9 +23,7 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
     if rust is not None:
         for name, label in SETS.items():
             sample = rust.values[f"criteria/{name}/sample"][: 2 if effort.quick else 40]
-            stiffness_error = _largest(
-                reference.critical_stiffness(*row[:4]) / row[5] - 1 for row in sample
-            )
+            stiffness_error = _largest(reference.critical_stiffness(*row[:4]) / row[5] - 1 for row in sample)
             delay_error = _largest(_delay_error(row[:5], row[6]) for row in sample)
             each = rust.values[f"criteria/{name}/crossings-each"]
             for what, key, error, base in (

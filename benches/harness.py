@@ -46,9 +46,7 @@ class Row:
             return ""
         if self.target_seconds is not None and self.timing.median > self.target_seconds:
             missed.append("time")
-        if self.target_error is not None and not (
-            self.error is not None and self.error <= self.target_error
-        ):
+        if self.target_error is not None and not (self.error is not None and self.error <= self.target_error):
             missed.append("accuracy")
         if self.target_seconds is None and self.target_error is None:
             return ""

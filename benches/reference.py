@@ -87,7 +87,9 @@ def refined_root(case: Case, start: complex) -> complex:
         return complex(mpmath.findroot(lambda s: characteristic(case, s), mpmath.mpc(start)))
 
 
-def squared_frequencies(m1: float, b1: float, m2: float, b2: float, k: float, digits: int = 50) -> list[float]:
+def squared_frequencies(
+    m1: float, b1: float, m2: float, b2: float, k: float, digits: int = 50
+) -> list[float]:
     """The positive roots of |P1 P2|² = k⁴ in ω², with the root at 0 divided out."""
     with mpmath.workdps(digits):
         m1, b1, m2, b2, k = (mpmath.mpf(x) for x in (m1, b1, m2, b2, k))
@@ -123,7 +125,9 @@ def critical_stiffness(m1: float, b1: float, m2: float, b2: float) -> float:
     with mpmath.workdps(50):
         # Eq. 5 is an upper bound, and half the smaller b²/m a lower one
         high = mpmath.mpf(b1**2 + b2**2) / (2 * (m1 + m2)) * (1 + mpmath.mpf(10) ** -20)
-        low = min(mpmath.mpf(b1) ** 2 / (2 * m1), mpmath.mpf(b2) ** 2 / (2 * m2)) * (1 - mpmath.mpf(10) ** -20)
+        low = min(mpmath.mpf(b1) ** 2 / (2 * m1), mpmath.mpf(b2) ** 2 / (2 * m2)) * (
+            1 - mpmath.mpf(10) ** -20
+        )
         while high - low > 1e-15 * high:
             middle = (low + high) / 2
             if squared_frequencies(m1, b1, m2, b2, middle):

@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-import telespring as ts
 from case import HMAN, REFERENCE_DELAY, REFERENCE_STIFFNESS, Case, main_case
 from harness import Effort, Row, attempt
 from reference import refined_root, unstable_roots
 from rustside import RustSide
+
+import telespring as ts
 
 RIGHTMOST = "rightmost root, axis x, 2 K_xy, 0.167 s"
 # multiples of K_xy and of the reference delay at which roots are unstable
@@ -34,7 +35,11 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
             # a root and its conjugate, of which some give the upper one only
             upper = found[(found.real > 1e-6) & (found.imag >= 0)]
             number = int(np.sum(np.where(upper.imag > 1e-6, 2, 1)))
-            counts.append(f"{expected - number:+d}/{expected}" if number > expected else f"{expected - number}/{expected}")
+            counts.append(
+                f"{expected - number:+d}/{expected}"
+                if number > expected
+                else f"{expected - number}/{expected}"
+            )
         return "missed unstable roots: " + ", ".join(counts)
 
     def error_of(found: Any) -> float:

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import telespring as ts
 from case import HMAN, REFERENCE_DELAY, REFERENCE_STIFFNESS, figure_5, main_case
 from harness import Effort, Row, Timing, attempt, relative_error
 from reference import trajectories
 from rustside import RustSide
+
+import telespring as ts
 
 ONE = "one 10 s simulation, axis x, 2 K_xy, 0.167 s, 1 kHz"
 GRID = "Fig. 5: 32 simulations of 10 s"
@@ -62,7 +63,14 @@ def one_simulation(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
                 case_here = type(full)(*HMAN["x"], full.k, delay)
                 (there,) = trajectories([case_here])
                 error = relative_error(rust.positions(f"simulation-{key}"), there)
-            yield Row(ONE, f"ours: Rust, delay {label}", rust.timing(f"simulation/{key}"), error, ours=True, note="its cost")
+            yield Row(
+                ONE,
+                f"ours: Rust, delay {label}",
+                rust.timing(f"simulation/{key}"),
+                error,
+                ours=True,
+                note="its cost",
+            )
 
     dyad, push = ts.hman(), [[1.0, 0.0], [-1.0, 0.0]]
     # one axis alone
@@ -112,7 +120,10 @@ def one_simulation(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
     def by_scipy() -> Iterator[Row]:
         from peers import scipy_steps
 
-        for label, rtol, longest in (("rtol 1e-6", 1e-6, math.inf), ("rtol 1e-13, steps of 20 ms", 1e-13, 0.02)):
+        for label, rtol, longest in (
+            ("rtol 1e-6", 1e-6, math.inf),
+            ("rtol 1e-13, steps of 20 ms", 1e-13, 0.02),
+        ):
             call = scipy_steps.simulation(case, rtol, longest)
             error = relative_error(call(), truth)
             yield Row(ONE, f"scipy DOP853 by steps, {label}", effort.time(call), error)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import telespring as ts
 from case import HMAN
 from harness import Effort, Row, attempt
 from rustside import RustSide
+
+import telespring as ts
 
 MAP = "1e6-point stability map"
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 def simulation(case: Case) -> Callable[[], NDArray[np.float64]]:
     m1, b1, m2, b2, k = case.m1, case.b1, case.m2, case.b2, case.k
 
-    def rhs(past, t):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    def rhs(past, t):  # type: ignore[no-untyped-def]
         y, delayed = past(t), past(t - case.delay)
         return np.array(
             [

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 
 @numba.njit(fastmath=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _steps(m1, b1, m2, b2, k, h, lag, count, y):  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _steps(m1, b1, m2, b2, k, h, lag, count, y):  # type: ignore[no-untyped-def]
     # y holds x1, v1, x2, v2 at every step
     x1 = v1 = x2 = v2 = 0.0
     i1, i2 = 1.0 / m1, 1.0 / m2
@@ -64,7 +64,7 @@ def _steps(m1, b1, m2, b2, k, h, lag, count, y):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(fastmath=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _outputs(h, rate, y, out):  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _outputs(h, rate, y, out):  # type: ignore[no-untyped-def]
     for i in range(out.shape[1]):
         place = i / rate / h
         n = min(int(place + 1e-9), y.shape[0] - 2)

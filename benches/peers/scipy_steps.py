@@ -22,7 +22,7 @@ def simulation(case: Case, rtol: float, max_step: float = np.inf) -> Callable[[]
         while start < case.duration:
             end = min(start + case.delay, case.duration)
 
-            def rhs(t: float, y: NDArray[np.float64], past=past) -> list[float]:  # type: ignore[no-untyped-def]  # noqa: ANN001
+            def rhs(t: float, y: NDArray[np.float64], past=past) -> list[float]:  # type: ignore[no-untyped-def]
                 x1, _, x2, _ = (0.0, 0.0, 0.0, 0.0) if past is None else past(t - case.delay)
                 return [
                     y[1],
@@ -32,7 +32,13 @@ def simulation(case: Case, rtol: float, max_step: float = np.inf) -> Callable[[]
                 ]
 
             solved = solve_ivp(
-                rhs, (start, end), state, "DOP853", rtol=rtol, atol=rtol * 1e-3, dense_output=True,
+                rhs,
+                (start, end),
+                state,
+                "DOP853",
+                rtol=rtol,
+                atol=rtol * 1e-3,
+                dense_output=True,
                 max_step=max_step,
             )
             inside = (times >= start) & (times <= end)
