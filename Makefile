@@ -68,7 +68,7 @@ fuzz: toolchain ## the fuzzers, each for FUZZ_SECONDS (needs nightly Rust and ca
 	done
 
 clean: ## remove what was built here (not out/)
-	rm -rf $(VENV) target fuzz/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target fuzz/target benches/rust/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
 

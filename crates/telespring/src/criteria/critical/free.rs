@@ -26,7 +26,9 @@ pub(super) fn critical(axis: &DyadAxis) -> f64 {
         if a3 < 0.0 { 0.5 * (discriminant.sqrt() - a3) / a4 } else { -2.0 * a2 / (discriminant.sqrt() + a3) };
     // A vanishing lower end stands for the limit y → 0, where the compliance is `at_rest`.
     let near = (a2 / (a4 * far)).max(1e-9 * far);
-    1.0 / curve.largest_compliance(near, far).max(at_rest)
+    let middle = ((a3 * a3 - 3.0 * a4 * a2).sqrt() - a3) / (3.0 * a4);
+    let largest = curve.tangency(middle, near, far);
+    1.0 / largest.unwrap_or_else(|| curve.largest_compliance(near, far)).max(at_rest)
 }
 
 /// The curve F(y; q) = 0 over y = ω²/k, with q = 1/k.
@@ -60,6 +62,39 @@ impl Touching {
         let constant = sum * (1.0 + product);
         let root = (linear * linear + 4.0 * square * constant).sqrt();
         if linear >= 0.0 { 2.0 * constant / (linear + root) } else { 0.5 * (root - linear) / square }
+    }
+
+    /// The compliance at which F only touches zero, by Newton's iteration in y and q on G = F/y and
+    /// ∂G/∂y from the curve at `y`; None where it does not settle between `near` and `far` within a
+    /// few steps. Between them the compliance has but one stationary point, its maximum.
+    fn tangency(&self, mut y: f64, near: f64, far: f64) -> Option<f64> {
+        let (s1, s2) = (self.m1 * self.m1, self.m2 * self.m2);
+        let mut q = self.compliance(y);
+        for _ in 0..8 {
+            let (f1, f2) = (self.d1 * q - 2.0 * self.m1, self.d2 * q - 2.0 * self.m2);
+            let [a2, a3, a4] = self.quadratic(q);
+            // derivatives of the coefficients by q
+            let by_q1 = self.d1 + self.d2;
+            let by_q2 = self.d1 * f2 + self.d2 * f1 + self.g * (f1 + f2 + q * by_q1);
+            let by_q3 = (self.d1 + self.g) * s2 + (self.d2 + self.g) * s1;
+            let value = f1 + f2 + y * (a2 + y * (a3 + y * a4));
+            let slope = a2 + y * (2.0 * a3 + y * 3.0 * a4);
+            let curvature = 2.0 * a3 + 6.0 * a4 * y;
+            let value_by_q = by_q1 + y * (by_q2 + y * by_q3);
+            let slope_by_q = by_q2 + 2.0 * y * by_q3;
+            let scale = 1.0 / (slope * slope_by_q - value_by_q * curvature);
+            let step = (value_by_q * slope - value * slope_by_q) * scale;
+            q += (value * curvature - slope * slope) * scale;
+            y += step;
+            if !(near < y && y < far) {
+                return None;
+            }
+            // The next step would be of the order of the square; an error ε in y costs ε² in q.
+            if step.abs() <= 1e-6 * y {
+                return Some(self.compliance(y));
+            }
+        }
+        None
     }
 
     /// The maximum of the compliance between `near` and `far`, where it is quasi-concave: F/y is
