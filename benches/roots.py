@@ -86,7 +86,7 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
         region = (-1.0, 20.0, 0.0, 60.0)
         found = qpmr.roots(case, region, e=1e-12)
         timing = effort.time(lambda: qpmr.roots(case, region, e=1e-12))
-        note = "region (-1, 20, 0, 60), e 1e-12; " + missed(lambda each: qpmr.roots(each, region, e=1e-12))
+        note = "region (-1, 20, 0, 60), e 1e-12; " + missed(lambda each: qpmr.roots(each, region, e=1e-12), 3)
         yield Row(RIGHTMOST, "qpmr, region given", timing, error_of(found), note=note)
 
     def by_qpmr_defaults() -> Iterator[Row]:

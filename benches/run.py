@@ -39,7 +39,11 @@ PEERS = ("numba", "jitcdde", "scipy", "ddeint", "tdcpy", "qpmr", "control", "yal
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="tiny sizes, no measurement")
-    parser.add_argument("--no-rust", action="store_true", help="leave out what needs the Rust program built")
+    parser.add_argument(
+        "--no-build",
+        action="store_true",
+        help="take the Rust program as it is, or do without where it is not built",
+    )
     parser.add_argument("--output", type=Path, default=ROOT / "out" / "bench.json", help="where to write")
     options = parser.parse_args()
 
@@ -47,25 +51,27 @@ def main() -> None:
     warnings.simplefilter("ignore")
     console = Console()
     start = time.perf_counter()
-    rows = measure(Effort(options.quick), not options.no_rust, console)
+    rows = measure(Effort(options.quick), not options.no_build, console)
     spent = time.perf_counter() - start
     write(options.output, rows, spent, options.quick)
     show(rows, console)
     console.print(f"{spent:.0f} s in all; written to {options.output}")
 
 
-def measure(effort: Effort, with_rust: bool, console: Console) -> list[Row]:
+def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
     rows: list[Row] = []
     with Progress(console=console, transient=True) as progress, tempfile.TemporaryDirectory() as folder:
-        task = progress.add_task("", total=6)
+        task = progress.add_task("", total=5)
 
         def step(what: str) -> None:
             progress.update(task, description=what, advance=1)
 
         rust = None
-        if with_rust:
-            step("building and running the Rust program")
-            rust = rustside.measure(rustside.build(), Path(folder), effort.quick)
+        step("building and running the Rust program")
+        if build:
+            rustside.build()
+        if rustside.PROGRAM.exists():
+            rust = rustside.measure(Path(folder), effort.quick)
         groups: list[tuple[str, Callable[..., Iterator[Row]]]] = [
             ("simulations", simulation.rows),
             ("roots", roots.rows),
@@ -75,7 +81,7 @@ def measure(effort: Effort, with_rust: bool, console: Console) -> list[Row]:
         for what, group in groups:
             step(what)
             rows.extend(group(effort, rust))
-        rows.extend(simulation.scaled_grid(rows))
+        rows += list(simulation.scaled_grid(rows))
     return rows
 
 

@@ -32,13 +32,15 @@ class RustSide:
         return np.fromfile(self.directory / f"{name}.f64", dtype="<f8").reshape(2, -1)
 
 
-def build() -> Path:
-    """Build the program in release mode and return where it is."""
+PROGRAM = CRATE / "target" / "release" / "telespring-bench"
+
+
+def build() -> None:
+    """Build the program in release mode."""
     subprocess.run(["cargo", "build", "--release", "--locked", "--quiet"], cwd=CRATE, check=True)
-    return CRATE / "target" / "release" / "telespring-bench"
 
 
-def measure(program: Path, directory: Path, quick: bool) -> RustSide:
+def measure(directory: Path, quick: bool) -> RustSide:
     """Run it, its files into the directory."""
-    subprocess.run([program, directory, *(["--quick"] if quick else [])], check=True)
+    subprocess.run([PROGRAM, directory, *(["--quick"] if quick else [])], check=True)
     return RustSide(directory)
