@@ -141,7 +141,7 @@ def _abscissa_with(axes: Axes, k: Floats, delay: Floats, nodes: int, scale: Floa
 def spectral_abscissa(axes: Axes, k: Floats, delay: Floats, *, batch: int = 128) -> Verdict:
     """Largest real part of the roots, 1/s, without the rigid-body root of free handles.
 
-    Where Newton moves a deciding eigenvalue the nodes are doubled, up to three times; where the
+    Where Newton moves a deciding eigenvalue the nodes are doubled, twice at most; where the
     abscissa is within a thousandth of the root's possible size from the axis, a finer grid must
     confirm it.
     """
@@ -164,6 +164,6 @@ def spectral_abscissa(axes: Axes, k: Floats, delay: Floats, *, batch: int = 128)
     compute(near, 2)
     # both grids end in Newton's method: they must find the same root to its last digits
     resolved[near] &= np.abs(abscissa[near] - before) < 1e-12 * size[near]
-    for factor in (2, 4, 8):
+    for factor in (2, 4):
         compute(np.flatnonzero(~resolved), factor)
     return Verdict(abscissa, resolved)
