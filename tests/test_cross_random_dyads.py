@@ -11,9 +11,9 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from oracle_collocation import Axes, Floats, spectral_abscissa
 
 import telespring as ts
+from oracle_collocation import Axes, Floats, spectral_abscissa
 
 Operators = Literal["free", "one grounded", "both grounded"]
 CLOSE = 1e-6  # relative, in delay and in stiffness
@@ -22,9 +22,7 @@ groups = pytest.mark.parametrize("damper", [False, True], ids=["no damper", "dam
 holds = pytest.mark.parametrize("operators", ["free", "one grounded", "both grounded"])
 
 
-def random_dyads(
-    seed: int, count: int, operators: Operators, damper: bool
-) -> tuple[Axes, Floats, Floats]:
+def random_dyads(seed: int, count: int, operators: Operators, damper: bool) -> tuple[Axes, Floats, Floats]:
     """Return dyads, stiffnesses and delays: the space that the criteria must hold in."""
     random = np.random.default_rng([seed, len(operators), damper])
 

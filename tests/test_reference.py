@@ -118,24 +118,29 @@ def test_ref_stability_that_comes_back_at_a_longer_delay() -> None:
     for start, end in stable:
         for edge, leaves in ((start, False), (end, True)):
             if edge > 0:
-                before, after = (
-                    ts.spectral_abscissa(dyad, k, edge * (1 + x)) > 0 for x in (-1e-6, 1e-6)
-                )
+                before, after = (ts.spectral_abscissa(dyad, k, edge * (1 + x)) > 0 for x in (-1e-6, 1e-6))
                 assert (before, after) == (not leaves, leaves)
 
 
 def test_ref_grounded_operators_bring_a_delay_independent_band() -> None:
     # DESIGN: crossings at 20 to 25 N/m, none at 30 to 80, again at 100
-    robots, held = (100.0, 10.0, 1.0, 0.2), {"kh1": 12000.0, "kh2": 100.0}
-    for k, crosses in ((20.0, True), (25.0, True), (30.0, False), (55.0, False), (80.0, False), (100.0, True)):
-        assert bool(ts.crossings(*robots, k, **held)) == crosses, k
-    first = ts.critical_stiffness(*robots, **held)
+    robots, one, two = (100.0, 10.0, 1.0, 0.2), 12000.0, 100.0
+    for k, crosses in (
+        (20.0, True),
+        (25.0, True),
+        (30.0, False),
+        (55.0, False),
+        (80.0, False),
+        (100.0, True),
+    ):
+        assert bool(ts.crossings(*robots, k, kh1=one, kh2=two)) == crosses, k
+    first = ts.critical_stiffness(*robots, kh1=one, kh2=two)
     assert first < 20.0
-    assert not ts.crossings(*robots, first * (1 - 1e-9), **held)
-    assert ts.crossings(*robots, first * (1 + 1e-9), **held)
+    assert not ts.crossings(*robots, first * (1 - 1e-9), kh1=one, kh2=two)
+    assert ts.crossings(*robots, first * (1 + 1e-9), kh1=one, kh2=two)
 
 
-def test_ref_a_fourth_root_at_a_tangency_excludes_one_delay_only() -> None:
+def test_ref_two_crossings_part_from_a_tangency() -> None:
     # at the stiffness where two crossings merge, F has a double root: the pair touches and turns back
     robots = (1.0, 1.0, 1.0, 10.0)
     critical = ts.critical_stiffness(*robots)
