@@ -33,8 +33,9 @@ class Axes(NamedTuple):
     kh2: Floats
     c: Floats
 
-    def __getitem__(self, chosen: object) -> Axes:  # type: ignore[override]
-        return Axes(*(column[chosen] for column in tuple.__iter__(self)))  # type: ignore[index]
+    def at(self, chosen: Counts) -> Axes:
+        """Return these columns' elements, in this order."""
+        return Axes(*(column[chosen] for column in self))
 
 
 class Verdict(NamedTuple):
@@ -49,10 +50,10 @@ def characteristic(
 ) -> tuple[NDArray[np.clongdouble], NDArray[np.clongdouble]]:
     """Return χ(s) = P1 P2 - (k + c s)² exp(-2 δ s) and χ'(s); s has one trailing index more."""
     m1, b1, m2, b2, kh1, kh2, c = (np.asarray(one, np.longdouble)[..., None] for one in axes)
-    k, total = np.asarray(k, np.longdouble)[..., None], 2 * np.asarray(delay, np.longdouble)[..., None]
-    p1, d1 = (m1 * s + b1 + c) * s + k + kh1, 2 * m1 * s + b1 + c
-    p2, d2 = (m2 * s + b2 + c) * s + k + kh2, 2 * m2 * s + b2 + c
-    coupling, turn = k + c * s, np.exp(-total * s)
+    stiffness, total = (np.asarray(one, np.longdouble)[..., None] for one in (k, 2 * delay))
+    p1, d1 = (m1 * s + b1 + c) * s + stiffness + kh1, 2 * m1 * s + b1 + c
+    p2, d2 = (m2 * s + b2 + c) * s + stiffness + kh2, 2 * m2 * s + b2 + c
+    coupling, turn = stiffness + c * s, np.exp(-total * s)
     return p1 * p2 - coupling**2 * turn, d1 * p2 + p1 * d2 - coupling * (2 * c - total * coupling) * turn
 
 
@@ -155,7 +156,7 @@ def spectral_abscissa(axes: Axes, k: Floats, delay: Floats, *, batch: int = 128)
             for start in range(0, len(same), batch):
                 part = same[start : start + batch]
                 abscissa[part], resolved[part] = _abscissa_with(
-                    axes[part], k[part], delay[part], int(nodes) * factor, size[part]
+                    axes.at(part), k[part], delay[part], int(nodes) * factor, size[part]
                 )
 
     compute(np.arange(len(k)), 1)

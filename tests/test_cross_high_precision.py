@@ -268,6 +268,7 @@ def by_steps(
             rhs, (start, stop), state, "DOP853", dense_output=True, rtol=1e-13, atol=1e-15, max_step=step
         )
         state = found.y[:, -1]
+        assert found.sol is not None
         pieces.append((start, found.sol))
         chosen = (times >= start) & (times <= stop)
         out[chosen] = found.sol(times[chosen]).T

@@ -115,7 +115,8 @@ def both_sides(
         for boundary in (one for pair in stable for one in pair if 0 < one < horizon):
             index += [i, i]
             points += [boundary * (1 - offset), boundary * (1 + offset)]
-    return axes[index], k[index], np.array(points)
+    chosen = np.array(index, dtype=np.int64)
+    return axes.at(chosen), k[chosen], np.array(points)
 
 
 @holds
