@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple, TypedDict
 
 import numpy as np
-from hypothesis import assume, given, settings
+from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 import telespring as ts
@@ -135,7 +135,7 @@ def test_law_only_the_sum_of_the_delays_decides(case: Case, k: float, delay: flo
     assert stable == (alpha < 0)
 
 
-@settings(max_examples=30)
+@settings(max_examples=30, phases=[Phase.generate])  # shrinking a simulation takes minutes
 @given(dyads, stiffnesses, delays)
 def test_law_the_abscissa_is_the_rate_of_decay_in_time(case: Case, k: float, delay: float) -> None:
     dyad = case.dyad()
@@ -146,8 +146,9 @@ def test_law_the_abscissa_is_the_rate_of_decay_in_time(case: Case, k: float, del
     assume(gap > 0.2 * abs(first) and abs(first.imag) < 300)
     # the slowest mode alone is left once the next has fallen by exp(-12)
     settle = 12.0 / gap + 4 * delay
-    assume(abs(first.real) * settle < 18)  # or nothing of it is left above rounding
-    span = max(8.0 / abs(first), 2 * delay)
+    span = max(4.0 / abs(first), 2 * delay)
+    # decayed by more than exp(-18) nothing of it would be left above rounding; grown, it diverges
+    assume(-18 < first.real * (settle + 2 * span) < 24)
     found = ts.simulate_array(
         dyad,
         k,
@@ -165,8 +166,10 @@ def test_law_the_abscissa_is_the_rate_of_decay_in_time(case: Case, k: float, del
     base = mode[:, None] * np.stack([np.cos(first.imag * t), np.sin(first.imag * t)], axis=1)
     base = base if abs(first.imag) > 0 else base[:, :1]
     left = v - base @ np.linalg.lstsq(base / mode[:, None], v / mode, rcond=None)[0]
-    # exp(-12) of the next mode is left, whose share is at most a thousand times larger
-    assume(np.abs(v / mode).max() > 1e-3 * np.abs(found.velocity).max() * np.exp(first.real * settle))
+    # the mode may hardly reach robot 1: a hundredth of the motion, carried back to t = 0, must be it
+    visible = np.abs(v / mode).max() * math.exp(-first.real * settle) / np.abs(found.velocity).max()
+    assume(visible > 1e-2)
+    # exp(-12) of the next mode over that hundredth, and its share may be ten times the first's
     assert np.abs(left / mode).max() <= 1e-2 * np.abs(v / mode).max()
 
 
