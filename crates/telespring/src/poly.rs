@@ -104,6 +104,9 @@ enum Doubt {
 /// double-double.
 const ROOT_ACCURACY: f64 = 2e-12;
 
+/// Stands for an upper end at infinity.
+const FAR: f64 = 1e300;
+
 /// All positive roots, in f64 where every sign is certain and else in double-double.
 ///
 /// `precise` forms the same polynomial in double-double from the same data.
@@ -136,25 +139,13 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
-    /// The sign of a value with an error bound; 0 where the bound leaves it open.
-    #[inline(always)]
-    fn sign_of((value, bound): (R, f64)) -> i8 {
-        let value = value.to_f64();
-        if value > bound {
-            1
-        } else if value < -bound {
-            -1
-        } else {
-            0
-        }
-    }
-
     fn sign(&self, low: usize, high: usize, x: R) -> i8 {
-        Self::sign_of(self.value(low, high, x))
+        let (value, bound) = self.value(low, high, x);
+        sign_of(value, bound)
     }
 
     fn coefficient_sign(&self, i: usize) -> i8 {
-        Self::sign_of((self.coefficient[i], 16.0 * R::EPSILON * self.magnitude[i]))
+        sign_of(self.coefficient[i], 16.0 * R::EPSILON * self.magnitude[i])
     }
 
     fn derivative(&self, low: usize, high: usize) -> Self {
@@ -197,17 +188,11 @@ fn search<R: Real, const N: usize>(
     let last = p.coefficient_sign(high - 1);
 
     // Descartes' rule of signs: with no change of sign there is no positive root, with one there is one.
-    let mut changes = 0;
-    let mut certain = true;
-    let mut previous = first;
-    for i in low + 1..high {
-        let sign = p.coefficient_sign(i);
-        certain &= sign != 0 || p.magnitude[i] == 0.0;
-        if sign != 0 && sign != previous {
-            changes += 1;
-            previous = sign;
-        }
-    }
+    let (changes, certain) = match (&p.coefficient[low..high], &p.magnitude[low..high]) {
+        // a length that is known when compiling unrolls the count
+        ([c0, c1, c2, c3], [m0, m1, m2, m3]) => sign_changes(&[*c0, *c1, *c2, *c3], &[*m0, *m1, *m2, *m3]),
+        (coefficients, magnitudes) => sign_changes(coefficients, magnitudes),
+    };
     if certain && changes == 0 {
         return Some(roots);
     }
@@ -226,8 +211,11 @@ fn search<R: Real, const N: usize>(
         };
         return certain.iter().all(accurate).then_some(certain);
     }
-    let splits =
-        if one_root { Roots::none() } else { search(&p.derivative(low, high), low + 1, high, Doubt::Zero)? };
+    if one_root {
+        roots.push(bracketed(p, low, high, R::from(0.0), R::from(FAR), first, doubt)?, last);
+        return Some(roots);
+    }
+    let splits = search(&p.derivative(low, high), low + 1, high, Doubt::Zero)?;
 
     // The last interval is open: its upper end is moved out until the leading term rules.
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
@@ -265,6 +253,28 @@ fn search<R: Real, const N: usize>(
     Some(roots)
 }
 
+/// The sign of a value with an error bound; 0 where the bound leaves it open.
+#[inline(always)]
+fn sign_of<R: Real>(value: R, bound: f64) -> i8 {
+    let value = value.to_f64();
+    i8::from(value > bound) - i8::from(value < -bound)
+}
+
+/// How often the sign changes along the coefficients, and whether every sign is certain.
+#[inline(always)]
+fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) {
+    let mut changes = 0;
+    let mut certain = true;
+    let mut previous = 0;
+    for (&coefficient, &magnitude) in coefficients.iter().zip(magnitudes) {
+        let sign = sign_of(coefficient, 16.0 * R::EPSILON * magnitude);
+        certain &= sign != 0 || magnitude == 0.0;
+        changes += u32::from(sign * previous < 0);
+        previous = if sign == 0 { previous } else { sign };
+    }
+    (changes, certain)
+}
+
 /// A power of two near the geometric mean of the roots' magnitudes: a scale to start from.
 #[inline(always)]
 fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
@@ -280,7 +290,7 @@ fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8
     let [c_size, b_size, a_size] = [0, 1, 2].map(|i| p.magnitude[low + i]);
     let discriminant = b * b - R::from(4.0) * a * c;
     let size = b_size * b_size + 4.0 * a_size * c_size;
-    let sign = Polynomial::<R, N>::sign_of((discriminant, 64.0 * R::EPSILON * size));
+    let sign = sign_of(discriminant, 64.0 * R::EPSILON * size);
     // outside, products overflow or lose digits
     if sign == 0 || !(1e-250..1e250).contains(&size) {
         return None;
@@ -343,7 +353,9 @@ fn bracketed<R: Real, const N: usize>(
 
 /// A point well inside a bracket; one over many decades is halved on the logarithmic scale.
 fn inside<R: Real>(left: R, right: R) -> R {
-    if left <= R::from(0.0) {
+    if right >= R::from(FAR) {
+        left * R::from(16.0)
+    } else if left <= R::from(0.0) {
         right * R::from(0.0625)
     } else if right > left * R::from(4.0) {
         (left * right).sqrt()
