@@ -10,8 +10,8 @@
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-use super::characteristic::Characteristic;
 use super::polynomial::real_roots;
+use crate::characteristic::Characteristic;
 
 /// Where |L| passes through 1.
 #[derive(Debug, Clone, Copy)]
@@ -142,12 +142,12 @@ impl Moduli {
 impl Line {
     /// Counts to the right of Re s = `sigma`.
     pub(super) fn count(chi: &Characteristic, sigma: f64) -> Self {
-        let t = chi.delay;
+        let t = chi.round_trip;
         let moduli = Moduli {
-            value: [0, 1].map(|i| (sigma + chi.beta[i]) * sigma + chi.kappa[i]),
-            slope: [0, 1].map(|i| 2.0 * sigma + chi.beta[i]),
-            q0: chi.gamma[0] + chi.gamma[1] * sigma,
-            g1: chi.gamma[1],
+            value: chi.sides.map(|side| (sigma + side.damping) * sigma + side.stiffness),
+            slope: chi.sides.map(|side| 2.0 * sigma + side.damping),
+            q0: chi.stiffness + chi.coupling_damping * sigma,
+            g1: chi.coupling_damping,
             growth: (-t * sigma).exp(),
         };
         let mut clear = true;
@@ -225,13 +225,9 @@ impl Line {
             let turns = (theta / TAU).floor();
             let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
             let noise = 8.0 * f64::EPSILON * moduli.coupling(w);
-            let rate = t + [0, 1]
-                .map(|i| {
-                    let s = Complex64::new(sigma, y);
-                    (s * 2.0 + chi.beta[i]).norm() / chi.side(i, s).norm()
-                })
-                .iter()
-                .sum::<f64>();
+            let s = Complex64::new(sigma, y);
+            let rate =
+                t + chi.sides.iter().map(|side| side.slope(s).norm() / side.value(s).norm()).sum::<f64>();
             let y_error = (noise / moduli.excess_slope(w).abs()) / (2.0 * y) + f64::EPSILON * y;
             let error = 1e-12 + 8.0 * f64::EPSILON * theta.abs() + 4.0 * rate * y_error;
             clear &= gap > error;
