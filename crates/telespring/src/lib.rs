@@ -16,8 +16,8 @@
 //!
 //! Everything is in SI units. With k the stiffness of the spring, c the damper beside it and T the sum of
 //! both one-way delays, one axis of a dyad has the characteristic function
-//! χ(s) = P₁(s) P₂(s) − (k + c s)² e^(−T s), Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i; its zeros decide
-//! what is stable. It has one home inside, and the criteria, the spectrum and the responses work on it.
+//! χ(s) = P₁(s) P₂(s) − (k + c s)² e^(−T s), Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i; its zeros, the
+//! characteristic roots, decide what is stable.
 
 pub mod criteria;
 pub mod dde;

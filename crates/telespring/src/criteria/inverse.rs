@@ -61,7 +61,7 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
 }
 
 /// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is
-/// stable at this stiffness (N/m) and one-way delay (s); 0 where no addition is ever unstable.
+/// stable at this stiffness (N/m) and one-way delay (s); 0 where every addition is, however small.
 ///
 /// # Errors
 ///

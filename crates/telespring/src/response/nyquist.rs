@@ -89,7 +89,7 @@ impl Nyquist {
 ///
 /// The argument is followed by subdividing [0, ω_max]; a piece is taken only once it is proven that N
 /// has no zero on it and by how much it turns. From ω_max on |P₁P₂| > |k + cjω|² (a bound on the roots
-/// of their difference), and the rest is closed in closed form. Where no subdivision can tell N from
+/// of their difference), and the rest of the turn follows in closed form. Where no subdivision can tell N from
 /// zero, that is the status.
 ///
 /// P₁ and P₂ never have roots with positive real part. Where the locus is indented to the right of s = 0 (free
@@ -97,7 +97,8 @@ impl Nyquist {
 /// clockwise encirclements of −1 therefore equal the unstable roots.
 ///
 /// Gain margins of free handles are taken over ω > 0 only: any other gain at rest would move the
-/// rigid-body root itself. The delay margin agrees with the crossings of the delay criteria.
+/// rigid-body root itself. Phase and delay margins are taken where |L(jω)| = 1, which is at the
+/// frequencies of [`criteria::crossings`](crate::criteria::crossings()).
 ///
 /// # Errors
 ///

@@ -199,8 +199,8 @@ pub fn frequency_response(
 /// The open loop L(jω) = −(k + cjω)² e^(−jωT)/(P₁P₂), T the round trip, over angular frequencies.
 ///
 /// This is what [`nyquist()`](crate::response::nyquist()) draws and what Fig. 3 of Du, Kulkarni, Kager and Campolo
-/// means (its caption lacks a factor k e^(−δs)). Its phase starts at +π and the critical phase
-/// is −180°: −π here. Minus L is the product of both [`partner_response`]s.
+/// means (its caption lacks a factor k e^(−δs)). Its phase starts at +π (for free handles L = −1 at rest)
+/// and is critical where it has fallen to −π, the −180° of that figure. Minus L is the product of both [`partner_response`]s.
 ///
 /// # Errors
 ///

@@ -1,11 +1,12 @@
 //! How many characteristic roots lie to the right of a vertical line: the argument principle in
 //! closed form.
 //!
-//! On s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both terms has a modulus whose crossings of 1
-//! are the zeros of one function of w = y² with at most a handful of turning points. Where |L| ≤ 1
-//! the argument of χ is that of p₁ p₂ within a right angle; where |L| ≥ 1 it is that of −q² e^(−Ts)
-//! within a right angle; both have arguments known in closed form. So the whole turn along the line
-//! follows from its few crossings, for any delay: no step is taken and none can be skipped.
+//! With pᵢ = Pᵢ/mᵢ and q = (k + c s)/√(m₁ m₂), on s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both
+//! terms has a modulus whose crossings of 1 are the zeros of one function of w = y² with at most a
+//! handful of turning points. Where |L| ≤ 1 the argument of χ is that of p₁ p₂ within a right angle;
+//! where |L| ≥ 1 it is that of −q² e^(−Ts) within a right angle; both have arguments known in closed
+//! form. So the whole turn along the line follows from its few crossings, for any delay: no step is
+//! taken and none can be skipped.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
