@@ -11,6 +11,13 @@
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | the dyad in time: exact for the linear model, adaptive for any right-hand side |
 //! | [`delay_system`] | any linear system with several constant delays |
+//! | [`quantity`] | the quantities that enter, with their units and ranges |
+//! | [`error`] | what is refused at the door, and how it is told |
+//!
+//! Everything is in SI units. With k the stiffness of the spring, c the damper beside it and T the sum of
+//! both one-way delays, one axis of a dyad has the characteristic function
+//! χ(s) = P₁(s) P₂(s) − (k + c s)² e^(−T s), Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i; its zeros, the
+//! characteristic roots, decide what is stable.
 
 pub mod criteria;
 pub mod dde;
@@ -22,6 +29,7 @@ pub mod response;
 pub mod spectrum;
 pub mod study;
 
+mod characteristic;
 mod poly;
 
 #[cfg(feature = "fuzzing")]

@@ -300,6 +300,19 @@ impl DyadAxis {
         })
     }
 
+    /// Refuses what fields filled in by hand may hold, and no constructor lets through.
+    pub(crate) fn check(&self) -> Result<()> {
+        for (side, [mass, damping, ground]) in
+            self.sides.iter().zip([["m1", "b1", "kh1"], ["m2", "b2", "kh2"]])
+        {
+            quantity::SIDE_MASS.check(mass, side.mass)?;
+            quantity::SIDE_DAMPING.check(damping, side.damping)?;
+            quantity::GROUND_STIFFNESS.check(ground, side.ground_stiffness)?;
+        }
+        quantity::DAMPING.check("c", self.coupling_damping)?;
+        Ok(())
+    }
+
     /// True where neither operator holds its handle to the ground: s = 0 is then a root for every
     /// stiffness and delay (both robots carried off together).
     pub fn is_free(&self) -> bool {

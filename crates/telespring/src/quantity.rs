@@ -22,6 +22,10 @@ pub const MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 1e4, Some(("g", 1
 pub const ADDED_MASS: Quantity = Quantity::new("an added mass", "kg", 0.0, 1e4, Some(("g", 1e-3)));
 /// A viscous damping in N·s/m.
 pub const DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 1e6, None);
+/// The mass of a robot and the operator who holds it together, in kg.
+pub(crate) const SIDE_MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 2e4, Some(("g", 1e-3)));
+/// The viscous damping of a robot and the operator who holds it together, in N·s/m.
+pub(crate) const SIDE_DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 2e6, None);
 /// The stiffness of the virtual spring in N/m.
 pub const STIFFNESS: Quantity = Quantity::new("a coupling stiffness", "N/m", 1e-6, 1e7, None);
 /// A stiffness in N/m that may be absent (an operator's).

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use telespring::delay_system::DelaySystem;
 use telespring::spectrum::{Certificate, characteristic_roots, spectral_abscissa};
-use telespring::{Delay, DyadAxis};
+use telespring::{Delay, Dyad, DyadAxis, Operator, Robot};
 
 /// m₁, b₁, m₂, b₂, k_h,1, k_h,2, c, k and both delays.
 type Case = ([f64; 7], f64, [f64; 2]);
@@ -150,6 +150,17 @@ fn law_bad_input_is_refused_by_name() {
     let mut broken = axis;
     broken.sides[1].mass = f64::NAN;
     assert_eq!(spectral_abscissa(&broken, 10.0, &delay).unwrap_err().field, "m2");
+}
+
+#[test]
+fn law_every_dyad_that_can_be_built_has_a_spectrum() {
+    // A robot and its operator at the upper end of both ranges.
+    let robot = || Robot::new(vec![1e4], vec![1e6], None).unwrap();
+    let operator = || Operator::new(vec![1e4], vec![1e6], vec![1e7]).unwrap();
+    let dyad = Dyad::new(robot(), robot(), Some([operator(), operator()]), 1e6).unwrap();
+    let delay = Delay::each_way(0.1).unwrap();
+    let axis = dyad.axis(0).unwrap();
+    assert!(characteristic_roots(&axis, 1e7, &delay, 4).unwrap().certificate.is_complete());
 }
 
 #[test]

@@ -6,8 +6,9 @@ use super::critical::critical_stiffness;
 use super::crossings::all_crossings;
 use super::curve::{Curvature, Jet, LineFunction, Region, Wanted, solve};
 use super::intervals::{is_stable_without_delay, unstable_roots};
+use crate::characteristic::{self, Characteristic, Exponential};
 use crate::error::{InvalidInput, Result};
-use crate::model::DyadAxis;
+use crate::model::{DyadAxis, Side};
 use crate::quantity;
 
 /// The stiffness K at this one-way delay (s): every k with 0 < k < K is stable, N/m.
@@ -60,7 +61,7 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
 }
 
 /// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is
-/// stable at this stiffness (N/m) and one-way delay (s); 0 where no addition is ever unstable.
+/// stable at this stiffness (N/m) and one-way delay (s); 0 where every addition is, however small.
 ///
 /// # Errors
 ///
@@ -263,132 +264,9 @@ fn real_changes(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The exponential part of the characteristic function on the line Re s = −σ.
-struct Exponential {
-    /// (1 − e^(−T s))/s and its derivative by s.
-    held: Complex64,
-    held_slope: Complex64,
-    /// e^(−T s).
-    decay: Complex64,
-}
-
-impl Exponential {
-    fn at(s: Complex64, round_trip: f64) -> Self {
-        let z = s * round_trip;
-        let (size, (sine, cosine)) = ((-z.re).exp(), z.im.sin_cos());
-        let decay = Complex64::new(size * cosine, -size * sine);
-        // 1 − e^(−z) without cancellation.
-        let complement =
-            Complex64::new(2.0 * (0.5 * z.im).sin().powi(2) - (-z.re).exp_m1() * cosine, size * sine);
-        let held = complement / s;
-        let held_slope = if z.norm() < 1e-4 {
-            (z * (2.0 / 3.0) - 1.0) * (0.5 * round_trip * round_trip)
-        } else {
-            (decay * round_trip - held) / s
-        };
-        Self { held, held_slope, decay }
-    }
-
-    /// Bounds on |held| and its first two derivatives for |s| ≥ `least` on Re s = −σ.
-    fn bounds(least: f64, round_trip: f64, decay_rate: f64) -> [f64; 3] {
-        let t = round_trip;
-        let growth = (decay_rate * t).exp();
-        let zeroth = (t * growth).min((1.0 + growth) / least);
-        let first = (0.5 * t * t * growth).min((t * growth + zeroth) / least);
-        let second = (t * t * t / 3.0 * growth).min((t * t * growth + 2.0 * first) / least);
-        [zeroth, first, second]
-    }
-}
-
-/// The coefficients of the characteristic function of one axis at given damping and stiffness.
-struct Coefficients {
-    mass: [f64; 2],
-    /// bᵢ, without c.
-    damping: [f64; 2],
-    ground: [f64; 2],
-    c: f64,
-    stiffness: f64,
-    round_trip: f64,
-}
-
-impl Coefficients {
-    fn new(axis: &DyadAxis, stiffness: f64, added_damping: f64, round_trip: f64) -> Self {
-        Self {
-            round_trip,
-            mass: axis.sides.map(|side| side.mass),
-            damping: axis.sides.map(|side| side.damping + added_damping),
-            ground: axis.sides.map(|side| side.ground_stiffness),
-            c: axis.coupling_damping,
-            stiffness,
-        }
-    }
-
-    fn is_free(&self) -> bool {
-        self.ground == [0.0; 2]
-    }
-
-    /// m₁B₂ + m₂B₁ with B = b + c.
-    fn third(&self) -> f64 {
-        let [m1, m2] = self.mass;
-        let [b1, b2] = self.damping;
-        m1 * (b2 + self.c) + m2 * (b1 + self.c)
-    }
-
-    /// Pᵢ and its derivative.
-    fn side(&self, i: usize, s: Complex64) -> (Complex64, Complex64) {
-        let (m, loss, elastic) = (self.mass[i], self.damping[i] + self.c, self.stiffness + self.ground[i]);
-        ((s * m + loss) * s + elastic, s * (2.0 * m) + loss)
-    }
-
-    /// The characteristic function (divided by s where s = 0 is a root of every such dyad) and its
-    /// derivative by s.
-    fn value(&self, s: Complex64, exponential: &Exponential) -> (Complex64, Complex64) {
-        let spring = s * self.c + self.stiffness;
-        if self.is_free() {
-            let [m1, m2] = self.mass;
-            let [b1, b2] = self.damping;
-            let leading = m1 * m2;
-            let third = self.third();
-            let second = self.stiffness * (m1 + m2) + b1 * b2 + self.c * (b1 + b2);
-            let first = self.stiffness * (b1 + b2);
-            let value = ((s * leading + third) * s + second) * s + first;
-            let slope = (s * (3.0 * leading) + 2.0 * third) * s + second;
-            (
-                value + spring * spring * exponential.held,
-                slope + spring * (exponential.held * (2.0 * self.c) + spring * exponential.held_slope),
-            )
-        } else {
-            let ((p1, p1_slope), (p2, p2_slope)) = (self.side(0, s), self.side(1, s));
-            let returned = exponential.decay * spring;
-            let returned_slope = returned * (2.0 * self.c - spring * self.round_trip);
-            (p1 * p2 - returned * spring, p1_slope * p2 + p1 * p2_slope - returned_slope)
-        }
-    }
-
-    /// A bound on the second derivative by s, for `least` ≤ |s| ≤ `most`.
-    fn curvature(&self, least: f64, most: f64, decay_rate: f64) -> f64 {
-        let spring = self.stiffness + self.c * most;
-        if self.is_free() {
-            let [held, first, second] = Exponential::bounds(least, self.round_trip, decay_rate);
-            6.0 * self.mass[0] * self.mass[1] * most
-                + 2.0 * self.third()
-                + 2.0 * self.c * self.c * held
-                + 4.0 * self.c * spring * first
-                + spring * spring * second
-        } else {
-            let [first, second] = [0, 1].map(|i| {
-                let loss = self.damping[i] + self.c;
-                let value = (self.mass[i] * most + loss) * most + self.stiffness + self.ground[i];
-                (value, 2.0 * self.mass[i] * most + loss, 2.0 * self.mass[i])
-            });
-            let growth = (decay_rate * self.round_trip).exp();
-            let t = self.round_trip;
-            first.2 * second.0
-                + 2.0 * first.1 * second.1
-                + first.0 * second.2
-                + growth * (2.0 * self.c * self.c + t * spring * (4.0 * self.c + t * spring))
-        }
-    }
+/// N(s) (χ(s), over s for free handles) and its derivative by s.
+fn jet_by_frequency(chi: &Characteristic, s: Complex64, exponential: &Exponential) -> characteristic::Jet {
+    if chi.rigid_body { chi.jet_by_remainder(s, exponential) } else { chi.jet_by_sides(s, exponential) }
 }
 
 /// Whether |P₁P₂| and |k + c s|² e^(σT) differ all over a box of frequencies, with the stiffness and the
@@ -443,18 +321,19 @@ struct StiffnessLine<'a> {
 impl LineFunction for StiffnessLine<'_> {
     fn jet(&self, frequency: f64, stiffness: f64) -> Jet {
         let s = Complex64::new(-self.decay_rate, frequency);
-        let all = Coefficients::new(self.axis, stiffness, 0.0, self.round_trip);
+        let chi = Characteristic::new(self.axis, stiffness, self.round_trip);
         let exponential = Exponential::at(s, self.round_trip);
-        let (value, slope) = all.value(s, &exponential);
-        let spring = s * all.c + stiffness;
-        let by_parameter = if all.is_free() {
-            s * (all.mass[0] + all.mass[1])
-                + (all.damping[0] + all.damping[1])
-                + spring * exponential.held * 2.0
+        let jet = jet_by_frequency(&chi, s, &exponential);
+        let spring = chi.coupling(s);
+        let [one, two] = self.axis.sides;
+        let by_parameter = if chi.rigid_body {
+            s * (one.mass + two.mass)
+                + (one.damping + two.damping)
+                + spring * exponential.held(s, self.round_trip).value * 2.0
         } else {
-            all.side(0, s).0 + all.side(1, s).0 - spring * exponential.decay * 2.0
+            chi.sides[0].value(s) + chi.sides[1].value(s) - spring * exponential.decay * 2.0
         };
-        Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {
@@ -464,22 +343,23 @@ impl LineFunction for StiffnessLine<'_> {
 
     fn curvature(&self, region: &Region) -> Curvature {
         let (least, most) = magnitudes(region, self.decay_rate);
-        let all = Coefficients::new(self.axis, region.parameter.1, 0.0, self.round_trip);
-        let frequency = all.curvature(least, most, self.decay_rate);
-        let spring = all.stiffness + all.c * most;
-        if all.is_free() {
-            let [held, first, _] = Exponential::bounds(least, self.round_trip, self.decay_rate);
+        let chi = Characteristic::new(self.axis, region.parameter.1, self.round_trip);
+        let growth = (self.decay_rate * self.round_trip).exp();
+        let frequency = chi.curvature(least, most, growth);
+        let c = chi.coupling_damping;
+        let spring = chi.stiffness + c * most;
+        if chi.rigid_body {
+            let [held, first, _] = Exponential::held_bounds(least, self.round_trip, growth);
             Curvature {
                 frequency,
-                mixed: all.mass[0] + all.mass[1] + 2.0 * (all.c * held + spring * first),
+                mixed: chi.sides[0].mass + chi.sides[1].mass + 2.0 * (c * held + spring * first),
                 parameter: 2.0 * held,
             }
         } else {
-            let growth = (self.decay_rate * self.round_trip).exp();
-            let slopes: f64 = (0..2).map(|i| 2.0 * all.mass[i] * most + all.damping[i] + all.c).sum();
+            let slopes: f64 = chi.sides.iter().map(|side| side.bounds(most)[1]).sum();
             Curvature {
                 frequency,
-                mixed: slopes + 2.0 * growth * (all.c + self.round_trip * spring),
+                mixed: slopes + 2.0 * growth * (c + self.round_trip * spring),
                 parameter: 2.0 * (1.0 + growth),
             }
         }
@@ -493,20 +373,25 @@ struct DampingLine<'a> {
     round_trip: f64,
 }
 
+impl DampingLine<'_> {
+    fn characteristic(&self, added: f64) -> Characteristic {
+        let sides = self.axis.sides.map(|side| Side { damping: side.damping + added, ..side });
+        Characteristic::new(&DyadAxis { sides, ..*self.axis }, self.stiffness, self.round_trip)
+    }
+}
+
 impl LineFunction for DampingLine<'_> {
     fn jet(&self, frequency: f64, added: f64) -> Jet {
         let s = Complex64::new(0.0, frequency);
-        let all = Coefficients::new(self.axis, self.stiffness, added, self.round_trip);
-        let exponential = Exponential::at(s, self.round_trip);
-        let (value, slope) = all.value(s, &exponential);
-        let mass = all.mass[0] + all.mass[1];
-        let loss = all.damping[0] + all.damping[1] + 2.0 * all.c;
-        let by_parameter = if all.is_free() {
-            (s * mass + loss) * s + 2.0 * self.stiffness
+        let chi = self.characteristic(added);
+        let jet = jet_by_frequency(&chi, s, &Exponential::at(s, self.round_trip));
+        let [one, two] = chi.sides;
+        let by_parameter = if chi.rigid_body {
+            (s * (one.mass + two.mass) + (one.damping + two.damping)) * s + 2.0 * self.stiffness
         } else {
-            (all.side(0, s).0 + all.side(1, s).0) * s
+            (one.value(s) + two.value(s)) * s
         };
-        Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {
@@ -517,15 +402,15 @@ impl LineFunction for DampingLine<'_> {
 
     fn curvature(&self, region: &Region) -> Curvature {
         let (least, most) = magnitudes(region, 0.0);
-        let all = Coefficients::new(self.axis, self.stiffness, region.parameter.1, self.round_trip);
-        let frequency = all.curvature(least, most, 0.0);
-        let mass = all.mass[0] + all.mass[1];
-        let loss = all.damping[0] + all.damping[1] + 2.0 * all.c;
-        if all.is_free() {
+        let chi = self.characteristic(region.parameter.1);
+        let frequency = chi.curvature(least, most, 1.0);
+        let [one, two] = chi.sides;
+        let mass = one.mass + two.mass;
+        let loss = one.damping + two.damping;
+        if chi.rigid_body {
             Curvature { frequency, mixed: 2.0 * mass * most + loss, parameter: 2.0 * most }
         } else {
-            let elastic = 2.0 * self.stiffness + all.ground[0] + all.ground[1];
-            let mixed = (3.0 * mass * most + 2.0 * loss) * most + elastic;
+            let mixed = (3.0 * mass * most + 2.0 * loss) * most + one.stiffness + two.stiffness;
             Curvature { frequency, mixed, parameter: 2.0 * most * most }
         }
     }

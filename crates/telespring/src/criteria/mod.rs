@@ -1,11 +1,17 @@
 //! Stability criteria of one axis of a dyad, and the verdicts on a whole dyad.
 //!
 //! A root of the characteristic function lies on the imaginary axis, at s = jω, exactly where
-//! |P₁(jω)|²|P₂(jω)|² = (k² + c²ω²)² (the magnitudes agree, [`polynomial`]) and the phase of the
-//! delay makes up the rest ([`crossings`]). Everything else here follows from these two facts:
-//! which stiffness is stable at every delay ([`critical`]), which delays are stable
-//! ([`intervals`]), and the inverses that solve for the stiffness or the damping ([`curve`],
-//! [`inverse`]).
+//! |P₁(jω)|²|P₂(jω)|² = (k² + c²ω²)² (the magnitudes agree) and the phase of the delay makes up the
+//! rest. Everything else here follows from these two facts:
+//!
+//! | question | function |
+//! |---|---|
+//! | where do roots meet the imaginary axis? | [`crossings`] |
+//! | which stiffness is stable at every constant delay? | [`critical_stiffness`], [`is_delay_independent`] |
+//! | which delays are stable? | [`maximum_delay`], [`stable_delays`], [`unstable_root_count`], [`stability_map`] |
+//! | which stiffness or damping does a delay bear? | [`maximum_stiffness`], [`minimum_damping`], [`decay_stiffness`] |
+//! | what does the paper say? | [`paper_critical_stiffness`], [`paper_maximum_delay`] |
+//! | what on a whole dyad, over a network as it is? | [`verdicts`](mod@verdicts) |
 
 mod critical;
 mod crossings;
@@ -19,6 +25,5 @@ pub mod verdicts;
 pub use critical::{critical_stiffness, is_delay_independent};
 pub use crossings::{Crossing, Crossings, crossings};
 pub use intervals::{maximum_delay, stability_map, stable_delays, unstable_root_count};
-
 pub use inverse::{decay_stiffness, maximum_stiffness, minimum_damping};
 pub use paper::{paper_critical_stiffness, paper_maximum_delay};

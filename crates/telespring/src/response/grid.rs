@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::characteristic::{Characteristic, check_frequency};
+use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
 use crate::{Delay, DyadAxis};
 
@@ -62,7 +62,7 @@ pub fn frequency_grid(
     resolution: f64,
     limit: usize,
 ) -> Result<FrequencyGrid> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
     check_frequency("low", low)?;
     check_frequency("high", high)?;
     if low >= high {
@@ -84,7 +84,7 @@ pub fn frequency_grid(
     if limit < 2 {
         return Err(InvalidInput::new("limit", limit, "a grid has at least 2 points", "Allow more points."));
     }
-    Ok(refine(&characteristic, low, high, resolution, limit))
+    Ok(refine(&open_loop, low, high, resolution, limit))
 }
 
 #[derive(PartialEq)]
@@ -98,13 +98,13 @@ enum Interval {
 /// Halves every interval that is too coarse, all of them once before any of them twice, so that a
 /// limit leaves an even grid.
 pub(super) fn refine(
-    characteristic: &Characteristic,
+    open_loop: &OpenLoop,
     low: f64,
     high: f64,
     resolution: f64,
     limit: usize,
 ) -> FrequencyGrid {
-    let floor = 1e-24 * characteristic.loop_is_small_from();
+    let floor = 1e-24 * open_loop.loop_is_small_from();
     // Points with whether the interval that starts there is still to be looked at.
     let mut points = vec![(low, true), (high, false)];
     let mut poles: Vec<f64> = Vec::new();
@@ -116,7 +116,7 @@ pub(super) fn refine(
                 next.push((start, false));
                 continue;
             };
-            match classify(characteristic, start, end, resolution, floor) {
+            match classify(open_loop, start, end, resolution, floor) {
                 Interval::Fine => next.push((start, false)),
                 Interval::Pole => {
                     next.push((start, false));
@@ -150,7 +150,7 @@ pub(super) fn refine(
     FrequencyGrid { frequency: points.into_iter().map(|(w, _)| w).collect(), status }
 }
 
-fn classify(c: &Characteristic, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
+fn classify(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
     let half = 0.5 * (high - low);
     let middle = Complex64::new(0.0, 0.5 * (low + high));
     let mut result = Interval::Fine;
@@ -165,14 +165,17 @@ fn classify(c: &Characteristic, low: f64, high: f64, resolution: f64, floor: f64
             }
         }
     };
-    for side in &c.sides {
-        let slope = 2.0 * side.mass * high + side.damping;
+    for side in &open_loop.chi.sides {
+        let slope = side.bounds(high)[1];
         let noise = 4.0 * f64::EPSILON * (side.stiffness + high * (side.damping + side.mass * high));
         judge(side.value(middle).norm(), slope, &|| half * slope <= 2.0 * noise);
     }
-    judge(c.deflated(middle).norm(), c.steepness(low, high), &|| c.undecidable(low, high));
-    judge(c.coupling(middle).norm(), 2.0 * c.coupling_damping, &|| false);
-    judge(1.0, c.delay.round_trip(), &|| false);
+    judge(open_loop.chi.value(middle).norm(), open_loop.steepness(low, high), &|| {
+        open_loop.undecidable(low, high)
+    });
+    let chi = &open_loop.chi;
+    judge(chi.coupling(middle).norm(), 2.0 * chi.coupling_damping, &|| false);
+    judge(1.0, chi.round_trip, &|| false);
     if result == Interval::Coarse && (middle.im <= low || middle.im >= high) {
         return Interval::Pole;
     }

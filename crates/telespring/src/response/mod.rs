@@ -15,9 +15,9 @@
 //! one frequency does not depend on which others are asked for. Every factor but χ has a phase in
 //! closed form; the phase of χ is followed by subdividing until each piece is proven free of a zero.
 
-mod characteristic;
 mod grid;
 mod nyquist;
+mod open_loop;
 mod transfer;
 
 pub use grid::{FrequencyGrid, GridStatus, frequency_grid};

@@ -3,8 +3,9 @@
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-use super::characteristic::Characteristic;
 use super::grid::{GridStatus, refine};
+use super::open_loop::OpenLoop;
+use crate::criteria::{Crossing, Crossings, crossings};
 use crate::error::Result;
 use crate::{Delay, DyadAxis};
 
@@ -41,7 +42,7 @@ pub enum NyquistStatus {
 /// The Nyquist locus of one axis, the count of unstable roots and the margins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nyquist {
-    /// Angular frequencies of the locus from 0 on, rad/s; fine enough that no turn is skipped.
+    /// Angular frequencies of the locus from 0 on, rad/s; where `locus_status` is resolved, fine enough that no turn is skipped.
     pub frequency: Vec<f64>,
     /// L(jω) at each; points where it is infinite (undamped sides) are left out.
     pub locus: Vec<Complex64>,
@@ -88,7 +89,7 @@ impl Nyquist {
 ///
 /// The argument is followed by subdividing [0, ω_max]; a piece is taken only once it is proven that N
 /// has no zero on it and by how much it turns. From ω_max on |P₁P₂| > |k + cjω|² (a bound on the roots
-/// of their difference), and the rest is closed in closed form. Where no subdivision can tell N from
+/// of their difference), and the rest of the turn follows in closed form. Where no subdivision can tell N from
 /// zero, that is the status.
 ///
 /// P₁ and P₂ never have roots with positive real part. Where the locus is indented to the right of s = 0 (free
@@ -96,7 +97,8 @@ impl Nyquist {
 /// clockwise encirclements of −1 therefore equal the unstable roots.
 ///
 /// Gain margins of free handles are taken over ω > 0 only: any other gain at rest would move the
-/// rigid-body root itself. The delay margin agrees with the crossings of the delay criteria.
+/// rigid-body root itself. Phase and delay margins are taken where |L(jω)| = 1, which is at the
+/// frequencies of [`criteria::crossings`](crate::criteria::crossings()).
 ///
 /// # Errors
 ///
@@ -116,30 +118,33 @@ impl Nyquist {
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn nyquist(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Nyquist> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
-    let (unstable_roots, status) = count(&characteristic);
-    let mut high = characteristic.loop_is_small_from();
-    while characteristic.open_loop(Complex64::new(0.0, high)).norm() > SMALL {
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
+    let (unstable_roots, status) = count(&open_loop);
+    let mut high = open_loop.loop_is_small_from();
+    while open_loop.value(Complex64::new(0.0, high)).norm() > SMALL {
         high *= 1.5;
     }
-    let grid = refine(&characteristic, 0.0, high, RESOLUTION, LIMIT);
+    let grid = refine(&open_loop, 0.0, high, RESOLUTION, LIMIT);
     let (frequency, locus): (Vec<f64>, Vec<Complex64>) = grid
         .frequency
         .iter()
-        .map(|&w| (w, characteristic.open_loop(Complex64::new(0.0, w))))
+        .map(|&w| (w, open_loop.value(Complex64::new(0.0, w))))
         .filter(|(_, value)| value.is_finite())
         .unzip();
-    let minimum_distance = minimum_distance(&characteristic, &frequency);
+    let minimum_distance = minimum_distance(&open_loop, &frequency);
+    // |L(jω)| = 1 exactly where roots cross the axis at some delay.
+    let crossings = crossings(axis, stiffness)?;
     let stable = unstable_roots == 0 && status == NyquistStatus::Counted;
     let [gain_margin, gain_reduction_margin] =
-        if stable { gain_margins(&characteristic, &frequency) } else { [None, None] };
-    let [phase_margin, delay_margin] = if stable { crossover_margins(&characteristic) } else { [None, None] };
+        if stable { gain_margins(&open_loop, &frequency) } else { [None, None] };
+    let [phase_margin, delay_margin] =
+        if stable { crossover_margins(&open_loop, &crossings) } else { [None, None] };
     Ok(Nyquist {
         frequency,
         locus,
         encirclements: unstable_roots as i64,
         unstable_roots,
-        rigid_body: characteristic.deflation == 1,
+        rigid_body: open_loop.chi.rigid_body,
         minimum_distance,
         gain_margin,
         gain_reduction_margin,
@@ -151,11 +156,11 @@ pub fn nyquist(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Nyquist
 }
 
 /// The number of zeros of N with positive real part, those on the axis left out.
-fn count(characteristic: &Characteristic) -> (usize, NyquistStatus) {
-    let high = characteristic.loop_is_small_from();
-    let followed = characteristic.follow(&[high]);
-    let degree = (4 - characteristic.deflation) as f64;
-    let turn = followed.argument.iter().sum::<f64>() + characteristic.remaining_turn(high);
+fn count(open_loop: &OpenLoop) -> (usize, NyquistStatus) {
+    let high = open_loop.loop_is_small_from();
+    let followed = open_loop.follow(&[high]);
+    let degree = open_loop.degree() as f64;
+    let turn = followed.argument.iter().sum::<f64>() + open_loop.remaining_turn(high);
     let zeros = 0.5 * degree - turn / PI;
     let status = match followed.zeros.first() {
         Some(&frequency) => NyquistStatus::OnTheAxis { frequency },
@@ -164,21 +169,21 @@ fn count(characteristic: &Characteristic) -> (usize, NyquistStatus) {
     (zeros.round().max(0.0) as usize, status)
 }
 
-fn distance(characteristic: &Characteristic, frequency: f64) -> f64 {
-    characteristic.return_difference(Complex64::new(0.0, frequency)).norm()
+fn distance(open_loop: &OpenLoop, frequency: f64) -> f64 {
+    open_loop.return_difference(Complex64::new(0.0, frequency)).norm()
 }
 
-fn minimum_distance(characteristic: &Characteristic, frequency: &[f64]) -> Margin {
-    let sampled: Vec<f64> = frequency.iter().map(|&w| distance(characteristic, w)).collect();
+fn minimum_distance(open_loop: &OpenLoop, frequency: &[f64]) -> Margin {
+    let sampled: Vec<f64> = frequency.iter().map(|&w| distance(open_loop, w)).collect();
     let mut least = Margin { value: 1.0, frequency: f64::INFINITY };
-    if characteristic.deflation == 0 && sampled[0] < least.value {
+    if !open_loop.chi.rigid_body && sampled[0] < least.value {
         least = Margin { value: sampled[0], frequency: 0.0 };
     }
     for (w, d) in frequency.windows(3).zip(sampled.windows(3)) {
         // No factor changes by more than a tenth between neighbours: a minimum far above the best stays above.
         if d[1] <= d[0] && d[1] <= d[2] && d[1] < 1.5 * least.value {
-            let found = golden_section(w[0], w[2], |w| distance(characteristic, w));
-            let value = distance(characteristic, found);
+            let found = golden_section(w[0], w[2], |w| distance(open_loop, w));
+            let value = distance(open_loop, found);
             if value < least.value {
                 least = Margin { value, frequency: found };
             }
@@ -207,10 +212,10 @@ fn golden_section(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) ->
 }
 
 /// The factors nearest 1, above and below, that put L(jω), ω > 0, onto −1.
-fn gain_margins(characteristic: &Characteristic, frequency: &[f64]) -> [Option<Margin>; 2] {
+fn gain_margins(open_loop: &OpenLoop, frequency: &[f64]) -> [Option<Margin>; 2] {
     let mut nearest: [Option<Margin>; 2] = [None, None];
     let mut offer = |w: f64| {
-        let response = characteristic.open_loop(Complex64::new(0.0, w));
+        let response = open_loop.value(Complex64::new(0.0, w));
         // The phase also jumps past multiples of 2π at the infinite points of undamped sides.
         if !(-response).is_finite() || (-response).arg().abs() > 1e-3 {
             return;
@@ -222,14 +227,14 @@ fn gain_margins(characteristic: &Characteristic, frequency: &[f64]) -> [Option<M
             nearest[place] = Some(Margin { value, frequency: w });
         }
     };
-    let phase = |w: f64| characteristic.loop_phase(w);
+    let phase = |w: f64| open_loop.loop_phase(w);
     // At rest the phase is 0: a crossing there is the rigid-body root or the static loop gain.
     for pair in frequency.windows(2) {
         for w in whole_turns(&phase, pair[0], pair[1]) {
             offer(w);
         }
     }
-    let round_trip = characteristic.delay.round_trip();
+    let round_trip = open_loop.chi.round_trip;
     if let Some(&last) = frequency.last()
         && round_trip > 0.0
     {
@@ -270,10 +275,10 @@ fn whole_turns(phase: &impl Fn(f64) -> f64, low: f64, high: f64) -> Vec<f64> {
 }
 
 /// The smallest rotation and the smallest added mean one-way delay that put L(jω) onto −1.
-fn crossover_margins(characteristic: &Characteristic) -> [Option<Margin>; 2] {
+fn crossover_margins(open_loop: &OpenLoop, crossings: &Crossings) -> [Option<Margin>; 2] {
     let mut smallest: [Option<Margin>; 2] = [None, None];
-    for frequency in characteristic.gain_crossovers() {
-        let lag = characteristic.loop_phase(frequency).rem_euclid(TAU);
+    for &Crossing { frequency, .. } in crossings.iter() {
+        let lag = open_loop.loop_phase(frequency).rem_euclid(TAU);
         for (best, value) in smallest.iter_mut().zip([lag.min(TAU - lag), 0.5 * lag / frequency]) {
             if best.is_none_or(|best: Margin| value < best.value) {
                 *best = Some(Margin { value, frequency });

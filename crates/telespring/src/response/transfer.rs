@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::characteristic::{Characteristic, check_frequency};
+use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
 use crate::{Delay, DyadAxis};
 
@@ -97,9 +97,9 @@ pub fn transfer_matrix(
     s: Complex64,
     convention: Convention,
 ) -> Result<[[Complex64; 2]; 2]> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
-    let rigid_body = if characteristic.deflation == 1 { s } else { Complex64::ONE };
-    finite_matrix("s", s, matrix_over(&characteristic, check_point(delay, s)?, convention, rigid_body))
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
+    let rigid_body = open_loop.rigid_body(s);
+    finite_matrix("s", s, matrix_over(&open_loop, check_point(delay, s)?, convention, rigid_body))
 }
 
 /// The velocities under the forces, s times [`transfer_matrix`], in (m/s)/N; for free handles too it
@@ -127,10 +127,10 @@ pub fn mobility_matrix(
     delay: &Delay,
     s: Complex64,
 ) -> Result<[[Complex64; 2]; 2]> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
     let s = check_point(delay, s)?;
-    let factor = if characteristic.deflation == 1 { Complex64::ONE } else { s };
-    let matrix = matrix_over(&characteristic, s, Convention::Exact, Complex64::ONE);
+    let factor = if open_loop.chi.rigid_body { Complex64::ONE } else { s };
+    let matrix = matrix_over(&open_loop, s, Convention::Exact, Complex64::ONE);
     finite_matrix("s", s, matrix.map(|row| row.map(|entry| entry * factor)))
 }
 
@@ -158,7 +158,7 @@ pub fn frequency_response(
     frequency: &[f64],
     convention: Convention,
 ) -> Result<FrequencyResponse> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
     let mut order = Vec::with_capacity(frequency.len());
     for (i, &w) in frequency.iter().enumerate() {
         check_frequency(&format!("frequency[{i}]"), w)?;
@@ -166,8 +166,8 @@ pub fn frequency_response(
     }
     order.sort_by(|&a, &b| frequency[a].total_cmp(&frequency[b]));
     let nodes: Vec<f64> = order.iter().map(|&i| frequency[i]).collect();
-    let followed = characteristic.follow(&nodes);
-    let at_rest = characteristic.deflation as f64 * FRAC_PI_2;
+    let followed = open_loop.follow(&nodes);
+    let at_rest = if open_loop.chi.rigid_body { FRAC_PI_2 } else { 0.0 };
     let mut chi_phase = vec![0.0; frequency.len()];
     for (&i, &argument) in order.iter().zip(&followed.argument) {
         chi_phase[i] = at_rest + argument;
@@ -181,14 +181,11 @@ pub fn frequency_response(
     };
     for (i, (&w, chi)) in frequency.iter().zip(chi_phase).enumerate() {
         let s = Complex64::new(0.0, w);
-        let rigid_body = if characteristic.deflation == 1 { s } else { Complex64::ONE };
-        let matrix = finite_matrix(
-            &format!("frequency[{i}]"),
-            w,
-            matrix_over(&characteristic, s, convention, rigid_body),
-        )?;
-        let coupling = (characteristic.coupling_damping * w).atan2(characteristic.stiffness);
-        let [own1, own2] = diagonal(convention).map(|side| characteristic.sides[side].phase(w) - chi);
+        let rigid_body = open_loop.rigid_body(s);
+        let matrix =
+            finite_matrix(&format!("frequency[{i}]"), w, matrix_over(&open_loop, s, convention, rigid_body))?;
+        let coupling = (open_loop.chi.coupling_damping * w).atan2(open_loop.chi.stiffness);
+        let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].phase(w) - chi);
         response.phase.push([
             [own1, coupling - w * delay.backward() - chi],
             [coupling - w * delay.forward() - chi, own2],
@@ -202,8 +199,8 @@ pub fn frequency_response(
 /// The open loop L(jω) = −(k + cjω)² e^(−jωT)/(P₁P₂), T the round trip, over angular frequencies.
 ///
 /// This is what [`nyquist()`](crate::response::nyquist()) draws and what Fig. 3 of Du, Kulkarni, Kager and Campolo
-/// means (its caption lacks a factor k e^(−δs)). Its phase starts at +π and the critical phase
-/// is −180°: −π here. Minus L is the product of both [`partner_response`]s.
+/// means (its caption lacks a factor k e^(−δs)). Its phase starts at +π (for free handles L = −1 at rest)
+/// and is critical where it has fallen to −π, the −180° of that figure. Minus L is the product of both [`partner_response`]s.
 ///
 /// # Errors
 ///
@@ -220,10 +217,8 @@ pub fn frequency_response(
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn open_loop(axis: &DyadAxis, stiffness: f64, delay: &Delay, frequency: &[f64]) -> Result<ResponseCurve> {
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
-    curve(frequency, |w| {
-        (characteristic.open_loop(Complex64::new(0.0, w)), PI + characteristic.loop_phase(w))
-    })
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
+    curve(frequency, |w| (open_loop.value(Complex64::new(0.0, w)), PI + open_loop.loop_phase(w)))
 }
 
 /// How robot `robot` (0 or 1) follows its partner: Xᵢ/Xⱼ = (k + cjω) e^(−jωδ)/Pᵢ over angular
@@ -259,12 +254,12 @@ pub fn partner_response(
     frequency: &[f64],
 ) -> Result<ResponseCurve> {
     check_robot("robot", robot)?;
-    let characteristic = Characteristic::new(axis, stiffness, delay)?;
-    let side = characteristic.sides[robot];
+    let open_loop = OpenLoop::new(axis, stiffness, delay)?;
+    let side = open_loop.chi.sides[robot];
     let towards = if robot == 1 { delay.forward() } else { delay.backward() };
     curve(frequency, |w| {
         let s = Complex64::new(0.0, w);
-        let coupling = characteristic.coupling(s);
+        let coupling = open_loop.chi.coupling(s);
         (
             coupling / side.value(s) * (-s * towards).exp(),
             (coupling.im).atan2(coupling.re) - side.phase(w) - w * towards,
@@ -282,16 +277,16 @@ fn diagonal(convention: Convention) -> [usize; 2] {
 
 /// The numerators over `rigid_body` N(s).
 fn matrix_over(
-    characteristic: &Characteristic,
+    open_loop: &OpenLoop,
     s: Complex64,
     convention: Convention,
     rigid_body: Complex64,
 ) -> [[Complex64; 2]; 2] {
-    let [own1, own2] = diagonal(convention).map(|side| characteristic.sides[side].value(s));
-    let coupling = characteristic.coupling(s);
-    let to_robot1 = coupling * (-s * characteristic.delay.backward()).exp();
-    let to_robot2 = coupling * (-s * characteristic.delay.forward()).exp();
-    let deflated = characteristic.deflated(s);
+    let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].value(s));
+    let coupling = open_loop.chi.coupling(s);
+    let to_robot1 = coupling * (-s * open_loop.delay.backward()).exp();
+    let to_robot2 = coupling * (-s * open_loop.delay.forward()).exp();
+    let deflated = open_loop.chi.value(s);
     [[own1, to_robot1], [to_robot2, own2]].map(|row| row.map(|entry| entry / deflated / rigid_body))
 }
 

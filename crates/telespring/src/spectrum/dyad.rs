@@ -9,10 +9,11 @@ use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 use super::Certificate;
-use super::characteristic::{Characteristic, Refined};
 use super::contour;
 use super::line::Line;
+use super::newton::Refined;
 use super::polynomial::complex_roots;
+use crate::characteristic::Characteristic;
 
 /// A root in the closed upper half-plane.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +48,7 @@ struct Search<'a> {
 /// The `count` rightmost roots, the rigid-body root left out.
 pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
     let mut search = Search { chi, known: Vec::new(), pairs: Vec::new() };
-    if chi.delay == 0.0 {
+    if chi.round_trip == 0.0 {
         return search.without_delay(count);
     }
     let line = search.line_with(count);
@@ -58,14 +59,14 @@ pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
     };
     search.start_on(&line);
     if search.right_of(line.sigma) < counted {
-        for i in 0..2 {
-            for start in quadratic_roots(chi.beta[i], chi.kappa[i]) {
+        for side in chi.sides {
+            for start in quadratic_roots(side.damping, side.stiffness) {
                 search.start(start);
             }
         }
     }
     if search.right_of(line.sigma) < counted {
-        for start in complex_roots(&chi.remainder[usize::from(chi.rigid_body)..]) {
+        for start in complex_roots(chi.deflated_remainder()) {
             search.start(start);
         }
     }
@@ -130,7 +131,7 @@ impl Search<'_> {
                 Complex64::new(0.0, half.im.abs())
             };
         }
-        let reach = (SAME_PAIR * centre.norm()).min(0.01 * TAU / self.chi.delay).max(4.0 * half.norm());
+        let reach = (SAME_PAIR * centre.norm()).min(0.01 * TAU / self.chi.round_trip).max(4.0 * half.norm());
         if !centre.is_finite() || self.pairs.iter().any(|pair| (pair.0 - centre).norm() <= pair.1) {
             return false;
         }
@@ -154,9 +155,9 @@ impl Search<'_> {
     /// A line that no root touches, at or near `sigma`.
     fn clear_line(&self, sigma: f64) -> Line {
         // Roots of undamped sides gather at the axis itself: no line is put on it by chance.
-        let sigma = if sigma == 0.0 { -1e-3 / self.chi.delay } else { sigma };
+        let sigma = if sigma == 0.0 { -1e-3 / self.chi.round_trip } else { sigma };
         let mut line = Line::count(self.chi, sigma);
-        let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / self.chi.delay.max(1e-12));
+        let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / self.chi.round_trip.max(1e-12));
         for _ in 0..6 {
             if line.count.is_some() || line.crowded {
                 break;
@@ -170,12 +171,13 @@ impl Search<'_> {
     /// A line with at least `count` roots to its right, and not many more where that can be had.
     fn line_with(&self, count: usize) -> Line {
         let chi = self.chi;
-        let t = chi.delay;
+        let t = chi.round_trip;
         let enough = |line: &Line| line.count.is_some_and(|n| n >= count);
         let most = 2 * count + 8;
         // The n-th root of the chain on which both terms balance has an imaginary part near πn/T.
         let y = Complex64::new(0.0, PI * (count as f64 + 2.0) / t);
-        let ratio = chi.coupling(y).norm_sqr() / (chi.side(0, y).norm() * chi.side(1, y).norm());
+        let ratio =
+            chi.coupling(y).norm_sqr() / (chi.sides[0].value(y).norm() * chi.sides[1].value(y).norm());
         let guess = ratio.ln().min(-0.1) / t;
         let mut line = self.clear_line(guess);
         let (mut deep, mut shallow) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -216,7 +218,7 @@ impl Search<'_> {
     /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
     /// each such place belongs to one root further right.
     fn start_on(&mut self, line: &Line) {
-        let t = self.chi.delay;
+        let t = self.chi.round_trip;
         let mut stretch = line.start.map(|phase| (0.0, phase));
         let mut tried: Option<(f64, f64)> = None;
         for crossing in &line.crossings {
@@ -260,11 +262,11 @@ impl Search<'_> {
     /// whole upper half-plane beyond the resonances, so that `turn` names one branch there.
     fn branch(&mut self, sigma: f64, y: f64, turn: f64) {
         let chi = self.chi;
-        let t = chi.delay;
+        let t = chi.round_trip;
         let mut s = Complex64::new(sigma, y);
         let mut moved = f64::INFINITY;
         for iteration in 0..8 {
-            let (q, p1, p2) = (chi.coupling(s), chi.side(0, s), chi.side(1, s));
+            let (q, [p1, p2]) = (chi.coupling(s), chi.sides.map(|side| side.value(s)));
             let sides = p1.arg().rem_euclid(TAU) + p2.arg().rem_euclid(TAU);
             let size = (q.norm_sqr() / (p1.norm() * p2.norm())).ln() - t * s.re;
             if iteration == 0 {
@@ -273,10 +275,7 @@ impl Search<'_> {
                 continue;
             }
             let rest = Complex64::new(size, 2.0 * q.arg() - t * s.im - sides - TAU * turn);
-            let slope = (s * 2.0 + chi.beta[0]) / p1 + (s * 2.0 + chi.beta[1]) / p2
-                - q.inv() * (2.0 * chi.gamma[1])
-                + t;
-            let step = rest / slope;
+            let step = rest / chi.log_slope(s);
             let length = step.norm();
             let longest = 0.5 * moved;
             let step = if length > longest { step * (longest / length) } else { step };
@@ -305,7 +304,7 @@ impl Search<'_> {
     fn hunt_one(&mut self, sigma: f64) -> bool {
         let mut low = sigma;
         let mut high = sigma;
-        let mut step = sigma.abs().max(1.0 / self.chi.delay);
+        let mut step = sigma.abs().max(1.0 / self.chi.round_trip);
         loop {
             high += step;
             step *= 2.0;
@@ -392,7 +391,7 @@ impl Search<'_> {
 
     /// No delay: the roots of a polynomial of degree four, or three without the rigid-body root.
     fn without_delay(mut self, count: usize) -> Found {
-        let polynomial = &self.chi.remainder[usize::from(self.chi.rigid_body)..];
+        let polynomial = self.chi.deflated_remainder();
         let degree = polynomial.len() - 1;
         let starts = complex_roots(polynomial);
         let zeros = polynomial.iter().take_while(|c| **c == 0.0).count();

@@ -1,17 +1,18 @@
 //! How many characteristic roots lie to the right of a vertical line: the argument principle in
 //! closed form.
 //!
-//! On s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both terms has a modulus whose crossings of 1
-//! are the zeros of one function of w = y² with at most a handful of turning points. Where |L| ≤ 1
-//! the argument of χ is that of p₁ p₂ within a right angle; where |L| ≥ 1 it is that of −q² e^(−Ts)
-//! within a right angle; both have arguments known in closed form. So the whole turn along the line
-//! follows from its few crossings, for any delay: no step is taken and none can be skipped.
+//! With pᵢ = Pᵢ/mᵢ and q = (k + c s)/√(m₁ m₂), on s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both
+//! terms has a modulus whose crossings of 1 are the zeros of one function of w = y² with at most a
+//! handful of turning points. Where |L| ≤ 1 the argument of χ is that of p₁ p₂ within a right angle;
+//! where |L| ≥ 1 it is that of −q² e^(−Ts) within a right angle; both have arguments known in closed
+//! form. So the whole turn along the line follows from its few crossings, for any delay: no step is
+//! taken and none can be skipped.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-use super::characteristic::Characteristic;
 use super::polynomial::real_roots;
+use crate::characteristic::Characteristic;
 
 /// Where |L| passes through 1.
 #[derive(Debug, Clone, Copy)]
@@ -142,12 +143,12 @@ impl Moduli {
 impl Line {
     /// Counts to the right of Re s = `sigma`.
     pub(super) fn count(chi: &Characteristic, sigma: f64) -> Self {
-        let t = chi.delay;
+        let t = chi.round_trip;
         let moduli = Moduli {
-            value: [0, 1].map(|i| (sigma + chi.beta[i]) * sigma + chi.kappa[i]),
-            slope: [0, 1].map(|i| 2.0 * sigma + chi.beta[i]),
-            q0: chi.gamma[0] + chi.gamma[1] * sigma,
-            g1: chi.gamma[1],
+            value: chi.sides.map(|side| (sigma + side.damping) * sigma + side.stiffness),
+            slope: chi.sides.map(|side| 2.0 * sigma + side.damping),
+            q0: chi.stiffness + chi.coupling_damping * sigma,
+            g1: chi.coupling_damping,
             growth: (-t * sigma).exp(),
         };
         let mut clear = true;
@@ -225,13 +226,9 @@ impl Line {
             let turns = (theta / TAU).floor();
             let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
             let noise = 8.0 * f64::EPSILON * moduli.coupling(w);
-            let rate = t + [0, 1]
-                .map(|i| {
-                    let s = Complex64::new(sigma, y);
-                    (s * 2.0 + chi.beta[i]).norm() / chi.side(i, s).norm()
-                })
-                .iter()
-                .sum::<f64>();
+            let s = Complex64::new(sigma, y);
+            let rate =
+                t + chi.sides.iter().map(|side| side.slope(s).norm() / side.value(s).norm()).sum::<f64>();
             let y_error = (noise / moduli.excess_slope(w).abs()) / (2.0 * y) + f64::EPSILON * y;
             let error = 1e-12 + 8.0 * f64::EPSILON * theta.abs() + 4.0 * rate * y_error;
             clear &= gap > error;

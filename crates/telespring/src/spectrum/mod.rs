@@ -4,17 +4,17 @@
 //! The argument principle counts those without finding them; a list of roots is trusted only where
 //! the two numbers agree.
 
-mod characteristic;
 pub mod contour;
 mod dyad;
 mod line;
+mod newton;
 mod polynomial;
 
 use num_complex::Complex64;
 
+use crate::characteristic::Characteristic;
 use crate::error::{InvalidInput, Result};
 use crate::{Delay, DyadAxis, quantity};
-use characteristic::Characteristic;
 
 /// The largest number of roots that may be asked for.
 pub const MOST_ROOTS: usize = 1000;
@@ -87,6 +87,7 @@ pub struct Spectrum {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Abscissa {
     /// The spectral abscissa, 1/s: below zero means that every motion but the common rigid one decays.
+    /// Minus infinity where no root was found; the certificate then is not complete.
     pub value: f64,
     /// Whether no root was missed.
     pub certificate: Certificate,
@@ -171,19 +172,9 @@ pub(crate) fn check_count(count: usize) -> Result<()> {
 
 /// The checked characteristic function of one axis.
 fn characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
-    let [one, two] = axis.sides;
-    // The fields of an axis are public: what a caller put there is checked again.
-    DyadAxis::with_operators(
-        one.mass,
-        one.damping,
-        two.mass,
-        two.damping,
-        one.ground_stiffness,
-        two.ground_stiffness,
-        axis.coupling_damping,
-    )?;
+    axis.check()?;
     quantity::STIFFNESS.check("stiffness", stiffness)?;
-    Ok(Characteristic::new(axis, stiffness, delay.round_trip()))
+    Ok(Characteristic::new(axis, stiffness, delay.round_trip()).normalised())
 }
 
 #[cfg(test)]

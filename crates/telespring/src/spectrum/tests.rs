@@ -57,16 +57,16 @@ fn cross_closed_form_count_agrees_with_the_walked_contour() {
         let (axis, k) = random.wide();
         let natural = (k / axis.sides[0].mass.max(axis.sides[1].mass)).sqrt();
         let t = random.log(0.01, 30.0) / natural;
-        let chi = Characteristic::new(&axis, k, t.min(200.0));
+        let chi = Characteristic::new(&axis, k, t.min(200.0)).normalised();
         let sigma = natural * (2.0 * random.unit() - 1.0) * random.choose(&[0.01, 0.3, 2.0]);
         let line = Line::count(&chi, sigma);
         let Some(counted) = line.count else { continue };
         // Every root right of the line satisfies |p1 p2| <= |q|² e^(-T sigma).
-        let growth = (-chi.delay * sigma).exp().max(1.0);
+        let growth = (-chi.round_trip * sigma).exp().max(1.0);
         let mut radius = natural;
         let small = |r: f64| {
-            let side = |i: usize| r * r - chi.beta[i] * r - chi.kappa[i];
-            let q = chi.gamma[0] + chi.gamma[1] * r;
+            let side = |i: usize| r * r - chi.sides[i].damping * r - chi.sides[i].stiffness;
+            let q = chi.stiffness + chi.coupling_damping * r;
             side(0) > 0.0 && side(1) > 0.0 && side(0) * side(1) > growth * q * q
         };
         while !small(radius) {

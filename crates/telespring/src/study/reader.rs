@@ -6,8 +6,8 @@ use toml::de::{DeTable, DeValue};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
 
-/// Every section with its keys. Sections for the task, the protocol and the live link will be added
-/// here; until a program reads them they are refused, so that no setting is ever ignored silently.
+/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
+/// ignored silently.
 pub(super) const SECTIONS: [(&str, &[&str]); 7] = [
     ("robot1", &["name", "axes", "mass", "damping"]),
     ("robot2", &["name", "axes", "mass", "damping"]),

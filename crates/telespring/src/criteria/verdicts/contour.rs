@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::sampled::{Characteristic, exp_m1};
+use super::sampled::Characteristic;
+use crate::characteristic::exp_m1;
 
 /// Steps after which a walk is given up; a delay of 100 s at 1 kHz needs some 1e4.
 const MOST_STEPS: usize = 1_000_000;

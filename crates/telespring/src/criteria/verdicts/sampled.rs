@@ -12,6 +12,7 @@ use num_complex::Complex64;
 use super::Network;
 use super::contour::{self, Ended};
 use super::held::HeldSide;
+use crate::characteristic::exp_m1;
 use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
 use crate::quantity;
@@ -61,12 +62,6 @@ pub(super) struct Characteristic {
     pub period: f64,
     /// True where w has been divided out.
     pub deflated: bool,
-}
-
-/// e^x − 1 without cancellation.
-pub(super) fn exp_m1(x: Complex64) -> Complex64 {
-    let half = (0.5 * x.im).sin();
-    Complex64::new(x.re.exp_m1() * x.im.cos() - 2.0 * half * half, x.re.exp() * x.im.sin())
 }
 
 fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -6,12 +6,14 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `equation`, `options` | what the caller states, and its checks |
 //! | `interpolant` | the Runge-Kutta pair and the polynomial of one step |
 //! | `discontinuity` | break points: time, order, how they travel |
 //! | `crossing` | break points that come back through a varying delay |
 //! | `past` | lookups of delayed values |
 //! | `step` | one trial step, repeated where it looks into itself |
 //! | `solver` | the loop over steps and its step size |
+//! | `solution` | the polynomials of all steps, and how the computation ended |
 //!
 //! The method is the explicit pair of Dormand and Prince with its continuous extension, used as in RETARD
 //! (Hairer, Nørsett and Wanner 1993, section II.17): steps end on break points, and a step longer than the delay

@@ -80,9 +80,9 @@ pub struct Options {
     pub atol: Tolerance,
     /// Steps, kept or rejected, after which the computation ends with a status; by default 100 000.
     pub max_steps: usize,
-    /// The first step to try; chosen from the first slopes where absent.
+    /// The first step to try, in the problem's unit of time; chosen from the first slopes where absent.
     pub initial_step: Option<f64>,
-    /// The longest step; none where absent.
+    /// The longest step, in the problem's unit of time; unlimited where absent.
     pub max_step: Option<f64>,
     /// Break points that only the caller can know. Before the start: jumps and kinks of the history. After it:
     /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end on
