@@ -33,8 +33,9 @@ help: ## this list
 study: $(STAMPS)/binding ## set everything up and analyse the paper's robots into out/study/
 	$(VENV)/bin/telespring study
 
+# The same generated cases on every machine; `make verify` draws new ones.
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and prove it
-	cargo test --workspace --locked
+	PROPTEST_RNG_SEED=20251121 cargo test --workspace --locked
 	$(PYTHON_IN_VENV) -m pytest
 
 lint: $(STAMPS)/test ## formatting, warnings as errors, types
@@ -50,8 +51,10 @@ format: $(STAMPS)/test ## write the formatting that lint asks for
 	$(PYTHON_IN_VENV) -m ruff format .
 
 verify: $(STAMPS)/binding $(STAMPS)/oracles ## the large random comparisons (minutes to hours)
-	cargo test --workspace --locked --release -- --ignored
+	cargo test --workspace --locked --release -- --include-ignored
 	$(PYTHON_IN_VENV) -m pytest -m verify --timeout 0
+
+oracles: $(STAMPS)/oracles ## install the programs that others use, to compare with
 
 bench: $(STAMPS)/binding $(STAMPS)/oracles ## the table of speed and accuracy, ours beside the peers
 	$(PYTHON_IN_VENV) benches/run.py
@@ -68,7 +71,7 @@ fuzz: toolchain ## the fuzzers, each for FUZZ_SECONDS (needs nightly Rust and ca
 	done
 
 clean: ## remove what was built here (not out/)
-	rm -rf $(VENV) target fuzz/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target fuzz/target benches/rust/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
 

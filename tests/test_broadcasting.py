@@ -24,6 +24,8 @@ def test_law_scalars_give_a_float_and_arrays_an_array_of_their_common_shape() ->
     assert result.shape == (3, 4)
     assert np.shape(ts.critical_stiffness([[1.0]], 4.0, 1.0, 4.0)) == (1, 1)
     assert np.shape(ts.critical_stiffness(np.empty((0, 3)), 4.0, 1.0, 4.0)) == (0, 3)
+    assert type(ts.unstable_root_count(*HMAN_X, 71.2, 0.2)) is int
+    assert ts.unstable_root_count(*HMAN_X, [71.2], 0.2).dtype == np.int64  # type: ignore[union-attr]
 
 
 # 3: one thread; 5000: several
@@ -38,6 +40,7 @@ def test_law_an_array_gives_what_its_elements_give(count: int) -> None:
         (ts.maximum_delay, (k,)),
         (ts.maximum_stiffness, (k / 1000,)),
         (ts.minimum_damping, (k, 0.1)),
+        (ts.unstable_root_count, (k, 0.3)),
     ]
     for function, more in cases:
         whole = function(m1, b1, m2, b2, *more)
@@ -65,6 +68,11 @@ def test_law_memory_order_and_type_of_the_array_do_not_matter() -> None:
         (lambda: ts.critical_stiffness(np.ones((2, 3)), [1, np.nan, 1], 1, 1), "b1[1]", "NaN"),
         (lambda: ts.maximum_delay(1, 1, 1, 1, [5.0, 0.0]), "k[1]", "coupling stiffness"),
         (lambda: ts.maximum_stiffness(*HMAN_X, 167), "delay", "if 167 was meant in ms, write 0.167"),
+        (lambda: ts.unstable_root_count(*HMAN_X, 10, [0.1, 167]), "delay[1]", "0.167"),
+        (lambda: ts.stability_map(*HMAN_X, [10, 0], [0.1]), "k[1]", "coupling stiffness"),
+        (lambda: ts.stability_map(*HMAN_X, [10], [0.1, -1]), "delay[1]", "a delay"),
+        (lambda: ts.stability_map(*HMAN_X, [[10]], [0.1]), "k", "one-dimensional"),
+        (lambda: ts.stability_map([1, 2], 1, 1, 1, [10], [0.1]), "m1", "one number"),  # type: ignore[arg-type]
         (lambda: ts.crossings(1, 1, 1, -1, 10), "b2", "a damping"),
         (lambda: ts.critical_stiffness("one", 1, 1, 1), "m1", "'one'"),
         (lambda: ts.critical_stiffness(1j, 1, 1, 1), "m1", "real number"),
@@ -93,3 +101,18 @@ def test_law_crossings_are_records() -> None:
     first = ts.crossings(*HMAN_X, 71.231976)[0]
     assert first == (first.delay, first.frequency, first.direction)
     assert isinstance(first.direction, int)
+
+
+# the non-monotone example of DESIGN: stable again between 1.7738 and 2.1128 s
+@pytest.mark.parametrize("axis", [HMAN_X, (0.97670822, 2.15372614, 0.30379312, 4.59594729)])
+def test_cross_the_map_the_count_and_the_intervals_say_the_same(
+    axis: tuple[float, float, float, float],
+) -> None:
+    k, delay = np.linspace(1.0, 80.0, 50), np.linspace(0.0, 2.5, 60)
+    found = ts.stability_map(*axis, k, delay)
+    assert found.shape == (50, 60)
+    assert found.dtype == np.bool_
+    np.testing.assert_array_equal(found, ts.unstable_root_count(*axis, k[:, None], delay) == 0)
+    row = ts.stability_map(*axis, 9.174736188, delay)[0]
+    stable = ts.stable_delays(*axis, 9.174736188, 3.0)
+    np.testing.assert_array_equal(row, [any(start <= d < end for start, end in stable) for d in delay])

@@ -25,6 +25,16 @@ PROMISED = {
     "crossings": "m1, b1, m2, b2, k, *, kh1, kh2, c",
     "characteristic_roots": "dyad, stiffness, delay, count, axis",
     "spectral_abscissa": "dyad, stiffness, delay, axis",
+    "unstable_root_count": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
+    "stability_map": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
+    "verdicts": "dyad, stiffness, delay, jitter, max_gap, sample_period, computing_time, operator_range",
+    "transfer_matrix": "dyad, stiffness, delay, s, axis, convention",
+    "mobility_matrix": "dyad, stiffness, delay, s, axis",
+    "frequency_response": "dyad, stiffness, delay, frequency, axis, convention",
+    "open_loop": "dyad, stiffness, delay, frequency, axis",
+    "partner_response": "dyad, stiffness, delay, frequency, axis, robot",
+    "frequency_grid": "dyad, stiffness, delay, low, high, axis, resolution, limit",
+    "nyquist": "dyad, stiffness, delay, axis",
     "simulate": "dyad, stiffness, delay, forces, duration, rate, history",
     "solve_dde": "rhs, delays, history, t_span, rtol, atol, *, initial, breakpoints, max_steps, "
     "initial_step, max_step",
@@ -32,6 +42,10 @@ PROMISED = {
     "Operator": "mass, damping, stiffness",
     "Dyad": "robot1, robot2, operators, coupling_damping",
     "hman": "",
+    "Coupling": "stiffness, damping",
+    "Network": "delay, jitter, max_gap, sample_period, computing_time",
+    "OperatorRange": "low, high",
+    "DelaySystem": "a0, delayed",
 }
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 
 Columns: TypeAlias = dict[str, FloatArray]
+Number = TypeVar("Number", bound=np.generic)
 
 
 def as_numbers(name: str, value: ArrayLike) -> FloatArray:
@@ -44,10 +45,25 @@ def as_number(name: str, value: ArrayLike) -> float:
     return float(number.reshape(())[()])
 
 
+def as_vector(name: str, value: ArrayLike) -> FloatArray:
+    """Return the argument as a contiguous row of numbers; one number is a row of one."""
+    numbers = as_numbers(name, value)
+    if numbers.ndim > 1:
+        raise InvalidInput(
+            name,
+            f"an array of shape {numbers.shape}",
+            "one number or a one-dimensional array is needed here",
+            "Flatten it with numpy.ravel.",
+        )
+    return np.ascontiguousarray(numbers).reshape(-1)
+
+
 def over_arrays(
-    compute: Callable[[Columns], FloatArray], arguments: Mapping[str, ArrayLike]
-) -> float | FloatArray:
+    compute: Callable[[Columns], NDArray[Number]], arguments: Mapping[str, ArrayLike]
+) -> NDArray[Number]:
     """Broadcast the arguments, compute on flat columns, and give the result its shape back.
+
+    The shape is () where every argument is a single number.
 
     Columns of length one stay that way: a map over two parameters holds two large arrays, not nine.
     """
@@ -69,11 +85,10 @@ def over_arrays(
         for name, array in arrays.items()
     }
     try:
-        # every array may be of size one and the shape (1, 1); only size 0 leaves nothing to compute
-        result = compute(columns) if 0 not in shape else np.empty(0)
+        result = compute(columns)
     except InvalidInput as refused:
         raise _placed(refused, arrays, shape) from None
-    return result.reshape(shape) if shape else float(result[0])
+    return result.reshape(shape)
 
 
 def _placed(refused: InvalidInput, arrays: Mapping[str, FloatArray], shape: tuple[int, ...]) -> InvalidInput:

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from telespring._core import Dyad
+
 FloatArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
+GridStatus: TypeAlias = Literal["resolved", "poles on the axis", "too many points"]
 # m1, b1, m2, b2, kh1, kh2, c: flat contiguous columns of one common length, or of length one
 Axes: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 AxisValues: TypeAlias = tuple[float, float, float, float, float, float, float]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
 # one-way, s: the same each way, or forward and backward
 Delay: TypeAlias = float | tuple[float, float]
+# what a response is of: the dyad, the stiffness (N/m), the delay, the axis
+Loop: TypeAlias = "tuple[Dyad, float, Delay, int | str]"
 # a number, or a function and whether it takes the state beside the time
 DelayValue: TypeAlias = float | tuple[Callable[..., float], bool]
 

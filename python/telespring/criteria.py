@@ -9,12 +9,14 @@ broadcast over arrays.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple, TypeAlias, overload
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from telespring import _core
-from telespring._arrays import Columns, as_number, over_arrays
+from telespring._arrays import Columns, as_number, as_vector, over_arrays
 from telespring._errors import InvalidInput
 from telespring._types import Axes, AxisValues, FloatArray
 
@@ -26,7 +28,9 @@ __all__ = [
     "maximum_delay",
     "maximum_stiffness",
     "minimum_damping",
+    "stability_map",
     "stable_delays",
+    "unstable_root_count",
 ]
 
 Method: TypeAlias = Literal["exact", "paper"]
@@ -69,6 +73,13 @@ def _axis(
         as_number("kh2", kh2),
         as_number("c", c),
     )
+
+
+def _float_or_array(
+    compute: Callable[[Columns], FloatArray], arguments: Mapping[str, ArrayLike]
+) -> float | FloatArray:
+    found = over_arrays(compute, arguments)
+    return found if found.ndim else float(found)
 
 
 def _is_paper(method: str) -> bool:
@@ -157,7 +168,7 @@ def critical_stiffness(
     9.461095
     """
     paper = _is_paper(method)
-    return over_arrays(
+    return _float_or_array(
         lambda columns: _core.critical_stiffness(_axes(columns), paper),
         {"m1": m1, "b1": b1, "m2": m2, "b2": b2, "kh1": kh1, "kh2": kh2, "c": c},
     )
@@ -246,7 +257,7 @@ def maximum_delay(
     array([inf, inf])
     """
     paper = _is_paper(method)
-    return over_arrays(
+    return _float_or_array(
         lambda columns: _core.maximum_delay(_axes(columns), columns["k"], paper),
         {"m1": m1, "b1": b1, "m2": m2, "b2": b2, "kh1": kh1, "kh2": kh2, "c": c, "k": k},
     )
@@ -319,7 +330,7 @@ def maximum_stiffness(
     >>> round(ts.maximum_delay(*hman_x, k), 9)
     0.1
     """
-    return over_arrays(
+    return _float_or_array(
         lambda columns: _core.maximum_stiffness(_axes(columns), columns["delay"]),
         {"m1": m1, "b1": b1, "m2": m2, "b2": b2, "kh1": kh1, "kh2": kh2, "c": c, "delay": delay},
     )
@@ -395,7 +406,7 @@ def minimum_damping(
     >>> round(ts.maximum_delay(0.8334, 7.7257 + added, 0.7776, 7.4208 + added, 142.0), 9)
     0.1
     """
-    return over_arrays(
+    return _float_or_array(
         lambda columns: _core.minimum_damping(_axes(columns), columns["k"], columns["delay"]),
         {"m1": m1, "b1": b1, "m2": m2, "b2": b2, "kh1": kh1, "kh2": kh2, "c": c, "k": k, "delay": delay},
     )
@@ -545,3 +556,127 @@ def decay_stiffness(
     return _core.decay_stiffness(
         _axis(m1, b1, m2, b2, kh1, kh2, c), as_number("delay", delay), as_number("decay_rate", decay_rate)
     )
+
+
+@overload
+def unstable_root_count(
+    m1: Scalar,
+    b1: Scalar,
+    m2: Scalar,
+    b2: Scalar,
+    k: Scalar,
+    delay: Scalar,
+    *,
+    kh1: Scalar = 0.0,
+    kh2: Scalar = 0.0,
+    c: Scalar = 0.0,
+) -> int: ...
+@overload
+def unstable_root_count(
+    m1: ArrayLike,
+    b1: ArrayLike,
+    m2: ArrayLike,
+    b2: ArrayLike,
+    k: ArrayLike,
+    delay: ArrayLike,
+    *,
+    kh1: ArrayLike = 0.0,
+    kh2: ArrayLike = 0.0,
+    c: ArrayLike = 0.0,
+) -> int | NDArray[np.int64]: ...
+def unstable_root_count(
+    m1: ArrayLike,
+    b1: ArrayLike,
+    m2: ArrayLike,
+    b2: ArrayLike,
+    k: ArrayLike,
+    delay: ArrayLike,
+    *,
+    kh1: ArrayLike = 0.0,
+    kh2: ArrayLike = 0.0,
+    c: ArrayLike = 0.0,
+) -> int | NDArray[np.int64]:
+    """Count the characteristic roots with positive real part, by the crossings.
+
+    Parameters
+    ----------
+    m1, b1, m2, b2 : array_like
+        Masses, kg, and viscous dampings, N·s/m.
+    k : array_like
+        Stiffness of the virtual spring, N/m.
+    delay : array_like
+        One-way delay, s.
+    kh1, kh2 : array_like
+        Stiffness of each operator to the ground, N/m.
+    c : array_like
+        Damping beside the virtual spring, N·s/m.
+
+    Returns
+    -------
+    int or ndarray of int
+        The count; the rigid-body root s = 0 is not in it, nor is a root on the imaginary axis.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range (the element is named) or shapes do not broadcast.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ts.unstable_root_count(0.8334, 7.7257, 0.7776, 7.4208, 71.231976, [0.167, 0.168])
+    array([0, 2])
+    """
+    found = over_arrays(
+        lambda columns: _core.unstable_root_count(_axes(columns), columns["k"], columns["delay"]),
+        {"m1": m1, "b1": b1, "m2": m2, "b2": b2, "kh1": kh1, "kh2": kh2, "c": c, "k": k, "delay": delay},
+    )
+    return found if found.ndim else int(found)
+
+
+def stability_map(
+    m1: float,
+    b1: float,
+    m2: float,
+    b2: float,
+    k: ArrayLike,
+    delay: ArrayLike,
+    *,
+    kh1: float = 0.0,
+    kh2: float = 0.0,
+    c: float = 0.0,
+) -> NDArray[np.bool_]:
+    """Whether one axis is stable, for every stiffness and every delay.
+
+    Parameters
+    ----------
+    m1, b1, m2, b2 : float
+        Masses, kg, and viscous dampings, N·s/m.
+    k : array_like, (n,)
+        Stiffnesses of the virtual spring, N/m.
+    delay : array_like, (d,)
+        One-way delays, s.
+    kh1, kh2 : float
+        Stiffness of each operator to the ground, N/m.
+    c : float
+        Damping beside the virtual spring, N·s/m.
+
+    Returns
+    -------
+    ndarray of bool, (n, d)
+        A row per stiffness, a column per delay.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range (the element is named) or `k` or `delay` has two dimensions.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ts.stability_map(0.8334, 7.7257, 0.7776, 7.4208, [30.0, 71.2], [0.1, 0.2])
+    array([[ True,  True],
+           [ True, False]])
+    """
+    axis = _axis(m1, b1, m2, b2, kh1, kh2, c)
+    return _core.stability_map(axis, as_vector("k", k), as_vector("delay", delay))

@@ -1,5 +1,25 @@
-"""Robots, the operators who hold them, and the two of them as a dyad."""
+"""Robots, the operators who hold them, the two of them as a dyad, and the study that couples it."""
 
-from telespring._core import Dyad, Operator, Robot, hman
+from telespring._core import (
+    Coupling,
+    DelaySystem,
+    Dyad,
+    Network,
+    Operator,
+    OperatorRange,
+    Robot,
+    Study,
+    hman,
+)
 
-__all__ = ["Dyad", "Operator", "Robot", "hman"]
+__all__ = [
+    "Coupling",
+    "DelaySystem",
+    "Dyad",
+    "Network",
+    "Operator",
+    "OperatorRange",
+    "Robot",
+    "Study",
+    "hman",
+]

@@ -1,6 +1,6 @@
 //! One computation over many axes at once: flat columns in, one flat array out.
 
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use telespring::{DyadAxis, InvalidInput, Result};
@@ -56,23 +56,23 @@ fn common_length(columns: &[&[f64]]) -> Outcome<usize> {
 /// Applies `compute` to every axis and the `extra` values beside it, without holding the interpreter.
 ///
 /// The refusal of lowest index is reported, whatever the number of threads.
-pub fn map_axes<'py, const N: usize>(
+pub fn map_axes<'py, T: Element + Copy + Default, const N: usize>(
     py: Python<'py>,
     axes: &Axes<'py>,
     extra: [&Column<'py>; N],
-    compute: impl Fn(&DyadAxis, [f64; N]) -> Result<f64> + Sync,
-) -> Outcome<Bound<'py, PyArray1<f64>>> {
+    compute: impl Fn(&DyadAxis, [f64; N]) -> Result<T> + Sync,
+) -> Outcome<Bound<'py, PyArray1<T>>> {
     let (m1, b1, m2, b2, kh1, kh2, c) = axes;
     let axis_columns = slices(["m1", "b1", "m2", "b2", "kh1", "kh2", "c"], [m1, b1, m2, b2, kh1, kh2, c])?;
     let extra_columns = slices(["extra"; N], extra)?;
     let length = common_length(&[axis_columns.as_slice(), extra_columns.as_slice()].concat())?;
 
-    let one = |index: usize| -> Result<f64> {
+    let one = |index: usize| -> Result<T> {
         let [m1, b1, m2, b2, kh1, kh2, c] = axis_columns.map(|column| at(column, index));
         let axis = DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?;
         compute(&axis, extra_columns.map(|column| at(column, index)))
     };
-    let fill = |(chunk, values): (usize, &mut [f64])| -> std::result::Result<(), (usize, InvalidInput)> {
+    let fill = |(chunk, values): (usize, &mut [T])| -> std::result::Result<(), (usize, InvalidInput)> {
         for (offset, value) in values.iter_mut().enumerate() {
             let index = chunk * CHUNK + offset;
             *value = one(index).map_err(|refusal| (index, refusal))?;
@@ -81,7 +81,7 @@ pub fn map_axes<'py, const N: usize>(
     };
 
     let (values, refused) = py.detach(|| {
-        let mut values = vec![0.0; length];
+        let mut values = vec![T::default(); length];
         let refused = if length < PARALLEL_FROM {
             values.chunks_mut(CHUNK).enumerate().map(fill).find_map(std::result::Result::err)
         } else {

@@ -1,7 +1,8 @@
 //! The criteria over arrays of axes; each is one line over `map_axes`.
 
-use numpy::PyArray1;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use telespring::criteria;
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{DyadAxis, Result};
@@ -59,6 +60,48 @@ pub fn minimum_damping<'py>(
     map_axes(py, &axes, [&k, &delay], |axis, [k, delay]| {
         criteria::minimum_damping(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
     })
+}
+
+/// Characteristic roots with positive real part, the rigid-body root not counted.
+#[pyfunction]
+pub fn unstable_root_count<'py>(
+    py: Python<'py>,
+    axes: Axes<'py>,
+    k: Column<'py>,
+    delay: Column<'py>,
+) -> Outcome<Bound<'py, PyArray1<i64>>> {
+    map_axes(py, &axes, [&k, &delay], |axis, [k, delay]| {
+        criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
+            .map(i64::from)
+    })
+}
+
+/// Rows of stiffness that one thread takes at a time.
+const ROWS: usize = 16;
+
+/// Whether each pair of stiffness and delay is stable, a row per stiffness.
+#[pyfunction]
+pub fn stability_map<'py>(
+    py: Python<'py>,
+    axis: AxisValues,
+    k: PyReadonlyArray1<'py, f64>,
+    delay: PyReadonlyArray1<'py, f64>,
+) -> Outcome<Bound<'py, PyArray2<bool>>> {
+    let (k, delay) = (k.as_array().to_vec(), delay.as_array().to_vec());
+    let shape = [k.len(), delay.len()];
+    let stable = py.detach(|| -> Result<Vec<bool>> {
+        let axis = axis.check()?;
+        for (i, &value) in k.iter().enumerate() {
+            STIFFNESS.check("k", value).map_err(|mut refusal| {
+                refusal.field = format!("k[{i}]");
+                refusal
+            })?;
+        }
+        let rows: Vec<_> =
+            k.par_chunks(ROWS).map(|k| criteria::stability_map(&axis, k, &delay)).collect::<Result<_>>()?;
+        Ok(rows.concat())
+    })?;
+    Ok(stable.into_pyarray(py).reshape(shape)?)
 }
 
 /// One axis by value: m1, b1, m2, b2, kh1, kh2, c.

@@ -6,10 +6,14 @@
 mod arrays;
 mod criteria;
 mod dde;
+mod delay_system;
 mod errors;
 mod model;
+mod response;
 mod simulation;
 mod spectrum;
+mod study;
+mod verdicts;
 
 use pyo3::prelude::*;
 
@@ -19,14 +23,25 @@ mod _core {
     #[pymodule_export]
     use crate::criteria::{
         critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
-        stable_delays,
+        stability_map, stable_delays, unstable_root_count,
     };
     #[pymodule_export]
     use crate::dde::{DdeSolution, solve_dde};
     #[pymodule_export]
+    use crate::delay_system::DelaySystem;
+    #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::response::{
+        frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
+        transfer_matrix,
+    };
     #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]
     use crate::spectrum::{characteristic_roots, spectral_abscissa};
+    #[pymodule_export]
+    use crate::study::{Coupling, Network, OperatorRange, Study};
+    #[pymodule_export]
+    use crate::verdicts::verdicts;
 }

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
+use crate::delay_system::DelaySystem;
 use crate::errors::Outcome;
 
 /// One number for every axis, or one per axis.
@@ -169,7 +170,18 @@ pub struct Operator {
 
 impl Operator {
     /// On a dyad with that many axes.
-    fn on(&self, axes: usize) -> telespring::Result<telespring::Operator> {
+    pub fn on(&self, axes: usize) -> telespring::Result<telespring::Operator> {
+        let values = [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)];
+        for (name, values) in values {
+            if let Some(count) = values.count().filter(|&count| count != axes) {
+                return Err(InvalidInput::new(
+                    name,
+                    format!("{count} value(s)"),
+                    format!("one value per axis is needed, that is {axes}"),
+                    "Give one value per axis, or a single number for all of them.",
+                ));
+            }
+        }
         telespring::Operator::new(self.mass.on(axes), self.damping.on(axes), self.stiffness.on(axes))
     }
 
@@ -177,7 +189,8 @@ impl Operator {
         values.on(self.count()).to_pyarray(py)
     }
 
-    fn count(&self) -> usize {
+    /// How many axes it was written for: 1 where all values are single numbers.
+    pub fn count(&self) -> usize {
         [&self.mass, &self.damping, &self.stiffness].iter().find_map(|v| v.count()).unwrap_or(1)
     }
 }
@@ -221,7 +234,7 @@ impl Operator {
         self.array(py, &self.stiffness)
     }
 
-    fn __repr__(&self) -> String {
+    pub(crate) fn __repr__(&self) -> String {
         format!(
             "Operator(mass={}, damping={}, stiffness={})",
             self.mass.text(),
@@ -316,6 +329,41 @@ impl Dyad {
     #[getter]
     fn axes(&self) -> Vec<String> {
         self.0.axis_names().to_vec()
+    }
+
+    /// One axis as a delay system with the states x1, v1, x2, v2 (m, m/s).
+    ///
+    /// Robot 1 feels its partner as it was one backward delay ago, robot 2 one forward delay ago.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : float
+    ///     Stiffness of the virtual spring, N/m.
+    /// delay : float or (float, float)
+    ///     One-way delay, s, or the pair (forward, backward).
+    /// axis : int or str
+    ///     The axis by its index or its name.
+    ///
+    /// Returns
+    /// -------
+    /// DelaySystem
+    ///     Where both handles are free s = 0 is among its roots.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where a value is out of its range.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> dyad = ts.Dyad(ts.Robot(1.0, 4.0), ts.Robot(2.0, 4.0))
+    /// >>> delay, matrix = dyad.delay_system(10.0, (0.1, 0.2)).delayed[0]
+    /// >>> delay, float(matrix[3, 0])  # robot 2 is pulled towards x1(t - 0.1)
+    /// (0.1, 5.0)
+    #[pyo3(signature = (stiffness, delay, axis=AxisChoice::Index(0)), text_signature = "($self, stiffness, delay, axis=0)")]
+    fn delay_system(&self, stiffness: f64, delay: DelayChoice, axis: AxisChoice) -> Outcome<DelaySystem> {
+        Ok(DelaySystem(axis.of(&self.0)?.delay_system(stiffness, &delay.check()?)?))
     }
 
     fn __repr__(&self) -> String {

@@ -3,12 +3,24 @@
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
-use telespring::spectrum;
+use telespring::spectrum::{self, Spectrum};
 
 use crate::errors::Outcome;
 use crate::model::{AxisChoice, DelayChoice, Dyad};
 
-type Roots<'py> = (Bound<'py, PyArray1<Complex64>>, bool, bool, String, f64);
+/// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
+pub type Roots<'py> = (Bound<'py, PyArray1<Complex64>>, bool, bool, String, f64);
+
+/// As Python's `Spectrum` takes them.
+pub fn roots(py: Python<'_>, found: Spectrum) -> Roots<'_> {
+    (
+        found.roots.into_pyarray(py),
+        found.rigid_body,
+        found.certificate.is_complete(),
+        found.certificate.to_string(),
+        found.depth,
+    )
+}
 
 /// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
 #[pyfunction]
@@ -22,13 +34,7 @@ pub fn characteristic_roots<'py>(
 ) -> Outcome<Roots<'py>> {
     let axis = axis.of(&dyad.get().0)?;
     let found = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay.check()?, count))?;
-    Ok((
-        found.roots.into_pyarray(py),
-        found.rigid_body,
-        found.certificate.is_complete(),
-        found.certificate.to_string(),
-        found.depth,
-    ))
+    Ok(roots(py, found))
 }
 
 /// The abscissa as (value, complete, certificate in words).

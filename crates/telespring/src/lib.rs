@@ -24,5 +24,22 @@ pub mod study;
 
 mod poly;
 
+#[cfg(feature = "fuzzing")]
+#[doc(hidden)]
+pub mod fuzzing {
+    //! Inner functions that the fuzzers call.
+
+    /// The positive roots of a polynomial of degree up to 8, its coefficients from the constant on.
+    pub fn positive_roots(coefficients: &[f64]) -> Vec<f64> {
+        use crate::poly::{Polynomial, positive_roots};
+        let mut coefficient = [0.0; 9];
+        coefficient[..coefficients.len()].copy_from_slice(coefficients);
+        let magnitude = coefficient.map(f64::abs);
+        let polynomial = Polynomial { coefficient, magnitude };
+        let precise = || Polynomial { coefficient: coefficient.map(twofloat::TwoFloat::from), magnitude };
+        positive_roots(&polynomial, precise).iter().map(|root| root.at).collect()
+    }
+}
+
 pub use error::{InvalidInput, Result};
 pub use model::{Delay, Dyad, DyadAxis, Operator, Robot, Side, hman};

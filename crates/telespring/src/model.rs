@@ -281,6 +281,7 @@ impl DyadAxis {
     /// # Errors
     ///
     /// [`InvalidInput`] where a value is out of its range.
+    #[inline]
     pub fn with_operators(m1: f64, b1: f64, m2: f64, b2: f64, kh1: f64, kh2: f64, c: f64) -> Result<Self> {
         Ok(Self {
             sides: [

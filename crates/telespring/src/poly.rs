@@ -1,7 +1,7 @@
 //! Real roots of polynomials of low degree: isolated, scaled, none missed.
 //!
 //! Between two neighbouring roots of its derivative a polynomial is monotone, so the signs there
-//! decide how many roots lie between, and a bracketed Newton iteration finds each. A sign counts
+//! decide how many roots lie between, and a bracketed Halley iteration finds each. A sign counts
 //! only where the value exceeds a bound on its rounding error; where one does not (next to a
 //! tangency), everything is repeated in double-double arithmetic.
 
@@ -22,7 +22,7 @@ pub(crate) trait Real:
 {
     /// Relative rounding error of one operation.
     const EPSILON: f64;
-    /// Relative step of Newton's iteration below which the next step is below `EPSILON`.
+    /// Relative step of Halley's iteration, which cubes the error, below which the next is below `EPSILON`.
     const SETTLED: f64;
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
@@ -30,7 +30,7 @@ pub(crate) trait Real:
 
 impl Real for f64 {
     const EPSILON: f64 = f64::EPSILON;
-    const SETTLED: f64 = 1e-9;
+    const SETTLED: f64 = 1e-6;
     fn to_f64(self) -> f64 {
         self
     }
@@ -41,7 +41,7 @@ impl Real for f64 {
 
 impl Real for TwoFloat {
     const EPSILON: f64 = 1e-30;
-    const SETTLED: f64 = 1e-17;
+    const SETTLED: f64 = 1e-11;
     fn to_f64(self) -> f64 {
         self.into()
     }
@@ -136,18 +136,6 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
-    /// The value and the derivative at `x` over the window `low..high`, whose lowest power counts as x⁰.
-    #[inline(always)]
-    fn value_and_slope(&self, low: usize, high: usize, x: R) -> (R, R) {
-        let mut value = self.coefficient[high - 1];
-        let mut slope = R::from(0.0);
-        for i in (low..high - 1).rev() {
-            slope = slope * x + value;
-            value = value * x + self.coefficient[i];
-        }
-        (value, slope)
-    }
-
     /// The sign of a value with an error bound; 0 where the bound leaves it open.
     #[inline(always)]
     fn sign_of((value, bound): (R, f64)) -> i8 {
@@ -229,6 +217,15 @@ fn search<R: Real, const N: usize>(
         roots.push(-p.coefficient[low] / p.coefficient[low + 1], last);
         return Some(roots);
     }
+    if high - low == 3
+        && let Some(certain) = quadratic(p, low, last)
+    {
+        let accurate = |root: &Root<R>| {
+            let slope = quadratic_slope(&p.coefficient[low..high], root.at);
+            doubt == Doubt::Zero || is_accurate(p, low, high, root.at, slope)
+        };
+        return certain.iter().all(accurate).then_some(certain);
+    }
     let splits =
         if one_root { Roots::none() } else { search(&p.derivative(low, high), low + 1, high, Doubt::Zero)? };
 
@@ -277,62 +274,124 @@ fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high:
     R::from(f64::from_bits(((1023 + power) as u64) << 52))
 }
 
-/// The one root between `left` (sign `left_sign`) and `right`, by Newton's iteration kept inside.
+/// The positive roots of a quadratic in closed form; None where the sign of its discriminant is in doubt.
+fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8) -> Option<Roots<R, N>> {
+    let [c, b, a] = [0, 1, 2].map(|i| p.coefficient[low + i]);
+    let [c_size, b_size, a_size] = [0, 1, 2].map(|i| p.magnitude[low + i]);
+    let discriminant = b * b - R::from(4.0) * a * c;
+    let size = b_size * b_size + 4.0 * a_size * c_size;
+    let sign = Polynomial::<R, N>::sign_of((discriminant, 64.0 * R::EPSILON * size));
+    // outside, products overflow or lose digits
+    if sign == 0 || !(1e-250..1e250).contains(&size) {
+        return None;
+    }
+    let mut roots = Roots::none();
+    if sign < 0 {
+        return Some(roots);
+    }
+    let zero = R::from(0.0);
+    let square_root = discriminant.sqrt();
+    let sum = if b < zero { b - square_root } else { b + square_root } * R::from(-0.5);
+    let (one, other) = (sum / a, c / sum);
+    let (smaller, larger) = if one < other { (one, other) } else { (other, one) };
+    for (at, slope) in [(smaller, -last), (larger, last)] {
+        if at > zero {
+            roots.push(at, slope);
+        }
+    }
+    Some(roots)
+}
+
+/// The derivative of a quadratic.
+fn quadratic_slope<R: Real>(coefficients: &[R], x: R) -> f64 {
+    coefficients[1].to_f64() + 2.0 * coefficients[2].to_f64() * x.to_f64()
+}
+
+/// Whether the rounding error of the value at a root moves it by less than [`ROOT_ACCURACY`].
+#[inline(always)]
+fn is_accurate<R: Real, const N: usize>(
+    p: &Polynomial<R, N>,
+    low: usize,
+    high: usize,
+    at: R,
+    slope: f64,
+) -> bool {
+    p.value(low, high, at).1 <= ROOT_ACCURACY * (slope * at.to_f64()).abs()
+}
+
+/// The one root between `left` (sign `left_sign`) and `right`, by Halley's iteration kept inside.
 fn bracketed<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
     high: usize,
-    mut left: R,
-    mut right: R,
+    left: R,
+    right: R,
     left_sign: i8,
     doubt: Doubt,
 ) -> Option<R> {
-    let zero = R::from(0.0);
-    let inside = |left: R, right: R| {
-        // Brackets over many decades are halved on the logarithmic scale.
-        if left <= zero {
-            right * R::from(0.0625)
-        } else if right > left * R::from(4.0) {
-            (left * right).sqrt()
-        } else {
-            (left + right) * R::from(0.5)
-        }
-    };
     let typical = typical_root(p, low, high);
-    let mut x = if typical > left && typical < right { typical } else { inside(left, right) };
+    let start = if typical > left && typical <= right { typical } else { inside(left, right) };
+    let (at, slope) = match p.coefficient[low..high] {
+        // a length that is known when compiling unrolls the evaluation
+        [c0, c1, c2, c3] => halley(&[c0, c1, c2, c3], left, right, left_sign, start),
+        ref coefficients => halley(coefficients, left, right, left_sign, start),
+    };
+    // an iteration that did not settle has no slope
+    let trusted = doubt == Doubt::Zero || is_accurate(p, low, high, at, slope);
+    trusted.then_some(at)
+}
+
+/// A point well inside a bracket; one over many decades is halved on the logarithmic scale.
+fn inside<R: Real>(left: R, right: R) -> R {
+    if left <= R::from(0.0) {
+        right * R::from(0.0625)
+    } else if right > left * R::from(4.0) {
+        (left * right).sqrt()
+    } else {
+        (left + right) * R::from(0.5)
+    }
+}
+
+/// Halley's iteration from `x`: the root, and the derivative next to it (0 where it did not settle).
+#[inline(always)]
+fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8, mut x: R) -> (R, f64) {
+    let zero = R::from(0.0);
     let mut previous = f64::INFINITY;
-    // Newton at least halves the bracket every second step; the limit only guards the loop.
+    // It at least halves the bracket every second step; the limit only guards the loop.
     for _ in 0..2200 {
-        let (value, slope) = p.value_and_slope(low, high, x);
+        let (mut value, mut slope, mut curvature) = (zero, zero, zero);
+        for &coefficient in coefficients.iter().rev() {
+            curvature = curvature * x + slope;
+            slope = slope * x + value;
+            value = value * x + coefficient;
+        }
         if (value.to_f64() < 0.0) == (left_sign < 0) {
             left = x;
         } else {
             right = x;
         }
-        let step = value / slope;
+        // `curvature` is half of the second derivative.
+        let square = slope * slope;
+        let bend = value * curvature;
+        let step = value * slope / (square - bend);
         let mut next = x - step;
         let size = step.to_f64().abs();
         let inner = next > left && next < right;
-        if inner && size <= R::SETTLED * x.to_f64() {
-            let bound = || p.value(low, high, x).1;
-            let accurate = ROOT_ACCURACY * (slope.to_f64() * x.to_f64()).abs();
-            if doubt == Doubt::Refuse && bound() > accurate {
-                return None;
-            }
-            return Some(next);
+        if inner && size <= R::SETTLED * x.to_f64() && bend.to_f64().abs() <= R::SETTLED * square.to_f64() {
+            return (next, slope.to_f64());
         }
-        if !inner || size > 0.5 * previous {
+        if !inner || size > 0.7 * previous {
             next = inside(left, right);
             previous = f64::INFINITY;
         } else {
             previous = size;
         }
         if next == left || next == right || next == x {
-            return Some(next);
+            return (next, slope.to_f64());
         }
         x = next;
     }
-    (doubt == Doubt::Zero).then_some(x)
+    (x, 0.0)
 }
 
 #[cfg(test)]

@@ -53,6 +53,7 @@ impl Quantity {
         self.maximum
     }
 
+    #[inline]
     fn contains(&self, value: f64) -> bool {
         value >= self.minimum && value <= self.maximum
     }
@@ -62,10 +63,15 @@ impl Quantity {
     /// # Errors
     ///
     /// [`InvalidInput`] naming `field`, the value, the range with its unit and the likely slip.
+    #[inline]
     pub fn check(&self, field: &str, value: f64) -> Result<f64> {
-        if self.contains(value) {
-            return Ok(value);
-        }
+        if self.contains(value) { Ok(value) } else { Err(self.refusal(field, value)) }
+    }
+
+    /// Kept out of line: a check in a loop over a million axes is then two comparisons.
+    #[cold]
+    #[inline(never)]
+    fn refusal(&self, field: &str, value: f64) -> InvalidInput {
         let remedy = match self.slip {
             Some((unit, factor))
                 if value > self.maximum && (self.minimum..=self.maximum).contains(&(value * factor)) =>
@@ -79,11 +85,11 @@ impl Quantity {
             _ if value < 0.0 => "Check the sign and the unit.".to_owned(),
             _ => format!("Check the unit: {} is expected.", self.unit),
         };
-        Err(InvalidInput::new(
+        InvalidInput::new(
             field,
             value,
             format!("{} must be a number from {} to {} {}", self.name, self.minimum, self.maximum, self.unit),
             remedy,
-        ))
+        )
     }
 }

@@ -3,6 +3,7 @@
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
+use telespring::delay_system::DelaySystem;
 use telespring::spectrum::characteristic_roots;
 use telespring::{Delay, DyadAxis};
 
@@ -42,19 +43,14 @@ fn nearest(root: Complex64, others: &[Complex64]) -> f64 {
 #[test]
 fn cross_dyad_and_delay_system_find_the_same_roots() {
     let mut random = Random(11);
-    let mut incomplete = 0;
-    for case in 0..300 {
+    for case in 0..200 {
         let (axis, k) = random.dyad();
         let natural = (axis.sides[0].mass.max(axis.sides[1].mass) / k).sqrt();
         let delay = Delay::new(random.log(0.02, 6.0) * natural, random.log(0.02, 6.0) * natural).unwrap();
         let dyad = characteristic_roots(&axis, k, &delay, 6).unwrap();
         assert!(dyad.certificate.is_complete(), "case {case}: {}", dyad.certificate);
         let system = axis.delay_system(k, &delay).unwrap().characteristic_roots(9).unwrap();
-        if !system.certificate.is_complete() {
-            eprintln!("case {case}: {} {axis:?} {k} {delay:?}", system.certificate);
-            incomplete += 1;
-            continue;
-        }
+        assert!(system.certificate.is_complete(), "case {case}: {}", system.certificate);
         let scale = (k / axis.sides[0].mass.min(axis.sides[1].mass)).sqrt();
         for root in &dyad.roots {
             // Both are refined to rounding; that of the determinant grows with the system's size.
@@ -64,7 +60,6 @@ fn cross_dyad_and_delay_system_find_the_same_roots() {
         let zeros = system.roots.iter().filter(|root| root.norm() < 1e-9 * scale).count();
         assert_eq!(zeros, usize::from(axis.is_free()), "case {case}: {:?}", system.roots);
     }
-    assert_eq!(incomplete, 0);
 }
 
 #[test]
@@ -105,7 +100,7 @@ fn cross_three_partners_split_into_their_modes() {
             a1[(2 * i + 1, 2 * j)] = k / m;
         }
     }
-    let system = telespring::delay_system::DelaySystem::new(a0, vec![(delay, a1)]).unwrap();
+    let system = DelaySystem::new(a0, vec![(delay, a1)]).unwrap();
     let spectrum = system.characteristic_roots(12).unwrap();
     assert!(spectrum.certificate.is_complete(), "{}", spectrum.certificate);
     // Eigenvalues of the ring without self-loops: 2, −1, −1. The last two are one double mode.

@@ -3,9 +3,7 @@
 
 use nalgebra::DMatrix;
 use proptest::prelude::*;
-use telespring::criteria::verdicts::{
-    Network, SampledCertificate, Tier, sampled_spectral_radius, verdicts,
-};
+use telespring::criteria::verdicts::{Network, SampledCertificate, Tier, sampled_spectral_radius, verdicts};
 use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, Side};
 
 /// The held plant over `span` by nalgebra's matrix exponential of the augmented system.
@@ -261,7 +259,9 @@ fn cross_sampled_any_network_bound_against_simulated_gains() {
         let above = sampled_gain(&free, 1.2 * k, h, computing);
         assert!(above > 1.0 + 1e-6, "{h} {computing} {above}");
 
-        for sides in [[side(0.8, 8.0, 120.0), side(1.1, 9.0, 40.0)], [side(0.8, 8.0, 0.0), side(1.1, 9.0, 40.0)]] {
+        for sides in
+            [[side(0.8, 8.0, 120.0), side(1.1, 9.0, 40.0)], [side(0.8, 8.0, 0.0), side(1.1, 9.0, 40.0)]]
+        {
             let k = bound(sides);
             let product: f64 = sides.iter().map(|side| sampled_gain(side, k, h, computing)).product();
             assert!((product - 1.0).abs() < 1e-9, "{h} {computing} {product}");

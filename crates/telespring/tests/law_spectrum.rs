@@ -1,8 +1,10 @@
 //! What holds for the roots of every dyad.
 
+use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex64;
 use proptest::prelude::*;
-use telespring::spectrum::{characteristic_roots, spectral_abscissa};
+use telespring::delay_system::DelaySystem;
+use telespring::spectrum::{Certificate, characteristic_roots, spectral_abscissa};
 use telespring::{Delay, DyadAxis};
 
 /// m₁, b₁, m₂, b₂, k_h,1, k_h,2, c, k and both delays.
@@ -43,7 +45,8 @@ fn chi(parameters: [f64; 7], k: f64, round_trip: f64, s: Complex64) -> (Complex6
         + delayed * round_trip;
     let n = s.norm();
     let bulk = |m: f64, b: f64, k: f64| (m * n + b) * n + k;
-    let size = bulk(m1, b1 + c, k + kh1) * bulk(m2, b2 + c, k + kh2) + delayed.norm() * (1.0 + round_trip * n);
+    let size =
+        bulk(m1, b1 + c, k + kh1) * bulk(m2, b2 + c, k + kh2) + delayed.norm() * (1.0 + round_trip * n);
     (p1 * p2 - delayed, slope, size)
 }
 
@@ -120,8 +123,8 @@ proptest! {
         prop_assert!(close(&here, &there, 1e-7), "{here:?} {there:?}");
     }
 
-    /// p(s) = ∓ k e^(−sδ) for identical robots; with the lower sign, a double root at s = −x follows
-    /// from k = x² m / (1 + e^(xδ)(1 − xδ)), b = 2 x m + k δ e^(xδ)... both conditions being linear.
+    /// Identical robots: p(s) = ±k e^(−sδ). With the lower sign p and its derivative are linear in k and
+    /// b, and a double root at s = −x needs k = m x² / (1 + e^(xδ)(1 − xδ)) and b = 2 m x + k δ e^(xδ).
     #[test]
     fn law_a_constructed_double_root_counts_twice(x in 0.5_f64..20.0, product in 0.05_f64..0.9) {
         let delay = product / x;
@@ -147,4 +150,43 @@ fn law_bad_input_is_refused_by_name() {
     let mut broken = axis;
     broken.sides[1].mass = f64::NAN;
     assert_eq!(spectral_abscissa(&broken, 10.0, &delay).unwrap_err().field, "m2");
+}
+
+#[test]
+fn law_a_system_that_is_no_system_is_refused() {
+    let field = |a0, delayed| DelaySystem::new(a0, delayed).unwrap_err().field;
+    let one = || dmatrix![1.0];
+    assert_eq!(field(DMatrix::zeros(2, 3), vec![]), "a0");
+    assert_eq!(field(DMatrix::zeros(0, 0), vec![]), "a0");
+    assert_eq!(field(dmatrix![0.0, f64::INFINITY; 0.0, 0.0], vec![]), "a0[0][1]");
+    assert_eq!(field(one(), vec![(0.1, one()), (0.2, DMatrix::zeros(2, 2))]), "delayed[1].matrix");
+    assert_eq!(field(one(), vec![(-0.1, one())]), "delayed[0].delay");
+    assert_eq!(field(one(), vec![(101.0, one())]), "delayed[0].delay");
+    let refused = DelaySystem::new(one(), vec![(f64::NAN, one())]).unwrap_err();
+    assert!(refused.to_string().contains("from 0 to 100 s"), "{refused}");
+    assert!(DelaySystem::new(one(), vec![]).unwrap().characteristic_roots(0).is_err());
+}
+
+#[test]
+fn law_terms_of_one_delay_are_one_term() {
+    let part = |x: f64| dmatrix![x];
+    let split = DelaySystem::new(
+        part(-1.0),
+        vec![(2.0, part(0.25)), (0.0, part(0.5)), (1.0, part(-1.0)), (2.0, part(0.5))],
+    );
+    let whole = DelaySystem::new(part(-0.5), vec![(1.0, part(-1.0)), (2.0, part(0.75))]);
+    assert_eq!(split, whole);
+}
+
+/// Some 300 roots lie right of where the first four of collocation are found: no silence about it.
+#[test]
+fn law_too_long_a_delay_for_collocation_is_told() {
+    let axis = DyadAxis::new(0.8334, 7.7257, 0.7776, 7.4208).unwrap();
+    let delay = Delay::each_way(100.0).unwrap();
+    let system = axis.delay_system(71.2, &delay).unwrap().characteristic_roots(4).unwrap();
+    assert!(matches!(system.certificate, Certificate::Failed { counted, found } if counted > found));
+    // The dyad's own search has no such limit.
+    let dyad = characteristic_roots(&axis, 71.2, &delay, 4).unwrap();
+    assert!(dyad.certificate.is_complete());
+    assert!(dyad.roots[0].re > system.roots[0].re);
 }

@@ -22,12 +22,7 @@ fn study() -> impl Strategy<Value = String> {
     })
     .prop_map(|(r1, r2, o1, o2, (k, c, forward, backward, jitter, period), name, part)| {
         let operator = |(m, b, k): &(Vec<String>, Vec<String>, Vec<String>)| {
-            format!(
-                "mass = [{}]\ndamping = [{}]\nstiffness = [{}]",
-                m.join(", "),
-                b.join(", "),
-                k.join(", ")
-            )
+            format!("mass = [{}]\ndamping = [{}]\nstiffness = [{}]", m.join(", "), b.join(", "), k.join(", "))
         };
         format!(
             "name = {}\n[robot1]\nmass = {:?}\ndamping = {:?}\n[robot2]\nmass = {:?}\ndamping = {:?}\n\

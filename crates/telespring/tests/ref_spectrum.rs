@@ -152,12 +152,12 @@ fn ref_stability_returns_at_a_longer_delay() {
     }
 }
 
-/// Identical robots: with ω² = (2mk − b²)/m² the pair on the axis has tan(ωδ) = bω/(mω² − k), at the
-/// first delay where p(jω) = −k e^(−jωδ) or + (paper, Eq. 16 with its prefactor mended: |p(jω)| = k).
+/// Identical robots: |p(jω)| = k holds at ω² = (2mk − b²)/m² (the paper's Eq. 16, its prefactor mended),
+/// and the first delay follows from the argument of p there.
 #[test]
 fn ref_identical_robots_cross_where_the_closed_form_says() {
-    for (m, b, k) in [(1.0, 4.0, 10.0), (0.5, 4.0, 60.0), (2.0, 15.0, 300.0)] {
-        let frequency = ((2.0 * m * k - b * b) / (m * m) as f64).sqrt();
+    for (m, b, k) in [(1.0_f64, 4.0, 10.0), (0.5, 4.0, 60.0), (2.0, 15.0, 300.0)] {
+        let frequency = ((2.0 * m * k - b * b) / (m * m)).sqrt();
         // m s² + b s + k = ± k e^(−sδ) at s = jω; both signs together: e^(−2jωδ) = (p/k)².
         let p = Complex64::new(k - m * frequency * frequency, b * frequency);
         let limit = (-(p * p).arg()).rem_euclid(std::f64::consts::TAU) / (2.0 * frequency);
@@ -188,7 +188,7 @@ fn ref_undamped_robots_swing_at_their_natural_frequency() {
     assert!(spectrum.roots.iter().all(|root| root.re.abs() < 1e-13));
 }
 
-/// A triple zero of p₁ p₂ − q² at zero delay: robots chosen so that s³ + a s² + b s + c = (s + 1)³.
+/// A critically damped relative motion: a double root besides that of the common motion's drag.
 #[test]
 fn ref_multiple_roots_without_delay_count_each_time() {
     // Identical free robots: s (s + b/m) (s² + (b/m) s + 2k/m); b² = 8 m k makes the pair a double.
@@ -197,5 +197,21 @@ fn ref_multiple_roots_without_delay_count_each_time() {
     assert!(spectrum.certificate.is_complete(), "{}", spectrum.certificate);
     for (root, expected) in spectrum.roots.iter().zip([-2.0, -2.0, -4.0]) {
         assert!((root - expected).norm() < 1e-7, "{root} for {expected}");
+    }
+}
+
+/// Roots that count several times, without any delay and with one: ‖Δ⁻¹‖ grows like a power there.
+#[test]
+fn ref_multiple_roots_of_a_system_count_each_time() {
+    let integrators = DelaySystem::new(dmatrix![0.0, 1.0; 0.0, 0.0], vec![]).unwrap();
+    let spectrum = integrators.characteristic_roots(5).unwrap();
+    assert!(spectrum.certificate.is_complete() && spectrum.depth == f64::NEG_INFINITY);
+    assert_eq!(spectrum.roots, [Complex64::ZERO; 2]);
+    let thrice = DelaySystem::new(DMatrix::zeros(3, 3), vec![(1.0, -DMatrix::identity(3, 3))]).unwrap();
+    let spectrum = thrice.characteristic_roots(6).unwrap();
+    assert!(spectrum.certificate.is_complete(), "{}", spectrum.certificate);
+    let w = lambert(-1.0, Complex64::new(-0.3, 1.3));
+    for root in &spectrum.roots {
+        assert!((Complex64::new(root.re, root.im.abs()) - w).norm() < 1e-12, "{root} for {w}");
     }
 }

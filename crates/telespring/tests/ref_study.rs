@@ -165,7 +165,10 @@ fn ref_messages_verbatim() {
 #[test]
 fn ref_text_that_is_not_toml_names_its_line() {
     let message = refusal(&with("delay = 0.05", "delay = 50 ms"));
-    assert!(message.starts_with("study = \"delay = 50 ms\": a study is TOML text, and this is not: "), "{message}");
+    assert!(
+        message.starts_with("study = \"delay = 50 ms\": a study is TOML text, and this is not: "),
+        "{message}"
+    );
     assert!(message.ends_with("Mend line 11."), "{message}");
     let twice = refusal(&with("delay = 0.05", "delay = 0.05\ndelay = 0.06"));
     assert!(twice.contains("duplicate key") && twice.ends_with("Mend line 12."), "{twice}");

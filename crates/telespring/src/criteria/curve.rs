@@ -30,6 +30,9 @@ pub(super) struct Curvature {
 pub(super) trait LineFunction {
     fn jet(&self, frequency: f64, parameter: f64) -> Jet;
     fn curvature(&self, region: &Region) -> Curvature;
+    /// Whether the magnitudes of the two terms alone rule out a zero in the box, however fast the
+    /// delay turns their phases.
+    fn magnitudes_differ(&self, region: &Region) -> bool;
 }
 
 /// A box of frequencies and parameters.
@@ -147,6 +150,9 @@ fn across(a: Complex64, b: Complex64) -> f64 {
 }
 
 fn examine(function: &impl LineFunction, part: &Region, whole: &Region) -> Finding {
+    if function.magnitudes_differ(part) {
+        return Finding::Nothing;
+    }
     let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
     let (w, p) = (middle(part.frequency), middle(part.parameter));
     let (dw, dp) = (w - part.frequency.0, p - part.parameter.0);

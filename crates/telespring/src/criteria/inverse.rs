@@ -44,9 +44,12 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
         }
     }
     let line = StiffnessLine { axis, round_trip, decay_rate: 0.0 };
-    // Every large stiffness is unstable at a positive delay, so that some window holds a crossing.
+    // Every large stiffness is unstable at a positive delay, so that some window holds a crossing; the
+    // windows widen because at a long delay the first crossing lies close above the critical stiffness.
+    let mut width = 1e-3 * low;
     while low.is_finite() {
-        let high = 2.0 * low;
+        let high = low + width;
+        width *= 2.0;
         let region = Region { frequency: (0.0, highest_frequency(axis, high)), parameter: (low, high) };
         if let Some(&stiffness) = solve(&line, region, Wanted::Least).first() {
             return Ok(stiffness);
@@ -388,6 +391,43 @@ impl Coefficients {
     }
 }
 
+/// Whether |P₁P₂| and |k + c s|² e^(σT) differ all over a box of frequencies, with the stiffness and the
+/// added damping in the given ranges, on the line Re s = −σ.
+fn magnitudes_differ(
+    axis: &DyadAxis,
+    frequency: (f64, f64),
+    stiffness: (f64, f64),
+    added: (f64, f64),
+    round_trip: f64,
+    decay_rate: f64,
+) -> bool {
+    let c = axis.coupling_damping;
+    let squares = (frequency.0 * frequency.0, frequency.1 * frequency.1);
+    // The least and the greatest value of x² on an interval.
+    let square = |(low, high): (f64, f64)| {
+        let greatest = (low * low).max(high * high);
+        (if low <= 0.0 && high >= 0.0 { 0.0 } else { (low * low).min(high * high) }, greatest)
+    };
+    let sides = axis.sides.map(|side| {
+        let (m, sigma) = (side.mass, decay_rate);
+        let loss = (side.damping + added.0 + c, side.damping + added.1 + c);
+        let elastic = side.ground_stiffness + m * sigma * sigma;
+        let real = (
+            stiffness.0 + elastic - loss.1 * sigma - m * squares.1,
+            stiffness.1 + elastic - loss.0 * sigma - m * squares.0,
+        );
+        let imaginary = square((loss.0 - 2.0 * m * sigma, loss.1 - 2.0 * m * sigma));
+        let real = square(real);
+        (real.0 + imaginary.0 * squares.0, real.1 + imaginary.1 * squares.1)
+    });
+    let spring = square((stiffness.0 - c * decay_rate, stiffness.1 - c * decay_rate));
+    let growth = (decay_rate * round_trip).exp();
+    let returned = ((spring.0 + c * c * squares.0) * growth, (spring.1 + c * c * squares.1) * growth);
+    let product = (sides[0].0 * sides[1].0, sides[0].1 * sides[1].1);
+    // The margin keeps the rounding of these bounds from deciding.
+    product.0 > returned.1 * returned.1 * (1.0 + 1e-12) || product.1 * (1.0 + 1e-12) < returned.0 * returned.0
+}
+
 /// The least and the greatest |s| of a box on the line Re s = −σ.
 fn magnitudes(region: &Region, decay_rate: f64) -> (f64, f64) {
     (region.frequency.0.hypot(decay_rate), region.frequency.1.hypot(decay_rate))
@@ -415,6 +455,11 @@ impl LineFunction for StiffnessLine<'_> {
             all.side(0, s).0 + all.side(1, s).0 - spring * exponential.decay * 2.0
         };
         Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+    }
+
+    fn magnitudes_differ(&self, region: &Region) -> bool {
+        let Region { frequency, parameter } = *region;
+        magnitudes_differ(self.axis, frequency, parameter, (0.0, 0.0), self.round_trip, self.decay_rate)
     }
 
     fn curvature(&self, region: &Region) -> Curvature {
@@ -462,6 +507,12 @@ impl LineFunction for DampingLine<'_> {
             (all.side(0, s).0 + all.side(1, s).0) * s
         };
         Jet { value, by_frequency: slope * Complex64::I, by_parameter }
+    }
+
+    fn magnitudes_differ(&self, region: &Region) -> bool {
+        let Region { frequency, parameter } = *region;
+        let stiffness = (self.stiffness, self.stiffness);
+        magnitudes_differ(self.axis, frequency, stiffness, parameter, self.round_trip, 0.0)
     }
 
     fn curvature(&self, region: &Region) -> Curvature {

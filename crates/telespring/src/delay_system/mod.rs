@@ -147,7 +147,7 @@ fn check_matrix(field: &str, matrix: &DMatrix<f64>, size: usize) -> Result<()> {
     for row in 0..size {
         for column in 0..size {
             let entry = matrix[(row, column)];
-            if !(entry.abs() <= LARGEST_ENTRY) {
+            if entry.is_nan() || entry.abs() > LARGEST_ENTRY {
                 return Err(InvalidInput::new(
                     format!("{field}[{row}][{column}]"),
                     entry,

@@ -40,7 +40,9 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     let mut nodes = (12 + count / states).min(most_nodes);
     let mut known: Vec<Known> = Vec::new();
     loop {
-        if let Some(mut starts) = eigenvalues(&matrix, nodes) {
+        // The shifts of the eigenvalue iteration can go in circles; another size breaks the circle.
+        let starts = eigenvalues(&matrix, nodes).or_else(|| eigenvalues(&matrix, nodes + 1));
+        if let Some(mut starts) = starts {
             starts.retain(|start| start.im >= 0.0);
             starts.sort_by(|a, b| b.re.total_cmp(&a.re));
             // The generator has eigenvalues of its own besides; a margin of good ones is kept.
@@ -50,8 +52,9 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
             }
         }
         known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
-        let outcome = certify(&matrix, &mut known, count);
         let last = nodes >= most_nodes;
+        // A missing root is more often one that needs more nodes than one that counts twice.
+        let outcome = certify(&matrix, &mut known, count, last || nodes > 60);
         match outcome {
             Some((depth, Certificate::Complete)) => {
                 return list(&known, count, depth, Certificate::Complete);
@@ -67,9 +70,15 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     }
 }
 
+/// A size that the roots may be compared with, 1/s.
+fn scale(matrix: &CharacteristicMatrix) -> f64 {
+    let size = matrix.instantaneous.norm() + matrix.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
+    if size > 0.0 { size } else { 1.0 }
+}
+
 /// Newton on the determinant, with the step of a multiple root where it creeps like one.
 fn refine(matrix: &CharacteristicMatrix, start: Complex64) -> Option<Known> {
-    let scale = matrix.instantaneous.norm() + matrix.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
+    let scale = scale(matrix);
     let mut s = start;
     let mut multiplicity = 1;
     let (mut previous, mut last_guess) = (f64::INFINITY, 1.0);
@@ -123,7 +132,7 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
             .map_or(1, |inside| inside.max(1));
     }
     root.s.im = root.s.im.abs();
-    let scale = matrix.instantaneous.norm();
+    let scale = scale(matrix);
     let reach = |s: Complex64| SAME * (s.norm() + 1e-4 * scale);
     if root.s.im > 0.0 && root.s.im <= reach(root.s) {
         match refine(matrix, Complex64::new(root.s.re, 0.0)) {
@@ -144,16 +153,27 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
 
 /// Counts right of a depth below the `count`-th root, in the widest of the next gaps.
 ///
-/// `None` where fewer roots than wanted, and one to close the gap, are known.
-fn certify(matrix: &CharacteristicMatrix, known: &mut [Known], count: usize) -> Option<(f64, Certificate)> {
+/// `None` where fewer roots than wanted are known.
+fn certify(
+    matrix: &CharacteristicMatrix,
+    known: &mut [Known],
+    count: usize,
+    weighed: bool,
+) -> Option<(f64, Certificate)> {
     let mut total = 0;
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     for (i, root) in known.iter().enumerate() {
         total += root.weight();
-        if total >= count
-            && let Some(next) = known.get(i + 1)
-        {
-            gaps.push((root.s.re - next.s.re, root.s.re - 0.4 * (root.s.re - next.s.re)));
+        if total >= count {
+            let width = match known.get(i + 1) {
+                Some(next) => root.s.re - next.s.re,
+                None if gaps.is_empty() => {
+                    // With no further root known, a step as long as the list reaches.
+                    known.iter().map(|known| known.s.norm()).fold(1e-3 * scale(matrix), f64::max)
+                }
+                None => break,
+            };
+            gaps.push((width, root.s.re - 0.4 * width));
         }
         if gaps.len() >= 4 {
             break;
@@ -165,7 +185,7 @@ fn certify(matrix: &CharacteristicMatrix, known: &mut [Known], count: usize) -> 
         match matrix.roots_right_of(depth, STEPS) {
             Ok(counted) => {
                 let found = right_of(known, depth);
-                if counted > found {
+                if weighed && counted > found {
                     weigh(matrix, known, depth);
                 }
                 let found = right_of(known, depth);
@@ -202,9 +222,9 @@ fn weigh(matrix: &CharacteristicMatrix, known: &mut [Known], depth: f64) {
             .filter(|&(j, _)| j != i)
             .map(|(_, other)| (other.s - s).norm().min((other.s.conj() - s).norm()))
             .fold(if s.im > 0.0 { 2.0 * s.im } else { f64::INFINITY }, f64::min);
-        let half = (0.3 * nearest).min(1e-4 * (s.norm() + 1e-3 * matrix.instantaneous.norm()));
+        let half = (0.3 * nearest).min(1e-3 * (s.norm() + scale(matrix)));
         let corner = Complex64::new(half, half);
-        if let Ok(inside) = zeros_in_rectangle(matrix, s - corner, s + corner, 10_000)
+        if let Ok(inside) = zeros_in_rectangle(matrix, s - corner, s + corner, 100_000)
             && inside > 0
         {
             known[i].multiplicity = inside;

@@ -84,3 +84,15 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn ref_a_tiny_root_is_as_accurate_as_any() {
+    let coefficient =
+        [1.0104815208486978e-28, -595821443.5137093, -595821443.5137254, -595821443.5137254, 0.0];
+    let magnitude = coefficient.map(f64::abs);
+    let fine = || Polynomial { coefficient: coefficient.map(TwoFloat::from), magnitude };
+    let roots = positive_roots(&Polynomial { coefficient, magnitude }, fine);
+    let expected = coefficient[0] / -coefficient[1];
+    assert_eq!(roots.len(), 1);
+    assert!((roots[0].at - expected).abs() < 1e-14 * expected, "{} {expected}", roots[0].at);
+}

@@ -137,8 +137,7 @@ pub fn argument_change<F: Winding + ?Sized>(
     loop {
         let remaining = length - done;
         let smallest = (32.0 * f64::EPSILON * point.norm().max(length)).min(0.5 * remaining);
-        // Written so that a step that is not a number ends the walk.
-        if !(probe.step > smallest) {
+        if probe.step.is_nan() || probe.step <= smallest {
             return Err(Stop::NearZero { at: point });
         }
         if *steps == 0 {

@@ -53,10 +53,10 @@ pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
     let line = search.line_with(count);
     let Some(counted) = line.count else {
         let reason = "no line free of roots was found to count on".to_owned();
-        search.from_line(&line);
+        search.start_on(&line);
         return search.finish(count, line.sigma, Certificate::NotCounted { reason });
     };
-    search.from_line(&line);
+    search.start_on(&line);
     if search.right_of(line.sigma) < counted {
         for i in 0..2 {
             for start in quadratic_roots(chi.beta[i], chi.kappa[i]) {
@@ -180,8 +180,12 @@ impl Search<'_> {
         let mut line = self.clear_line(guess);
         let (mut deep, mut shallow) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut step = guess.abs();
-        for _ in 0..80 {
+        for _ in 0..150 {
             let sigma = line.sigma;
+            if line.count.is_none() && !line.crowded && deep > f64::NEG_INFINITY {
+                // Rounding allows no finer choice.
+                break;
+            }
             if line.crowded {
                 deep = deep.max(sigma);
             } else if enough(&line) {
@@ -199,7 +203,7 @@ impl Search<'_> {
                 step *= 2.0;
                 sigma + step
             } else {
-                if shallow - deep <= 1e-6 * (deep.abs().max(1e-3 / t)) {
+                if shallow - deep <= 1e-13 * (deep.abs().max(1e-3 / t)) {
                     break;
                 }
                 0.5 * (deep + shallow)
@@ -211,7 +215,7 @@ impl Search<'_> {
 
     /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
     /// each such place belongs to one root further right.
-    fn from_line(&mut self, line: &Line) {
+    fn start_on(&mut self, line: &Line) {
         let t = self.chi.delay;
         let mut stretch = line.start.map(|phase| (0.0, phase));
         let mut tried: Option<(f64, f64)> = None;

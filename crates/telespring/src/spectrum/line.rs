@@ -212,7 +212,7 @@ impl Line {
         for w in zeros {
             let y = w.sqrt();
             let theta = phase(y);
-            if !(theta.abs() < LARGEST_PHASE) {
+            if theta.is_nan() || theta.abs() > LARGEST_PHASE {
                 return Self {
                     sigma,
                     crossings: Vec::new(),
@@ -233,9 +233,8 @@ impl Line {
                 .iter()
                 .sum::<f64>();
             let y_error = (noise / moduli.excess_slope(w).abs()) / (2.0 * y) + f64::EPSILON * y;
-            if !(gap > 1e-12 + 8.0 * f64::EPSILON * theta.abs() + 4.0 * rate * y_error) {
-                clear = false;
-            }
+            let error = 1e-12 + 8.0 * f64::EPSILON * theta.abs() + 4.0 * rate * y_error;
+            clear &= gap > error;
             let odd = 2 * turns as i64 + 1;
             half_turns += if large { odd } else { -odd };
             large = !large;

@@ -283,10 +283,13 @@ fn network(reader: &Reader<'_>) -> Result<Network> {
         optional(reader, "controller", "sample_period", quantity::SPAN)?,
         optional(reader, "controller", "computing_time", quantity::SPAN)?,
     )
-    // Jitter and gap are checked above: what is left concerns the controller.
-    .map_err(|error| match reader.get("controller", &error.field) {
-        Some(entry) => entry.place(error.within("controller")),
-        None => error.within("controller"),
+    .map_err(|error| {
+        let section =
+            if matches!(error.field.as_str(), "jitter" | "max_gap") { "network" } else { "controller" };
+        match reader.get(section, &error.field) {
+            Some(entry) => entry.place(error.within(section)),
+            None => error.within(section),
+        }
     })
 }
 

@@ -59,6 +59,12 @@ pub(super) struct Reader<'a> {
     table: DeTable<'a>,
 }
 
+/// A key as TOML writes it: quoted where it is not bare.
+fn as_written(key: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
+}
+
 /// A value with its dotted field.
 pub(super) struct Entry<'r, 'a> {
     reader: &'r Reader<'a>,
@@ -156,7 +162,7 @@ impl<'a> Reader<'a> {
                     "a study has a name and the sections {}",
                     sections.iter().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(", ")
                 );
-                return Err(self.unknown(name, name, value, line, allowed, &top, None));
+                return Err(self.unknown(&as_written(name), name, value, line, allowed, &top, None));
             };
             let Some(section) = value.get_ref().as_table() else {
                 return Err(self.refuse(
@@ -171,7 +177,7 @@ impl<'a> Reader<'a> {
                 if !keys.contains(&word) {
                     let line = line_of(self.text, key.span().start);
                     let allowed = format!("[{name}] has the keys {}", keys.join(", "));
-                    let field = format!("{name}.{word}");
+                    let field = format!("{name}.{}", as_written(word));
                     return Err(self.unknown(&field, word, value, line, allowed, keys, Some(name)));
                 }
             }
@@ -308,7 +314,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             if !keys.contains(&word) {
                 let line = line_of(self.reader.text, key.span().start);
                 let allowed = format!("this has the keys {} and {}", keys[0], keys[1]);
-                let field = format!("{}.{word}", self.field);
+                let field = format!("{}.{}", self.field, as_written(word));
                 return Err(self.reader.unknown(&field, word, value, line, allowed, &keys, Some("")));
             }
         }

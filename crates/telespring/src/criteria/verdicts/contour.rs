@@ -6,10 +6,19 @@ use num_complex::Complex64;
 
 use super::sampled::{Characteristic, exp_m1};
 
-/// Steps after which a walk is given up; a delay of 100 s at 1 kHz needs some 1e5.
-const MOST_STEPS: usize = 4_000_000;
+/// Steps after which a walk is given up; a delay of 100 s at 1 kHz needs some 1e4.
+const MOST_STEPS: usize = 1_000_000;
 /// The most places that are handed to Newton's method.
 const MOST_PLACES: usize = 24;
+
+/// Why a walk gave no count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ended {
+    /// A root lies on the circle, or too near to tell.
+    RootOnCircle,
+    /// The delay turns the function too often.
+    TooLong,
+}
 
 /// All Taylor coefficients of a polynomial at `w`, by repeated synthetic division.
 fn taylor(polynomial: &[f64], w: Complex64) -> [Complex64; 8] {
@@ -33,17 +42,17 @@ fn change(taylor: &[f64; 8], distance: f64) -> f64 {
 }
 
 /// The number of multipliers with |z| > e^(rate·h), and the places s on the circle where the function
-/// comes closest to 0; `None` where a root lies on the circle or the walk grows too long.
+/// comes closest to 0.
 ///
 /// From z = r to z = −r: each step is short enough that the function stays within a disc around its
 /// value that does not hold 0, by bounds on its parts, so its argument is followed exactly.
-pub(super) fn count_outside(function: &Characteristic, rate: f64) -> Option<(usize, Vec<Complex64>)> {
+pub(super) fn count_outside(function: &Characteristic, rate: f64) -> Result<(usize, Vec<Complex64>), Ended> {
     let h = function.period;
     let n = function.ticks;
     let radius = (rate * h).exp();
     let echo_size = (-rate * h * n).exp();
     if !echo_size.is_finite() {
-        return None;
+        return Err(Ended::TooLong);
     }
     let mut places: Vec<(f64, Complex64)> = Vec::new();
     let mut closeness = [f64::INFINITY; 2];
@@ -100,13 +109,13 @@ pub(super) fn count_outside(function: &Characteristic, rate: f64) -> Option<(usi
             }
             step *= 0.5;
             if angle + step == angle || step.is_nan() {
-                return None;
+                return Err(Ended::RootOnCircle);
             }
         }
         angle = if step >= PI - angle { PI } else { angle + step };
     }
     if angle < PI {
-        return None;
+        return Err(Ended::TooLong);
     }
     // A minimum at the last point has no successor to show it.
     if closeness[1] < closeness[0] {
@@ -120,7 +129,7 @@ pub(super) fn count_outside(function: &Characteristic, rate: f64) -> Option<(usi
     let outside = degree - turns;
     let count = outside.round();
     if (outside - count).abs() > 1e-3 || count < 0.0 {
-        return None;
+        return Err(Ended::RootOnCircle);
     }
-    Some((count as usize, places.into_iter().map(|(_, place)| place).collect()))
+    Ok((count as usize, places.into_iter().map(|(_, place)| place).collect()))
 }

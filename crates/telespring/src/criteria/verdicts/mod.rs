@@ -19,7 +19,6 @@ mod network;
 mod operators;
 mod paper;
 mod sampled;
-mod seam;
 
 pub use network::{DelayBudget, Network};
 pub use operators::{AxisTier, OperatorPoint, OperatorRange};
@@ -27,8 +26,8 @@ pub use paper::PaperVerdict;
 pub use sampled::{SampledCertificate, SampledSpectrum, sampled_spectral_radius};
 
 use operators::{Examined, OperatorBox};
-use seam::{maximum_delay, minimum_damping};
 
+use super::{maximum_delay, minimum_damping};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
@@ -154,12 +153,14 @@ pub struct Remedies {
 pub struct AxisVerdict {
     /// Its name.
     pub name: String,
+    /// True where an operator, or one in the range, holds a handle to the ground.
+    pub grounded: bool,
     /// The four tiers.
     pub tiers: [AxisTier; 4],
     /// Eq. 5 of the paper, N/m.
     pub paper_critical_stiffness: f64,
-    /// Eq. 6 of the paper, s; `None` where its Eq. 9 breaks down.
-    pub paper_maximum_delay: Option<f64>,
+    /// Eq. 6 of the paper, s; 0 where its Eq. 9 breaks down.
+    pub paper_maximum_delay: f64,
     /// The end of the first stable interval, s, the shortest over the operators examined.
     pub maximum_delay: f64,
     /// The slowest multiplier under sampled controllers, the largest over the operators' corners and the
@@ -245,7 +246,7 @@ pub fn verdicts(
         operators_examined = operators_examined.max(examined.count);
         axes.push(axis_verdict(dyad, index, &region, &examined, network, k, &mut remedies)?);
     }
-    let tiers = Tier::ALL.map(|tier| worst_axis(&axes, tier, dyad, network, k));
+    let tiers = Tier::ALL.map(|tier| worst_axis(&axes, tier, network, k));
     if tiers[3].satisfied {
         remedies = Remedies::default();
     } else {
@@ -317,7 +318,8 @@ fn axis_verdict(
         }
         if !examined.tiers[3].satisfied {
             let added = minimum_damping(axis, k, delay)?;
-            remedies.damping = Some(remedies.damping.unwrap_or(0.0).max(added));
+            let added = added.max(remedies.damping.unwrap_or(0.0));
+            remedies.damping = (added > 0.0).then_some(added);
         }
     }
     if !examined.tiers[3].satisfied {
@@ -336,8 +338,9 @@ fn axis_verdict(
     });
     Ok(AxisVerdict {
         name: dyad.axis_names()[index].clone(),
+        grounded: held.iter().any(|axis| !axis.is_free()),
         tiers: examined.tiers,
-        paper_critical_stiffness: paper::critical_stiffness(&nominal),
+        paper_critical_stiffness: paper::critical_stiffness(&nominal)?,
         paper_maximum_delay: paper::maximum_delay(&nominal, k)?,
         maximum_delay: shortest,
         sampled,
@@ -346,7 +349,7 @@ fn axis_verdict(
 }
 
 /// One tier over all axes: the least bound counts, and every axis must keep the rule.
-fn worst_axis(axes: &[AxisVerdict], tier: Tier, dyad: &Dyad, network: &Network, k: f64) -> Verdict {
+fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Verdict {
     let index = tier as usize;
     let assumption = match tier {
         Tier::AnyConstantDelay | Tier::ConstantDelay if !network.is_constant() => {
@@ -368,9 +371,7 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, dyad: &Dyad, network: &Network, 
     if axes.iter().any(|axis| axis.tiers[index].stiffness_bound.is_none()) {
         verdict.unavailable = Some(match tier {
             Tier::BoundedVaryingDelay => Unavailable::CouplingDamping,
-            _ if network.computing_time() > 0.0 && dyad.axes().all(|axis| axis.is_free()) => {
-                Unavailable::CouplingDampingWithComputingTime
-            }
+            _ if axes.iter().all(|axis| !axis.grounded) => Unavailable::CouplingDampingWithComputingTime,
             _ => Unavailable::CouplingDampingWithGroundedOperator,
         });
         return verdict;
@@ -418,9 +419,7 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
     };
     let (critical_axis, critical_stiffness) =
         least(axes.iter().map(|axis| axis.paper_critical_stiffness).collect());
-    // Where Eq. 9 breaks down it returns no delay at all: nothing is allowed.
-    let (delay_axis, maximum_delay) =
-        least(axes.iter().map(|axis| axis.paper_maximum_delay.unwrap_or(0.0)).collect());
+    let (delay_axis, maximum_delay) = least(axes.iter().map(|axis| axis.paper_maximum_delay).collect());
     let stable = k <= critical_stiffness || network.buffered_mean() < maximum_delay;
     PaperVerdict {
         critical_stiffness,

@@ -68,8 +68,8 @@ impl Network {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a span is negative, not finite or longer than 100 s, or where the
-    /// computing time exceeds the sample period.
+    /// [`InvalidInput`] where a span is negative, not finite or longer than 100 s, where delay, jitter
+    /// and gap together exceed that, or where the computing time exceeds the sample period.
     pub fn new(
         delay: Delay,
         jitter: f64,
@@ -81,6 +81,17 @@ impl Network {
         quantity::SPAN.check("max_gap", max_gap)?;
         quantity::SPAN.check("sample_period", sample_period)?;
         quantity::SPAN.check("computing_time", computing_time)?;
+        let longest = delay.forward().max(delay.backward()) + jitter + max_gap;
+        if longest > LONGEST_DELAY {
+            return Err(InvalidInput::new(
+                if jitter > max_gap { "jitter" } else { "max_gap" },
+                if jitter > max_gap { jitter } else { max_gap },
+                format!(
+                    "delay, jitter and longest gap together must not exceed {LONGEST_DELAY} s, and are {longest} s"
+                ),
+                "Check the unit: s is expected.",
+            ));
+        }
         if sample_period > 0.0 && sample_period < SHORTEST_PERIOD {
             return Err(InvalidInput::new(
                 "sample_period",
@@ -179,5 +190,7 @@ impl Network {
     }
 }
 
+/// What every criterion accepts as a delay, s.
+const LONGEST_DELAY: f64 = 100.0;
 /// 10 MHz: far above any haptic controller, and the delay stays countable in ticks.
 const SHORTEST_PERIOD: f64 = 1e-7;

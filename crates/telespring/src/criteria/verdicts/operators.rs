@@ -1,7 +1,8 @@
 //! Verdicts over a range of operators: a grip varies, and the worst one counts.
 
+use super::super::intervals::contains;
+use super::super::{critical_stiffness, is_delay_independent, maximum_stiffness, stable_delays};
 use super::held::HeldSide;
-use super::seam::{critical_stiffness, maximum_stiffness, stable_delays};
 use super::{Network, Tier, any_network, bounded_delay, local_loop};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis, Operator, Side};
@@ -264,7 +265,7 @@ fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
 }
 
 /// True where F enters its first positive root at ξ = 0 when k reaches `critical`: still stable there.
-pub(super) fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
+fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     let [first, second] = axis.sides;
     let (b1, b2, c) = (first.damping, second.damping, axis.coupling_damping);
     let entry = (b1 * b1 + b2 * b2 + 2.0 * c * (b1 + b2)) / (2.0 * (first.mass + second.mass));
@@ -272,20 +273,12 @@ pub(super) fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     axis.is_free() && (entry - critical).abs() <= 1e-12 * entry
 }
 
-/// True where `delay` lies inside a stable interval: a later one excludes its start, where a root pair
-/// still stands on the imaginary axis.
-fn is_stable(axis: &DyadAxis, k: f64, delay: f64) -> Result<bool> {
-    let horizon = 2.0 * delay + 1.0;
-    let intervals = stable_delays(axis, k, horizon)?;
-    Ok(intervals.iter().any(|&(start, end)| delay < end && (delay > start || start == 0.0)))
-}
-
 /// Tiers 3 and 4: a grid through the box, corners included, then a pattern search from its worst point.
 fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Result<(AxisTier, Six, usize)> {
     let bound = |at: &Six| -> Result<f64> {
         let axis = region.axis(at);
         if tier == Tier::AnyConstantDelay {
-            critical_stiffness(&axis)
+            Ok(critical_stiffness(&axis))
         } else {
             maximum_stiffness(&axis, delay)
         }
@@ -296,10 +289,11 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
             return Ok(true);
         }
         if tier == Tier::AnyConstantDelay {
-            Ok(keeps(bound, is_attained(&axis, bound), k))
+            // Grounded handles may have bands above the first stiffness that some delay destabilises.
+            Ok(keeps(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
         } else {
-            // Above the bound a longer delay may be stable again.
-            is_stable(&axis, k, delay)
+            // Above the bound the delay may lie in a later stable interval.
+            Ok(contains(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
         }
     };
     let grid = region.grid(LEVELS);

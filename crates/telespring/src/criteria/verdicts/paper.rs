@@ -1,8 +1,6 @@
 //! What Du, Kulkarni, Kager and Campolo would say: Eq. 5, Eq. 6–9 and Eq. 11, as printed.
 
-use num_complex::Complex64;
-
-use super::seam::crossings;
+use super::super::{paper_critical_stiffness, paper_maximum_delay};
 use crate::error::Result;
 use crate::model::{DyadAxis, Side};
 
@@ -32,28 +30,11 @@ fn as_printed(axis: &DyadAxis) -> DyadAxis {
 }
 
 /// Eq. 5, N/m.
-pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
-    let [first, second] = axis.sides;
-    (first.damping * first.damping + second.damping * second.damping) / (2.0 * (first.mass + second.mass))
+pub(super) fn critical_stiffness(axis: &DyadAxis) -> Result<f64> {
+    paper_critical_stiffness(&as_printed(axis))
 }
 
-/// Eq. 6 with Eq. 7–9, s, the least over the roots of F; infinite where Eq. 5 promises stability, and
-/// `None` where sign(B) of Eq. 9 is 0.
-pub(super) fn maximum_delay(axis: &DyadAxis, k: f64) -> Result<Option<f64>> {
-    if k <= critical_stiffness(axis) {
-        return Ok(Some(f64::INFINITY));
-    }
-    let printed = as_printed(axis);
-    let [Side { mass: m1, damping: b1, .. }, Side { mass: m2, damping: b2, .. }] = printed.sides;
-    let mut least = Some(f64::INFINITY);
-    for crossing in crossings(&printed, k)? {
-        let w = crossing.frequency;
-        let a1 = Complex64::new(m1 * w * w - k, -b1 * w);
-        let a2 = Complex64::new(m2 * w * w - k, -b2 * w);
-        let b = w * w - k * (b1 + b2) / (m1 * b2 + m2 * b1);
-        let z = (a1 * a2).sqrt() * b.signum() / k;
-        let delay = if b == 0.0 { None } else { Some(-z.arg() / w) };
-        least = least.zip(delay).map(|(least, delay)| least.min(delay));
-    }
-    Ok(least)
+/// Eq. 6 with Eq. 7–9, s; infinite where Eq. 5 promises stability.
+pub(super) fn maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
+    paper_maximum_delay(&as_printed(axis), stiffness)
 }

@@ -9,8 +9,9 @@
 
 use num_complex::Complex64;
 
+use super::Network;
+use super::contour::{self, Ended};
 use super::held::HeldSide;
-use super::{Network, contour};
 use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
 use crate::quantity;
@@ -187,9 +188,14 @@ impl Characteristic {
     /// The count of multipliers with |z| > e^(σ h) and places near which they may lie. Where a root lies
     /// on the circle, a circle beside it by 1e-9 of `scale` is taken.
     fn count(&self, rate: f64, scale: f64) -> Option<(usize, Vec<Complex64>)> {
-        [0.0, 1e-9, -1.7e-9, 1.3e-8]
-            .iter()
-            .find_map(|shift| contour::count_outside(self, rate + shift * scale))
+        for shift in [0.0, 1e-9, -1.7e-9, 1.3e-8] {
+            match contour::count_outside(self, rate + shift * scale) {
+                Ok(count) => return Some(count),
+                Err(Ended::TooLong) => return None,
+                Err(Ended::RootOnCircle) => {}
+            }
+        }
+        None
     }
 
     /// The rightmost s = ln(z)/h.
@@ -225,12 +231,12 @@ impl Characteristic {
             if let Some((root, error)) = self.best_root(&places, low, high, scale) {
                 let beside = root.re + (1e-9 * (scale + root.norm())).max(10.0 * error);
                 match contour::count_outside(self, beside) {
-                    Some((0, _)) => return (root, SampledCertificate::Complete),
-                    Some((_, found)) => {
+                    Ok((0, _)) => return (root, SampledCertificate::Complete),
+                    Ok((_, found)) => {
                         (low, places) = (beside, found);
                         high = high.max(low);
                     }
-                    None => return incomplete(root),
+                    Err(_) => return incomplete(root),
                 }
             }
             let middle = 0.5 * (low + high);
@@ -321,32 +327,41 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) ->
     if limit <= 0.0 {
         return 0.0;
     }
-    let holds = |k: f64| {
-        let characteristic = Characteristic::new(axis, k, network);
-        matches!(contour::count_outside(&characteristic, 0.0), Some((0, _)))
+    // Unknown where the count cannot be ended: the search stops at what is proven.
+    let holds = |k: f64| match contour::count_outside(&Characteristic::new(axis, k, network), 0.0) {
+        Ok((outside, _)) => Some(outside == 0),
+        Err(Ended::RootOnCircle) => Some(false),
+        Err(Ended::TooLong) => None,
     };
     let mut low = 0.0;
     let mut high = None;
     for level in 0..=LEVELS {
         // The last level stands just inside: the limit itself may be a boundary.
         let k = limit * (1.0 - 1e-9) * 1e4_f64.powf(f64::from(level - LEVELS) / f64::from(LEVELS));
-        if !holds(k) {
-            high = Some(k);
-            break;
+        match holds(k) {
+            Some(true) => low = k,
+            Some(false) => {
+                high = Some(k);
+                break;
+            }
+            None => return low,
         }
-        low = k;
     }
     let Some(mut high) = high else { return limit };
     // Without a level that held the search starts far below any stiffness that is of use.
     if low == 0.0 {
         low = 1e-6;
-        if low >= high || !holds(low) {
+        if low >= high || holds(low) != Some(true) {
             return 0.0;
         }
     }
     while high - low > 1e-12 * high {
         let middle = 0.5 * (low + high);
-        if holds(middle) { low = middle } else { high = middle }
+        match holds(middle) {
+            Some(true) => low = middle,
+            Some(false) => high = middle,
+            None => break,
+        }
     }
     low
 }

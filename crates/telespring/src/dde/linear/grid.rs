@@ -8,7 +8,7 @@
 
 use super::output::Writer;
 use super::series::{
-    Coefficients, Instant, MAX_DEGREE, STRIDE, Series, State, advance, degree_for, reexpand,
+    Coefficients, Instant, MAX_DEGREE, Recurrence, STRIDE, Series, State, advance, degree_for, reexpand,
 };
 use super::{Outcome, Problem};
 
@@ -87,6 +87,8 @@ pub(super) struct Grid {
 struct Robot {
     state: State,
     break_cursor: usize,
+    recurrence: Recurrence,
+    force: Coefficients,
 }
 
 pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut Writer) -> Outcome {
@@ -94,7 +96,13 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
     let cell = delay / cells as f64;
     let degree = degree_for(problem.fastest * cell);
     let last_clock = problem.end + problem.offsets[0].max(problem.offsets[1]);
-    let mut robots = [0, 1].map(|i| Robot { state: problem.histories[i].start(), break_cursor: 0 });
+    let mut robots = [0, 1].map(|i| Robot {
+        state: problem.histories[i].start(),
+        break_cursor: 0,
+        recurrence: Recurrence::default(),
+        force: [0.0; STRIDE],
+    });
+    let mut scratch = [0.0; STRIDE];
     for kinks in grid.kinks_before.iter_mut().chain(&mut grid.kinks) {
         kinks.clear();
     }
@@ -102,11 +110,11 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
     while !writer.is_complete() {
         let mut diverged = f64::INFINITY;
         let (last, tolerance) = (interval * delay, 16.0 * f64::EPSILON * (interval + 3.0) * delay);
-        for i in 0..2 {
+        for (i, robot) in robots.iter_mut().enumerate() {
             let kinks = &mut grid.kinks[i];
             kinks.clear();
             pass_on(problem, i, cell, &grid.kinks_before[1 - i], kinks);
-            add_own(problem, i, interval, tolerance, cell, cells, &mut robots[i].break_cursor, kinks);
+            add_own(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
             let track = &mut grid.current[i];
             track.count = 0;
             let partner = &grid.previous[1 - i];
@@ -130,12 +138,9 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
                     step.degree = count - 1;
                     continue;
                 }
-                let robot = &mut robots[i];
-                let mut scratch = [0.0; STRIDE];
                 let delayed = partner.window(&mut partner_cursor, step.start, length, &mut scratch);
-                match dynamic(problem, i, local, robot.state, degree, delayed, step) {
-                    Some(state) => robot.state = state,
-                    None => return Outcome::Unresolved,
+                if !robot.advance(problem, i, local, degree, delayed, step) {
+                    return Outcome::Unresolved;
                 }
                 if let Some(at) = writer.write(i, local, step, robot.state) {
                     diverged = diverged.min(at);
@@ -153,28 +158,33 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
     Outcome::Completed
 }
 
-/// One step of one robot; the degree grows where the series is not resolved at once.
-fn dynamic(
-    problem: &Problem,
-    robot: usize,
-    local: Instant,
-    state: State,
-    mut degree: usize,
-    delayed: &[f64],
-    step: &mut Series,
-) -> Option<State> {
-    loop {
-        let mut force = [0.0; STRIDE];
-        let terms = problem.forces[robot].series(local, step.length, degree, &mut force);
-        step.degree = degree;
-        let (rates, series) = (&problem.rates[robot], &mut step.coefficients);
-        if let Some(end) = advance(rates, state, step.length, degree, delayed, &force[..terms], series) {
-            return Some(end);
+impl Robot {
+    /// One step; the degree grows where the series is not resolved at once. False where it never is.
+    fn advance(
+        &mut self,
+        problem: &Problem,
+        robot: usize,
+        local: Instant,
+        mut degree: usize,
+        delayed: &[f64],
+        step: &mut Series,
+    ) -> bool {
+        let (rates, length) = (&problem.rates[robot], step.length);
+        loop {
+            let terms = problem.forces[robot].series(local, length, degree, &mut self.force);
+            let (force, series) = (&self.force[..terms], &mut step.coefficients);
+            step.degree = degree;
+            if let Some(end) =
+                advance(rates, &mut self.recurrence, self.state, length, degree, delayed, force, series)
+            {
+                self.state = end;
+                return true;
+            }
+            if degree == MAX_DEGREE {
+                return false;
+            }
+            degree = (degree + 6).min(MAX_DEGREE);
         }
-        if !(state.x.abs() <= super::LIMIT) || degree == MAX_DEGREE {
-            return None;
-        }
-        degree = (degree + 6).min(MAX_DEGREE);
     }
 }
 

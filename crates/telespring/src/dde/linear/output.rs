@@ -3,6 +3,11 @@
 use super::LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
+/// True beyond [`LIMIT`] and for what is no number.
+fn is_beyond(value: f64) -> bool {
+    value.is_nan() || value.abs() > LIMIT
+}
+
 /// Writes positions and velocities at t = i/rate while the steps come in.
 pub(super) struct Writer<'a> {
     rate: f64,
@@ -46,7 +51,7 @@ impl<'a> Writer<'a> {
         // a point on the edge of two steps is taken from the first: both agree there
         let stop = ((end * self.rate * (1.0 + 2.0 * f64::EPSILON)).floor() + 1.0).max(0.0);
         let stop = if stop < self.count as f64 { stop as usize } else { self.count };
-        let diverged = !(state.x.abs() <= LIMIT);
+        let diverged = is_beyond(state.x);
         if stop > first {
             let nominal = first as f64 / self.rate;
             let rest = (-nominal).mul_add(self.rate, first as f64) / self.rate;
@@ -63,7 +68,7 @@ impl<'a> Writer<'a> {
             }
             self.next[robot] = stop;
             if diverged {
-                let beyond = self.position[robot][first..stop].iter().position(|x| !(x.abs() <= LIMIT));
+                let beyond = self.position[robot][first..stop].iter().position(|x| is_beyond(*x));
                 if let Some(i) = beyond {
                     return Some((first + i) as f64 / self.rate);
                 }

@@ -180,7 +180,7 @@ struct Fit<'a> {
 impl Fit<'_> {
     fn ask(&mut self, time: f64) -> Result<f64> {
         let value = (self.function)(time);
-        if !(value.abs() <= super::LIMIT) {
+        if value.is_nan() || value.abs() > super::LIMIT {
             return Err(InvalidInput::new(
                 format!("function({time})"),
                 value,

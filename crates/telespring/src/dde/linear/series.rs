@@ -98,15 +98,32 @@ macro_rules! with_or_without_fma {
     };
 }
 
+/// What the recurrence of one side needs for steps of one length; kept while the length stays.
+#[derive(Debug)]
+pub(super) struct Recurrence {
+    length: f64,
+    damping: Coefficients,
+    stiffness: Coefficients,
+    drive: Coefficients,
+}
+
+impl Default for Recurrence {
+    fn default() -> Self {
+        Self { length: f64::NAN, damping: [0.0; STRIDE], stiffness: [0.0; STRIDE], drive: [0.0; STRIDE] }
+    }
+}
+
 /// Fills `series` (up to its degree) for one side over one step and returns the state at its end, or
-/// nothing where the last coefficients are not negligible.
+/// nothing where the last coefficients are not negligible. `memory` must be this side's own.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+avx2+fma+bmi2",
     "x86_64+avx2+fma+bmi2",
     "aarch64+neon"
 ))]
+#[expect(clippy::too_many_arguments, reason = "private and hot; a struct would only rename them")]
 pub(super) fn advance(
     rates: &Rates,
+    memory: &mut Recurrence,
     from: State,
     length: f64,
     degree: usize,
@@ -114,12 +131,14 @@ pub(super) fn advance(
     force: &[f64],
     series: &mut Coefficients,
 ) -> Option<State> {
-    with_or_without_fma!(advance_with(rates, from, length, degree, delayed, force, series))
+    with_or_without_fma!(advance_with(rates, memory, from, length, degree, delayed, force, series))
 }
 
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "private and hot; a struct would only rename them")]
 fn advance_with<const FMA: bool>(
     rates: &Rates,
+    memory: &mut Recurrence,
     from: State,
     length: f64,
     degree: usize,
@@ -129,17 +148,16 @@ fn advance_with<const FMA: bool>(
 ) -> Option<State> {
     let degree = degree.clamp(2, MAX_DEGREE);
     let terms = degree - 1;
-    let square = length * length;
-    let mut drive = [0.0; STRIDE];
-    drive_series::<FMA>(rates, length, delayed, force, terms, &mut drive);
-    let mut damping = [0.0; STRIDE];
-    let mut stiffness = [0.0; STRIDE];
-    let (p, q) = (-rates.damping * length, -rates.stiffness * square);
-    for n in 0..terms {
-        damping[n] = p * INVERSES.once[n];
-        stiffness[n] = q * INVERSES.twice[n];
-        drive[n] *= INVERSES.twice[n];
+    if memory.length != length {
+        memory.length = length;
+        let (p, q) = (-rates.damping * length, -rates.stiffness * length * length);
+        for n in 0..STRIDE {
+            memory.damping[n] = p * INVERSES.once[n];
+            memory.stiffness[n] = q * INVERSES.twice[n];
+        }
     }
+    let Recurrence { damping, stiffness, drive, .. } = memory;
+    drive_series::<FMA>(rates, length, delayed, force, terms, drive);
     let (mut lower, mut upper) = (from.x, from.v * length);
     series[0] = lower;
     series[1] = upper;
@@ -158,7 +176,7 @@ fn advance_with<const FMA: bool>(
         .then(|| State { x: from.x + fused::<FMA>(from.v, length, sum), v: from.v + slope / length })
 }
 
-/// Writes coupling·d + damper·d' + force·f, times length², into `drive`.
+/// Writes length²·(coupling·d + damper·d' + force·f), each coefficient divided by (n + 1)(n + 2).
 #[inline(always)]
 fn drive_series<const FMA: bool>(
     rates: &Rates,
@@ -169,25 +187,27 @@ fn drive_series<const FMA: bool>(
     drive: &mut Coefficients,
 ) {
     let square = length * length;
+    let known = terms.min(delayed.len());
     let gain = rates.coupling * square;
-    for (g, d) in drive[..terms].iter_mut().zip(delayed) {
-        *g = gain * d;
+    for n in 0..known {
+        drive[n] = gain * INVERSES.twice[n] * delayed[n];
     }
+    drive[known..terms].fill(0.0);
     if rates.damper > 0.0 {
         let gain = rates.damper * length;
-        for (n, (g, d)) in drive[..terms].iter_mut().zip(delayed.iter().skip(1)).enumerate() {
-            *g = fused::<FMA>(gain * (n + 1) as f64, *d, *g);
+        for n in 0..terms.min(delayed.len().saturating_sub(1)) {
+            drive[n] = fused::<FMA>(gain * INVERSES.once[n], delayed[n + 1], drive[n]);
         }
     }
     let gain = rates.force * square;
-    for (g, f) in drive[..terms].iter_mut().zip(force) {
-        *g = fused::<FMA>(gain, *f, *g);
+    for n in 0..terms.min(force.len()) {
+        drive[n] = fused::<FMA>(gain * INVERSES.twice[n], force[n], drive[n]);
     }
 }
 
 /// True where the last two coefficients are negligible beside the largest.
 #[inline(always)]
-fn resolved(series: &[f64]) -> bool {
+pub(super) fn resolved(series: &[f64]) -> bool {
     let mut lanes = [0.0_f64; 8];
     let mut chunks = series.chunks_exact(8);
     for chunk in &mut chunks {
@@ -200,42 +220,137 @@ fn resolved(series: &[f64]) -> bool {
     series[last].abs().max(series[last - 1].abs()) <= TAIL * largest
 }
 
-/// As [`advance`] for both sides at once without delay, each partner's delayed series being its own
-/// series plus `lag`. Returns the states and whether both series are resolved.
-pub(super) fn advance_both(
-    rates: &[Rates; 2],
-    from: [State; 2],
-    length: f64,
-    degree: usize,
-    lag: &[Coefficients; 2],
-    force: [&[f64]; 2],
-    series: &mut [Coefficients; 2],
-) -> ([State; 2], bool) {
+/// What [`advance_both`] works on.
+pub(super) struct Pair<'a> {
+    pub rates: &'a [Rates; 2],
+    pub delay: f64,
+    /// (fastest rate · delay), which bounds how many terms a shift by the delay needs.
+    pub small: f64,
+    pub from: [State; 2],
+    pub length: f64,
+    pub degree: usize,
+    pub force: [&'a [f64]; 2],
+    /// False for the columns of a map, of which only the sum must be resolved.
+    pub must_resolve: bool,
+}
+
+/// Most iterations of [`advance_both`] before the step is refused.
+const MAX_ITERATIONS: usize = 60;
+
+/// Both sides over one step on which both motions are smooth, also one delay before its start: each
+/// partner's delayed series is its own series shifted by the delay.
+///
+/// The shift's first terms enter the recurrence itself (they couple the two new coefficients through a
+/// 2×2 matrix); the rest, of third order in the delay (of second for the damper), is iterated.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+avx2+fma+bmi2",
+    "x86_64+avx2+fma+bmi2",
+    "aarch64+neon"
+))]
+pub(super) fn advance_both(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
+    with_or_without_fma!(advance_both_with(pair, series))
+}
+
+#[inline(always)]
+fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
+    let Pair { rates, delay, length, degree, .. } = *pair;
     let terms = degree - 1;
     let square = length * length;
-    let mut drive = [[0.0; STRIDE]; 2];
+    let mut fixed = [[0.0; STRIDE]; 2];
     for i in 0..2 {
-        drive_series::<false>(&rates[i], length, &lag[1 - i][..=degree], force[i], terms, &mut drive[i]);
-        series[i][0] = from[i].x;
-        series[i][1] = from[i].v * length;
+        drive_series::<FMA>(&rates[i], length, &[], pair.force[i], terms, &mut fixed[i]);
+        series[i][0] = pair.from[i].x;
+        series[i][1] = pair.from[i].v * length;
     }
-    let mut sum = [0.0; 2];
-    let mut slope = [0.0; 2];
-    for n in 0..terms {
-        let order = (n + 1) as f64;
-        for i in 0..2 {
-            let (own, partner, r) = (&series[i], &series[1 - i], &rates[i]);
-            let first = length * order * (r.damper * partner[n + 1] - r.damping * own[n + 1]);
-            let zeroth = square * (r.coupling * partner[n] - r.stiffness * own[n]);
-            let next = (first + zeroth + drive[i][n]) * INVERSES.twice[n];
-            series[i][n + 2] = next;
-            sum[i] += next;
-            slope[i] += (order + 1.0) * next;
+    // what the own and the partner's last two coefficients contribute, the 2×2 matrix already solved
+    let second = [0, 1].map(|i| (0.5 * rates[i].coupling * delay - rates[i].damper) * delay);
+    let determinant = 1.0 / (1.0 - second[0] * second[1]);
+    let own = [0, 1].map(|i| [-rates[i].damping * length, -rates[i].stiffness * square]);
+    let partner =
+        [0, 1].map(|i| [(rates[i].damper - rates[i].coupling * delay) * length, rates[i].coupling * square]);
+    let mut from_own = [[[0.0; STRIDE]; 2]; 2];
+    let mut from_partner = [[[0.0; STRIDE]; 2]; 2];
+    for i in 0..2 {
+        for (back, inverse) in [&INVERSES.once, &INVERSES.twice].into_iter().enumerate() {
+            let a = determinant * (own[i][back] + second[i] * partner[1 - i][back]);
+            let b = determinant * (partner[i][back] + second[i] * own[1 - i][back]);
+            for n in 0..STRIDE {
+                from_own[i][back][n] = a * inverse[n];
+                from_partner[i][back][n] = b * inverse[n];
+            }
         }
     }
-    let states = [0, 1]
-        .map(|i| State { x: from[i].x + (from[i].v * length + sum[i]), v: from[i].v + slope[i] / length });
-    (states, resolved(&series[0][..=degree]) && resolved(&series[1][..=degree]))
+    let shift = delay / length;
+    // what the iterated rest amounts to
+    let damped = rates.iter().any(|r| r.damper > 0.0);
+    let negligible = pair.small.powi(if damped { 2 } else { 3 }) < 1e-17;
+    let mut lagged = fixed;
+    let mut drive = [[0.0; STRIDE]; 2];
+    let mut before: Option<([State; 2], f64)> = None;
+    for _ in 0..MAX_ITERATIONS {
+        for i in 0..2 {
+            for n in 0..STRIDE {
+                drive[i][n] = determinant * fused::<FMA>(second[i], lagged[1 - i][n], lagged[i][n]);
+            }
+        }
+        let (mut sum, mut slope, mut order) = ([0.0; 2], [0.0; 2], 2.0);
+        let mut lower = [series[0][0], series[1][0]];
+        let mut upper = [series[0][1], series[1][1]];
+        for n in 0..terms {
+            let next = [0, 1].map(|i| {
+                let (own, partner) = (&from_own[i], &from_partner[i]);
+                let old =
+                    fused::<FMA>(own[1][n], lower[i], fused::<FMA>(partner[1][n], lower[1 - i], drive[i][n]));
+                fused::<FMA>(own[0][n], upper[i], fused::<FMA>(partner[0][n], upper[1 - i], old))
+            });
+            for i in 0..2 {
+                series[i][n + 2] = next[i];
+                sum[i] += next[i];
+                slope[i] = fused::<FMA>(order, next[i], slope[i]);
+            }
+            (lower, upper) = (upper, next);
+            order += 1.0;
+        }
+        let states = [0, 1].map(|i| State {
+            x: pair.from[i].x + fused::<FMA>(pair.from[i].v, length, sum[i]),
+            v: pair.from[i].v + slope[i] / length,
+        });
+        let mut settled = negligible;
+        let mut latest = f64::INFINITY;
+        if let Some((old, change_before)) = before {
+            let (mut change, mut size) = (0.0_f64, 0.0_f64);
+            for (old, new) in old.iter().zip(&states) {
+                change = change.max((old.x - new.x).abs()).max((old.v - new.v).abs() * length);
+                size = size.max(new.x.abs()).max(new.v.abs() * length);
+            }
+            // at the level of rounding the change stops shrinking
+            settled = change <= 2.0 * f64::EPSILON * size
+                || (change >= change_before && change <= 64.0 * f64::EPSILON * size);
+            latest = change;
+        }
+        if settled {
+            let enough = !pair.must_resolve || series.iter().all(|series| resolved(&series[..=degree]));
+            return enough.then_some(states);
+        }
+        before = Some((states, latest));
+        for i in 0..2 {
+            let partner = &series[1 - i][..=degree];
+            let mut lag = [0.0; STRIDE];
+            shifted_from::<FMA>(partner, shift, pair.small, 3, &mut lag);
+            let gain = rates[i].coupling * square;
+            for n in 0..terms {
+                lagged[i][n] = fused::<FMA>(gain * INVERSES.twice[n], lag[n], fixed[i][n]);
+            }
+            if rates[i].damper > 0.0 {
+                shifted_from::<FMA>(partner, shift, pair.small, 2, &mut lag);
+                for n in 0..terms {
+                    let gain = rates[i].damper * length * INVERSES.once[n];
+                    lagged[i][n] = fused::<FMA>(gain, lag[n + 1], lagged[i][n]);
+                }
+            }
+        }
+    }
+    None
 }
 
 /// Re-expands a series: the coefficients of p(shift + scale·u) from those of p(u).
@@ -258,19 +373,49 @@ pub(super) fn reexpand(from: &[f64], shift: f64, scale: f64, into: &mut Coeffici
     }
 }
 
-/// p(u − shift) − p(u) for a small shift, without cancellation.
-pub(super) fn lag_of(series: &[f64], shift: f64, into: &mut Coefficients) {
-    let count = series.len();
-    for n in 0..count {
-        let (mut weight, mut total) = (1.0, 0.0);
-        for (l, value) in series.iter().enumerate().skip(n + 1) {
-            weight *= -shift * l as f64 / (l - n) as f64;
-            total += weight * value;
-            if weight.abs() < 1e-18 {
+/// n! and 1/n!.
+static FACTORIAL: (Coefficients, Coefficients) = {
+    let mut table = ([1.0; STRIDE], [1.0; STRIDE]);
+    let mut n = 1;
+    while n < STRIDE {
+        table.0[n] = table.0[n - 1] * n as f64;
+        table.1[n] = 1.0 / table.0[n];
+        n += 1;
+    }
+    table
+};
+
+/// Of p(u − shift), the terms in shift^l with l from `order` on; `small` bounds their decay, which is
+/// about small^l / l!.
+#[inline(always)]
+fn shifted_from<const FMA: bool>(
+    series: &[f64],
+    shift: f64,
+    small: f64,
+    order: usize,
+    into: &mut Coefficients,
+) {
+    // on derivatives instead of coefficients a shift is a plain convolution
+    let mut derivatives = [0.0; 2 * STRIDE];
+    for (n, value) in series.iter().enumerate() {
+        derivatives[n] = value * FACTORIAL.0[n];
+    }
+    into.fill(0.0);
+    let (mut weight, mut size) = (1.0, 1.0);
+    for l in 1..series.len() {
+        weight *= -shift / l as f64;
+        size *= small / l as f64;
+        if l >= order {
+            for n in 0..STRIDE {
+                into[n] = fused::<FMA>(weight, derivatives[n + l], into[n]);
+            }
+            if size < 1e-19 {
                 break;
             }
         }
-        into[n] = total;
+    }
+    for (value, inverse) in into.iter_mut().zip(&FACTORIAL.1) {
+        *value *= inverse;
     }
 }
 

@@ -9,19 +9,80 @@ use std::collections::VecDeque;
 use super::force::Break;
 use super::output::Writer;
 use super::series::{
-    Coefficients, Instant, STRIDE, Series, State, advance, advance_both, degree_for, lag_of, reexpand,
+    Coefficients, Instant, Pair, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
+    reexpand, resolved,
 };
 use super::{Outcome, Problem};
 
 /// Largest (fastest rate · step length).
 const REACH: f64 = 2.0;
-const MAX_ITERATIONS: usize = 60;
 
 /// Memory of the method, kept from one simulation to the next.
 #[derive(Debug, Default)]
 pub(super) struct Smooth {
     past: [VecDeque<Series>; 2],
     events: Vec<f64>,
+    recurrences: [Recurrence; 2],
+    map: Map,
+}
+
+/// Most steps for which the map is used: its rounding is the same in every step and adds up.
+const MAP_STEPS: f64 = 1e4;
+
+/// The full step as a linear map, built once: what position, velocity and constant force of each robot
+/// contribute to both series and both end states.
+#[derive(Debug, Default)]
+struct Map {
+    columns: Vec<([Coefficients; 2], [State; 2])>,
+    length: f64,
+    degree: usize,
+}
+
+impl Map {
+    fn build(&mut self, pair: &Pair) -> Option<()> {
+        self.columns.clear();
+        (self.length, self.degree) = (pair.length, pair.degree);
+        for column in 0..6 {
+            let (robot, kind) = (column / 3, column % 3);
+            let mut from = [State::default(); 2];
+            let mut force = [[0.0], [0.0]];
+            match kind {
+                0 => from[robot].x = 1.0,
+                1 => from[robot].v = 1.0 / pair.length,
+                _ => force[robot][0] = Self::unit_force(pair, robot),
+            }
+            let mut series = [[0.0; STRIDE]; 2];
+            let unit = Pair { from, force: [&force[0], &force[1]], must_resolve: false, ..*pair };
+            let end = advance_both(&unit, &mut series)?;
+            self.columns.push((series, end));
+        }
+        Some(())
+    }
+
+    /// The force whose contribution is of the order of one.
+    fn unit_force(pair: &Pair, robot: usize) -> f64 {
+        1.0 / (pair.rates[robot].force * pair.length * pair.length)
+    }
+
+    fn apply(&self, pair: &Pair, series: &mut [Coefficients; 2]) -> [State; 2] {
+        let mut states = [State::default(); 2];
+        for (column, (unit, end)) in self.columns.iter().enumerate() {
+            let (robot, kind) = (column / 3, column % 3);
+            let weight = match kind {
+                0 => pair.from[robot].x,
+                1 => pair.from[robot].v * pair.length,
+                _ => pair.force[robot][0] / Self::unit_force(pair, robot),
+            };
+            for i in 0..2 {
+                for (value, unit) in series[i].iter_mut().zip(&unit[i]) {
+                    *value += weight * unit;
+                }
+                states[i].x += weight * end[i].x;
+                states[i].v += weight * end[i].v;
+            }
+        }
+        states
+    }
 }
 
 struct March<'a> {
@@ -29,9 +90,13 @@ struct March<'a> {
     memory: &'a mut Smooth,
     states: [State; 2],
     clock: f64,
+    /// What rounding has left out of the clock.
+    clock_rest: f64,
     /// From here on no echo of a break matters any more.
     quiet_from: f64,
     cursors: [usize; 2],
+    /// Terms beyond the usual degree, where the last attempt was not resolved.
+    more_terms: usize,
 }
 
 pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -> Outcome {
@@ -39,29 +104,53 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
     for past in &mut memory.past {
         past.clear();
     }
+    memory.recurrences = Default::default();
+    memory.map.columns.clear();
     let states = [0, 1].map(|i| problem.histories[i].start());
-    let mut march = March { problem, memory, states, clock: 0.0, quiet_from: 0.0, cursors: [0; 2] };
+    let mut march = March {
+        problem,
+        memory,
+        states,
+        clock: 0.0,
+        clock_rest: 0.0,
+        quiet_from: 0.0,
+        cursors: [0; 2],
+        more_terms: 0,
+    };
     march.remember_history();
-    let mut longest = if problem.fastest > 0.0 { REACH / problem.fastest } else { f64::INFINITY };
+    let limit = problem.end + problem.offsets[0].max(problem.offsets[1]);
+    let longest = if problem.fastest > 0.0 { REACH / problem.fastest } else { f64::INFINITY };
+    let may_map = limit / longest <= MAP_STEPS;
+    let mut cut = 1.0;
     while !writer.is_complete() {
         march.meet_breaks();
-        let limit = problem.end + problem.offsets[0].max(problem.offsets[1]);
-        let room = march.room().min((limit - march.clock).max(problem.delay)).min(longest);
-        let room = if room > 0.0 { room } else { longest.min(1.0) };
+        // the last step ends at the last output, or a little later where that is at 0
+        let left = (limit - march.clock).max(problem.delay).max(f64::MIN_POSITIVE.max(1e-9 * limit));
+        let room = march.room().min(left).min(longest);
+        let room = cut * if room > 0.0 { room } else { 1e-9 };
         let explicit = march.clock < march.quiet_from;
         let next = march.clock + room;
-        let length = next - march.clock;
-        let done = if explicit { march.explicit(length) } else { march.implicit(length) };
+        // steps of one length go on exactly; all others end exactly at their event
+        let full = !explicit && room == longest && may_map;
+        let gone = (next - march.clock) - march.clock_rest;
+        let (length, rest) = if full { (room, room - gone) } else { (gone, 0.0) };
+        let done = if explicit { march.explicit(length) } else { march.implicit(length, full) };
         let Some(states) = done else {
-            longest = 0.5 * room;
-            if longest < 1e-3 * REACH / problem.fastest.max(1.0 / limit.max(f64::MIN_POSITIVE)) && !explicit {
+            // a side that hardly moves yet needs more terms to resolve its own small motion
+            if march.more_terms < STRIDE {
+                march.more_terms += 8;
+                continue;
+            }
+            (cut, march.more_terms) = (0.5 * cut, 0);
+            if cut < 1e-3 {
                 return Outcome::Unresolved;
             }
             continue;
         };
+        (cut, march.more_terms) = (1.0, 0);
         let mut diverged = f64::INFINITY;
-        for i in 0..2 {
-            if let Some((start, state)) = states[i] {
+        for (i, advanced) in states.into_iter().enumerate() {
+            if let Some((start, state)) = advanced {
                 march.states[i] = state;
                 if let Some(step) = march.memory.past[i].back()
                     && let Some(at) = writer.write(i, start, step, state)
@@ -73,7 +162,7 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
         if diverged.is_finite() {
             return Outcome::Diverged { at: diverged };
         }
-        march.clock = next;
+        (march.clock, march.clock_rest) = (next, rest);
         march.forget();
     }
     Outcome::Completed
@@ -186,7 +275,9 @@ impl March<'_> {
     }
 
     fn local(&self, robot: usize) -> Instant {
-        Instant::new(1.0, self.clock, -self.problem.offsets[robot])
+        let mut local = Instant::new(1.0, self.clock, -self.problem.offsets[robot]);
+        local.low += self.clock_rest;
+        local
     }
 
     fn started(&self, robot: usize) -> bool {
@@ -194,7 +285,7 @@ impl March<'_> {
     }
 
     fn degree(&self, length: f64) -> usize {
-        (degree_for(self.problem.fastest * length) + 2).min(STRIDE - 1)
+        (degree_for(self.problem.fastest * length) + 2 + self.more_terms).min(STRIDE - 1)
     }
 
     /// A step not longer than the delay: what the partner did is known.
@@ -202,7 +293,10 @@ impl March<'_> {
         let mut advanced = [None; 2];
         let mut steps = [None; 2];
         let degree = self.degree(length);
-        for i in (0..2).filter(|&i| self.started(i)) {
+        for i in 0..2 {
+            if !self.started(i) {
+                continue;
+            }
             let local = self.local(i);
             let mut force = [0.0; STRIDE];
             let terms = self.problem.forces[i].series(local, length, degree, &mut force);
@@ -211,6 +305,7 @@ impl March<'_> {
             let mut step = Series { start: self.clock, length, degree, coefficients: [0.0; STRIDE] };
             let end = advance(
                 &self.problem.rates[i],
+                &mut self.memory.recurrences[i],
                 self.states[i],
                 length,
                 degree,
@@ -245,43 +340,40 @@ impl March<'_> {
     }
 
     /// A step of any length in a smooth stretch: both partners at once.
-    fn implicit(&mut self, length: f64) -> Option<Advanced> {
+    fn implicit(&mut self, length: f64, full: bool) -> Option<Advanced> {
         let degree = self.degree(length);
         let locals = [self.local(0), self.local(1)];
         let mut force = [[0.0; STRIDE]; 2];
         let terms = [0, 1].map(|i| self.problem.forces[i].series(locals[i], length, degree, &mut force[i]));
         let force = [&force[0][..terms[0]], &force[1][..terms[1]]];
-        let (mut lag, mut series) = ([[0.0; STRIDE]; 2], [[0.0; STRIDE]; 2]);
-        let rates = &self.problem.rates;
-        let shift = self.problem.delay / length;
-        let mut before: Option<[State; 2]> = None;
-        for _ in 0..MAX_ITERATIONS {
-            let (states, resolved) =
-                advance_both(rates, self.states, length, degree, &lag, force, &mut series);
-            let settled = shift == 0.0
-                || before.is_some_and(|before| {
-                    let change = (0..2).map(|i| {
-                        let (old, new): (State, State) = (before[i], states[i]);
-                        (old.x - new.x).abs().max((old.v - new.v).abs() * length)
-                    });
-                    let size = (0..2).map(|i| states[i].x.abs().max(states[i].v.abs() * length));
-                    change.fold(0.0, f64::max) <= 2.0 * f64::EPSILON * size.fold(0.0, f64::max)
-                });
-            if settled {
-                if !resolved {
-                    return None;
-                }
-                for (past, coefficients) in self.memory.past.iter_mut().zip(series) {
-                    past.push_back(Series { start: self.clock, length, degree, coefficients });
-                }
-                return Some([0, 1].map(|i| Some((locals[i], states[i]))));
+        let pair = Pair {
+            rates: &self.problem.rates,
+            delay: self.problem.delay,
+            small: self.problem.fastest * self.problem.delay,
+            from: self.states,
+            length,
+            degree,
+            force,
+            must_resolve: true,
+        };
+        let mut series = [[0.0; STRIDE]; 2];
+        let map = &mut self.memory.map;
+        let states = if full && terms == [1, 1] && self.more_terms == 0 {
+            if map.columns.len() < 6 || (map.length, map.degree) != (length, degree) {
+                map.build(&pair)?;
             }
-            before = Some(states);
-            for i in 0..2 {
-                lag_of(&series[i][..=degree], shift, &mut lag[i]);
+            let states = map.apply(&pair, &mut series);
+            if !series.iter().all(|series| resolved(&series[..=degree])) {
+                return None;
             }
+            states
+        } else {
+            advance_both(&pair, &mut series)?
+        };
+        for (past, coefficients) in self.memory.past.iter_mut().zip(series) {
+            past.push_back(Series { start: self.clock, length, degree, coefficients });
         }
-        None
+        Some([0, 1].map(|i| Some((locals[i], states[i]))))
     }
 
     /// Drops steps that no delayed window can reach any more.

@@ -1,0 +1,221 @@
+//! Linear systems with several constant delays.
+
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+use telespring::InvalidInput;
+use telespring::spectrum::Certificate;
+
+use crate::errors::Outcome;
+use crate::spectrum::roots;
+
+/// x′(t) = A0 x(t) + Σ Aj x(t - τj): a linear system with several constant delays.
+///
+/// What a dyad lowers to, and what three or more partners would. Terms of one delay are added up,
+/// those of delay 0 to A0; the rest is sorted by delay.
+///
+/// Parameters
+/// ----------
+/// a0 : array_like, (n, n)
+///     The matrix A0, 1/s for states of one unit; n from 1 to 64.
+/// delayed : sequence of (float, array_like)
+///     The pairs (τj, Aj): a delay, s, and its matrix.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where a matrix is not square or of another size than A0, an entry is not a number or beyond
+///     1e12 in size, or a delay is not in 0 to 100 s.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> system = ts.DelaySystem([[0.0]], [(1.0, [[-1.0]])])  # x′(t) = -x(t - 1)
+/// >>> round(system.spectral_abscissa(), 12)
+/// -0.318131505205
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct DelaySystem(pub telespring::delay_system::DelaySystem);
+
+type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+
+/// Any array_like as a matrix, refused by its name.
+fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
+    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let as_numbers = AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?;
+    let array = as_numbers.call1((name, value))?;
+    let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>() else {
+        let shape = array.getattr("shape")?;
+        return Err(InvalidInput::new(
+            name,
+            format!("an array of shape {shape}"),
+            "a matrix of rows and columns is needed",
+            "Give a nested list or a two-dimensional array.",
+        )
+        .into());
+    };
+    let array = array.as_array();
+    Ok(DMatrix::from_row_iterator(array.nrows(), array.ncols(), array.iter().copied()))
+}
+
+fn to_python<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py>> {
+    // columns are contiguous in a DMatrix
+    matrix.as_slice().to_pyarray(py).reshape([matrix.ncols(), matrix.nrows()])?.transpose()
+}
+
+#[pymethods]
+impl DelaySystem {
+    #[new]
+    #[pyo3(signature = (a0, delayed=Vec::new()), text_signature = "(a0, delayed=())")]
+    fn new(a0: &Bound<'_, PyAny>, delayed: Vec<(f64, Bound<'_, PyAny>)>) -> Outcome<Self> {
+        let a0 = matrix("a0", a0)?;
+        let delayed = delayed
+            .iter()
+            .enumerate()
+            .map(|(j, (delay, value))| Ok((*delay, matrix(&format!("delayed[{j}].matrix"), value)?)))
+            .collect::<Outcome<_>>()?;
+        Ok(Self(telespring::delay_system::DelaySystem::new(a0, delayed)?))
+    }
+
+    /// The matrix A0, terms of delay 0 added, 1/s.
+    #[getter]
+    fn a0<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        to_python(py, self.0.instantaneous())
+    }
+
+    /// The pairs of delay, s, and matrix, 1/s, by delay.
+    #[getter]
+    fn delayed<'py>(&self, py: Python<'py>) -> PyResult<Vec<(f64, Matrix<'py>)>> {
+        self.0.delayed().iter().map(|(delay, matrix)| Ok((*delay, to_python(py, matrix)?))).collect()
+    }
+
+    /// The `count` rightmost characteristic roots, 1/s.
+    ///
+    /// They are the zeros of det(s I - A0 - Σ Aj exp(-s τj)). A root at s = 0, such as the common
+    /// motion of free robots, is one of them; `telespring.characteristic_roots` divides it out.
+    ///
+    /// Parameters
+    /// ----------
+    /// count : int
+    ///     How many roots to return, 1 to 1000; without any delay there are n in all.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of complex
+    ///     The roots, rightmost first.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where `count` is out of its range.
+    ///
+    /// Warns
+    /// -----
+    /// CertificateWarning
+    ///     Where the argument principle does not confirm that no root was missed; `certified_roots`
+    ///     returns the same as a status.
+    ///
+    /// References
+    /// ----------
+    /// D. Breda, S. Maset, R. Vermiglio, 2005, doi:10.1137/030601600, for the starting values.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> system = ts.DelaySystem([[0.0]], [(1.0, [[-1.0]])])
+    /// >>> system.characteristic_roots(2).round(6)
+    /// array([-0.318132+1.337236j, -0.318132-1.337236j])
+    #[pyo3(signature = (count=8))]
+    fn characteristic_roots<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+    ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
+        let found = py.detach(|| self.0.characteristic_roots(count))?;
+        warn(py, "roots'", &found.certificate)?;
+        Ok(roots(py, found).0)
+    }
+
+    /// The largest real part of the characteristic roots, 1/s, a root at s = 0 included.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     The spectral abscissa; below zero every motion decays.
+    ///
+    /// Warns
+    /// -----
+    /// CertificateWarning
+    ///     Where the argument principle does not confirm that no root was missed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> ts.DelaySystem([[-2.0]]).spectral_abscissa()
+    /// -2.0
+    fn spectral_abscissa(&self, py: Python<'_>) -> PyResult<f64> {
+        let found = py.detach(|| self.0.spectral_abscissa());
+        warn(py, "abscissa's", &found.certificate)?;
+        Ok(found.value)
+    }
+
+    /// The rightmost characteristic roots with their certificate as a record.
+    ///
+    /// Parameters
+    /// ----------
+    /// count : int
+    ///     How many roots to return, 1 to 1000.
+    ///
+    /// Returns
+    /// -------
+    /// Spectrum
+    ///     A certificate that failed is said there, not warned of; `rigid_body` is always False, as
+    ///     a root at s = 0 stays in the list.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where `count` is out of its range.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> found = ts.hman().delay_system(71.2, (0.1, 0.2)).certified_roots(5)
+    /// >>> found.complete, bool(abs(found.roots).min() < 1e-12)
+    /// (True, True)
+    #[pyo3(signature = (count=8))]
+    fn certified_roots<'py>(&self, py: Python<'py>, count: usize) -> Outcome<Bound<'py, PyAny>> {
+        static SPECTRUM: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        let found = py.detach(|| self.0.characteristic_roots(count))?;
+        Ok(SPECTRUM.import(py, "telespring.spectrum", "Spectrum")?.call1(roots(py, found))?)
+    }
+
+    fn __repr__(&self) -> String {
+        let rows = |matrix: &DMatrix<f64>| {
+            let rows: Vec<String> =
+                matrix.row_iter().map(|row| format!("{:?}", row.iter().collect::<Vec<_>>())).collect();
+            format!("[{}]", rows.join(", "))
+        };
+        let delayed: Vec<String> =
+            self.0.delayed().iter().map(|(delay, term)| format!("({delay:?}, {})", rows(term))).collect();
+        format!("DelaySystem({}, [{}])", rows(self.0.instantaneous()), delayed.join(", "))
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Matrix<'py>, Vec<(f64, Matrix<'py>)>)> {
+        Ok((self.a0(py)?, self.delayed(py)?))
+    }
+}
+
+/// As `telespring.characteristic_roots` warns of roots that may have been missed.
+fn warn(py: Python<'_>, whose: &str, certificate: &Certificate) -> PyResult<()> {
+    static WARNING: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    if certificate.is_complete() {
+        return Ok(());
+    }
+    let category = WARNING.import(py, "telespring.spectrum", "CertificateWarning")?;
+    let text = format!("the {whose} certificate is {certificate}");
+    py.import("warnings")?.call_method1("warn", (text, category)).map(drop)
+}

@@ -1,0 +1,437 @@
+//! What a study file says: coupling, network, ranges of operators, and the study itself.
+
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+use telespring::criteria::verdicts;
+use telespring::{InvalidInput, quantity};
+
+use crate::errors::Outcome;
+use crate::model::{DelayChoice, Dyad, Operator};
+
+/// The virtual spring and the damper beside it.
+///
+/// Parameters
+/// ----------
+/// stiffness : float
+///     Stiffness, N/m.
+/// damping : float
+///     Damping, N·s/m, through the same delay.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where a value is out of its range.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.Coupling(stiffness=71.2)
+/// Coupling(stiffness=71.2, damping=0.0)
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupling(telespring::study::Coupling);
+
+#[pymethods]
+impl Coupling {
+    #[new]
+    #[pyo3(signature = (stiffness, damping=0.0))]
+    fn new(stiffness: f64, damping: f64) -> Outcome<Self> {
+        Ok(Self(telespring::study::Coupling {
+            stiffness: quantity::STIFFNESS.check("stiffness", stiffness)?,
+            damping: quantity::DAMPING.check("damping", damping)?,
+        }))
+    }
+
+    /// Stiffness, N/m.
+    #[getter]
+    fn stiffness(&self) -> f64 {
+        self.0.stiffness
+    }
+
+    /// Damping, N·s/m.
+    #[getter]
+    fn damping(&self) -> f64 {
+        self.0.damping
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Coupling(stiffness={:?}, damping={:?})", self.0.stiffness, self.0.damping)
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64) {
+        (self.0.stiffness, self.0.damping)
+    }
+}
+
+/// A network between two controllers, in the terms that stability needs.
+///
+/// Parameters
+/// ----------
+/// delay : float or (float, float)
+///     The constant part of the one-way delay, s, or the pair (forward, backward).
+/// jitter : float
+///     The most that a packet may be later than that, s.
+/// max_gap : float
+///     The longest wait for a newer partner sample, s, losses included; 0 is a stream without gaps.
+/// sample_period : float
+///     The period of both controllers, s, over which they hold the force; 0 is a continuous controller.
+/// computing_time : float
+///     From reading the samples to applying the force, s, within the same period.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where a span is not in 0 to 100 s, delay, jitter and gap together exceed that, or the computing
+///     time exceeds the sample period.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> network = ts.Network(0.05, jitter=0.01, max_gap=0.004, sample_period=0.001)
+/// >>> round(network.oldest_partner_sample[0], 12)
+/// 0.065
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network(pub verdicts::Network);
+
+#[pymethods]
+impl Network {
+    #[new]
+    #[pyo3(signature = (delay, jitter=0.0, max_gap=0.0, sample_period=0.0, computing_time=0.0))]
+    fn new(
+        delay: DelayChoice,
+        jitter: f64,
+        max_gap: f64,
+        sample_period: f64,
+        computing_time: f64,
+    ) -> Outcome<Self> {
+        let delay = delay.check()?;
+        Ok(Self(verdicts::Network::new(delay, jitter, max_gap, sample_period, computing_time)?))
+    }
+
+    /// The constant part of the one-way delays, s: forward and backward.
+    #[getter]
+    fn delay(&self) -> (f64, f64) {
+        (self.0.delay().forward(), self.0.delay().backward())
+    }
+
+    /// The most that a packet may be later than the delay, s.
+    #[getter]
+    fn jitter(&self) -> f64 {
+        self.0.jitter()
+    }
+
+    /// The longest wait for a newer partner sample, s.
+    #[getter]
+    fn max_gap(&self) -> f64 {
+        self.0.max_gap()
+    }
+
+    /// The period of both controllers, s; 0 where they are continuous.
+    #[getter]
+    fn sample_period(&self) -> f64 {
+        self.0.sample_period()
+    }
+
+    /// From reading the samples to applying the force, s.
+    #[getter]
+    fn computing_time(&self) -> f64 {
+        self.0.computing_time()
+    }
+
+    /// Whether every packet takes the same time: neither jitter nor gaps.
+    #[getter]
+    fn is_constant(&self) -> bool {
+        self.0.is_constant()
+    }
+
+    /// The age of a partner sample at its oldest, s: T1 and T2.
+    #[getter]
+    fn oldest_partner_sample(&self) -> (f64, f64) {
+        self.0.oldest_partner_sample().into()
+    }
+
+    /// The age of a robot's own position sample at its oldest, s: one period plus computing time.
+    #[getter]
+    fn oldest_own_sample(&self) -> f64 {
+        self.0.oldest_own_sample()
+    }
+
+    /// The constant delays behind a playout buffer that waits for jitter and gaps, s.
+    #[getter]
+    fn buffered(&self) -> (f64, f64) {
+        self.0.buffered().into()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Network({:?}, jitter={:?}, max_gap={:?}, sample_period={:?}, computing_time={:?})",
+            self.delay(),
+            self.jitter(),
+            self.max_gap(),
+            self.sample_period(),
+            self.computing_time()
+        )
+    }
+
+    fn __getnewargs__(&self) -> ((f64, f64), f64, f64, f64, f64) {
+        (self.delay(), self.jitter(), self.max_gap(), self.sample_period(), self.computing_time())
+    }
+}
+
+/// All operators between two: a grip varies, and a verdict must hold for every one of them.
+///
+/// Parameters
+/// ----------
+/// low, high : Operator
+///     Both ends, included. A single number in them holds for every axis of the dyad.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where both ends differ in their number of axes or a lower end lies above the upper.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.OperatorRange(ts.Operator(), ts.Operator(mass=1.5, stiffness=300.0)).high.stiffness
+/// array([300.])
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct OperatorRange {
+    low: Operator,
+    high: Operator,
+}
+
+impl OperatorRange {
+    /// On a dyad with that many axes.
+    pub fn on(&self, axes: usize) -> telespring::Result<verdicts::OperatorRange> {
+        let low = self.low.on(axes).map_err(|refusal| refusal.within("low"))?;
+        let high = self.high.on(axes).map_err(|refusal| refusal.within("high"))?;
+        verdicts::OperatorRange::new(low, high)
+    }
+}
+
+impl From<&verdicts::OperatorRange> for OperatorRange {
+    fn from(range: &verdicts::OperatorRange) -> Self {
+        Self { low: range.low().into(), high: range.high().into() }
+    }
+}
+
+#[pymethods]
+impl OperatorRange {
+    #[new]
+    fn new(low: &Bound<'_, Operator>, high: &Bound<'_, Operator>) -> Outcome<Self> {
+        let range = Self { low: low.get().clone(), high: high.get().clone() };
+        range.on(range.low.count().max(range.high.count()))?;
+        Ok(range)
+    }
+
+    /// The lower end.
+    #[getter]
+    fn low(&self) -> Operator {
+        self.low.clone()
+    }
+
+    /// The upper end.
+    #[getter]
+    fn high(&self) -> Operator {
+        self.high.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("OperatorRange({}, {})", self.low.__repr__(), self.high.__repr__())
+    }
+
+    fn __getnewargs__(&self) -> (Operator, Operator) {
+        (self.low(), self.high())
+    }
+}
+
+/// What one study file says: two robots, who holds them, how they are coupled, over which network.
+///
+/// Made by `Study.read`, `Study.from_toml` or `Study.paper`.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> study = ts.Study.from_toml('''
+/// ... robot1 = {mass = 1, damping = 5}
+/// ... robot2 = {mass = 1, damping = 5}
+/// ... coupling.stiffness = 20
+/// ... network.delay = 0.05
+/// ... ''')
+/// >>> study.coupling, study.delay
+/// (Coupling(stiffness=20.0, damping=0.0), (0.05, 0.05))
+/// >>> ts.Study.from_toml(study.to_toml()) == study
+/// True
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study(telespring::study::Study);
+
+#[pymethods]
+impl Study {
+    /// The two H-MANs of Du, Kulkarni, Kager and Campolo at their condition 2K (71 N/m) and Δ (167 ms).
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     Handles free, controllers continuous, as in Fig. 5(h) there.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> ts.Study.paper().dyad == ts.hman()
+    /// True
+    #[staticmethod]
+    fn paper() -> Self {
+        Self(telespring::study::Study::paper())
+    }
+
+    /// Read a study from TOML text.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     The text of a study file.
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     The study, checked.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where the text is not TOML, a key is unknown or missing, or a value has the wrong type or
+    ///     range: with the dotted field, what is allowed, the remedy and the line.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> try:
+    /// ...     ts.Study.from_toml("[robot1]\\nmass = 1")
+    /// ... except ts.InvalidInput as refused:
+    /// ...     print(refused.field)
+    /// robot1.damping
+    #[staticmethod]
+    fn from_toml(py: Python<'_>, text: &str) -> Outcome<Self> {
+        py.detach(|| Ok(Self(telespring::study::Study::from_toml(text)?)))
+    }
+
+    /// Read a study file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path_like
+    ///     A TOML file in UTF-8.
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     The study, checked.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     As `Study.from_toml` does, and where the file is not UTF-8.
+    /// OSError
+    ///     Where the file cannot be read.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> ts.Study.read("missing.toml")
+    /// Traceback (most recent call last):
+    /// FileNotFoundError: [Errno 2] No such file or directory: 'missing.toml'
+    #[staticmethod]
+    fn read(path: &Bound<'_, PyAny>) -> Outcome<Self> {
+        let py = path.py();
+        // Python's own reading raises OSError with the file's name
+        let bytes = py.import("pathlib")?.getattr("Path")?.call1((path,))?.call_method0("read_bytes")?;
+        let bytes: Vec<u8> = bytes.extract()?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+            let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+            InvalidInput::new(
+                path.to_string(),
+                format!("a byte on line {line}"),
+                "a study file is text in UTF-8",
+                "Save it in that encoding.",
+            )
+        })?;
+        Self::from_toml(py, &text)
+    }
+
+    /// The study as TOML text that reads back to the same study.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     The text of a study file, units as comments.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> ts.Study.paper().to_toml().splitlines()[3]
+    /// 'name = "H-MAN 1"'
+    fn to_toml(&self) -> String {
+        self.0.to_toml()
+    }
+
+    /// The study's name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    /// The robots' names, where they have one.
+    #[getter]
+    fn robot_names(&self) -> (Option<&str>, Option<&str>) {
+        self.0.robot_names().into()
+    }
+
+    /// The dyad; where the operators are ranges it holds the middle of each.
+    #[getter]
+    fn dyad(&self) -> Dyad {
+        Dyad(self.0.dyad().clone())
+    }
+
+    /// The ranges of both operators, where any of their values is a range.
+    #[getter]
+    fn operator_ranges(&self) -> Option<(OperatorRange, OperatorRange)> {
+        self.0.operator_ranges().map(|[first, second]| (first.into(), second.into()))
+    }
+
+    /// The virtual spring and the damper beside it.
+    #[getter]
+    fn coupling(&self) -> Coupling {
+        Coupling(self.0.coupling())
+    }
+
+    /// Stiffness of the virtual spring, N/m.
+    #[getter]
+    fn stiffness(&self) -> f64 {
+        self.0.coupling().stiffness
+    }
+
+    /// The network and the controllers' timing.
+    #[getter]
+    fn network(&self) -> Network {
+        Network(*self.0.network())
+    }
+
+    /// The constant part of the one-way delays, s: forward and backward.
+    #[getter]
+    fn delay(&self) -> (f64, f64) {
+        self.network().delay()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Study {:?}>", self.0.name())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((PyType::new::<Self>(py).getattr("from_toml")?, (self.to_toml(),)))
+    }
+}

@@ -1,0 +1,287 @@
+//! The critical stiffness with a handle held to the ground: the least point of a curve, enclosed by
+//! subdivision with Bernstein coefficients.
+
+use crate::model::DyadAxis;
+use crate::poly::{Polynomial, Real, positive_roots};
+
+/// The certified range ends this far (relative) below the stiffness that is returned.
+const RESOLUTION: f64 = 1e-9;
+
+/// F(ξ, k) in powers of ξ = ω² (rows, to ξ⁴) and of k (columns, to k³: k⁴ cancels).
+type Tensor = [[f64; 4]; 5];
+
+pub(super) fn critical(axis: &DyadAxis) -> f64 {
+    let Some(lowest) = stable_below(axis) else { return 0.0 };
+    let mut best = scan(axis, lowest);
+    // Each round either proves that F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
+    for _ in 0..64 {
+        match negative_point(axis, lowest, best.stiffness * (1.0 - RESOLUTION), best.squared_frequency) {
+            None => return best.stiffness,
+            Some(squared_frequency) => best = descend(axis, squared_frequency, best),
+        }
+    }
+    best.stiffness
+}
+
+/// A point on the curve F = 0.
+#[derive(Clone, Copy)]
+struct Point {
+    squared_frequency: f64,
+    stiffness: f64,
+}
+
+/// A stiffness up to which each |Pᵢ(jω)|² ≥ k² + c²ω², so that F ≥ 0; None where there is none.
+fn stable_below(axis: &DyadAxis) -> Option<f64> {
+    let c = axis.coupling_damping;
+    let bound = axis.sides.iter().fold(f64::INFINITY, |bound, side| {
+        // m²ξ² + (d − 2m(k + k_h))ξ + (k + k_h)² − k² has no sign change for
+        // (k − d/2m)² ≤ k_h d/m, nor for d ≥ 2m(k + k_h); the two ranges join.
+        let half = 0.5 * side.damping * (side.damping + 2.0 * c) / side.mass;
+        bound.min(half + (2.0 * half * side.ground_stiffness).sqrt())
+    });
+    (bound > 0.0).then_some(bound)
+}
+
+/// A first point of the curve: the least stiffness over a grid of frequencies about the resonances.
+fn scan(axis: &DyadAxis, lowest: f64) -> Point {
+    let mut best = Point { squared_frequency: f64::NAN, stiffness: f64::INFINITY };
+    for side in &axis.sides {
+        // At ω² = K/m the side's own stiffness and inertia cancel; the least k lies near it.
+        for step in -40..=120 {
+            let stiffness = lowest * 1.25f64.powi(step);
+            let squared_frequency = (stiffness + side.ground_stiffness) / side.mass;
+            best = lower(best, on_curve(axis, squared_frequency));
+        }
+    }
+    descend(axis, best.squared_frequency, best)
+}
+
+fn lower(best: Point, candidate: Option<Point>) -> Point {
+    candidate.filter(|point| point.stiffness < best.stiffness).unwrap_or(best)
+}
+
+/// The least stiffness with F = 0 at this frequency.
+fn on_curve(axis: &DyadAxis, squared_frequency: f64) -> Option<Point> {
+    let tensor = expand::<f64>(axis);
+    let fine = || {
+        let tensor = expand::<twofloat::TwoFloat>(axis);
+        along_stiffness(&tensor, squared_frequency)
+    };
+    let roots = positive_roots(&along_stiffness(&tensor, squared_frequency), fine);
+    let stiffness = roots.first()?.at;
+    Some(Point { squared_frequency, stiffness })
+}
+
+/// F at a fixed frequency, as a polynomial in k.
+fn along_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Polynomial<R, 4> {
+    let xi = R::from(squared_frequency);
+    let mut coefficient = [R::from(0.0); 4];
+    let mut magnitude = [0.0; 4];
+    for row in tensor.iter().rev() {
+        for j in 0..4 {
+            coefficient[j] = coefficient[j] * xi + row[j];
+            magnitude[j] = magnitude[j] * squared_frequency + row[j].to_f64().abs();
+        }
+    }
+    Polynomial { coefficient, magnitude }
+}
+
+/// Follows the curve from a frequency to a local minimum of the stiffness, by golden section on
+/// the logarithm of the frequency.
+fn descend(axis: &DyadAxis, squared_frequency: f64, best: Point) -> Point {
+    let start = match on_curve(axis, squared_frequency) {
+        Some(point) => point,
+        None => return best,
+    };
+    let at = |logarithm: f64| {
+        on_curve(axis, logarithm.exp())
+            .unwrap_or(Point { squared_frequency: logarithm.exp(), stiffness: f64::INFINITY })
+    };
+    // A bracket about the start, widened downhill.
+    let mut middle = start;
+    let mut width = 1e-3;
+    let (mut left, mut right) =
+        (at(start.squared_frequency.ln() - width), at(start.squared_frequency.ln() + width));
+    for _ in 0..200 {
+        if left.stiffness < middle.stiffness {
+            (right, middle) = (middle, left);
+            width *= 1.6;
+            left = at(middle.squared_frequency.ln() - width);
+        } else if right.stiffness < middle.stiffness {
+            (left, middle) = (middle, right);
+            width *= 1.6;
+            right = at(middle.squared_frequency.ln() + width);
+        } else {
+            break;
+        }
+    }
+    let golden = 0.381_966_011_250_105;
+    for _ in 0..120 {
+        let (l, x, r) =
+            (left.squared_frequency.ln(), middle.squared_frequency.ln(), right.squared_frequency.ln());
+        if r - l < 1e-9 {
+            break;
+        }
+        let trial = at(if r - x > x - l { x + golden * (r - x) } else { x - golden * (x - l) });
+        let ahead = trial.squared_frequency > middle.squared_frequency;
+        if trial.stiffness < middle.stiffness {
+            if ahead {
+                left = middle
+            } else {
+                right = middle
+            }
+            middle = trial;
+        } else if ahead {
+            right = trial;
+        } else {
+            left = trial;
+        }
+    }
+    lower(best, Some(middle))
+}
+
+/// F(ξ, k) expanded; formed in the arithmetic asked for.
+fn expand<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
+    let number = R::from;
+    let two = number(2.0);
+    let c = axis.coupling_damping;
+    // |Pᵢ|² = (k + a)² + w with a = k_h − mξ, w = (b + c)²ξ: polynomials in ξ, low order first.
+    let [first, second] = axis.sides.map(|side| {
+        let (m, ground) = (number(side.mass), number(side.ground_stiffness));
+        let loss = number(side.damping) + number(c);
+        let a = [ground, -m];
+        let g = [ground * ground, loss * loss - two * ground * m, m * m];
+        (a, g)
+    });
+    let product = |p: &[R], q: &[R]| {
+        let mut out = [number(0.0); 5];
+        for (i, &x) in p.iter().enumerate() {
+            for (j, &y) in q.iter().enumerate() {
+                out[i + j] = out[i + j] + x * y;
+            }
+        }
+        out
+    };
+    let (a1, g1) = first;
+    let (a2, g2) = second;
+    let square = number(c) * number(c);
+    let (aa, ag, ga, gg) = (product(&a1, &a2), product(&a1, &g2), product(&a2, &g1), product(&g1, &g2));
+    let mut tensor = [[number(0.0); 4]; 5];
+    for i in 0..5 {
+        let pick = |p: &[R]| p.get(i).copied().unwrap_or(number(0.0));
+        tensor[i][0] = gg[i];
+        tensor[i][1] = two * (ag[i] + ga[i]);
+        tensor[i][2] = number(4.0) * aa[i] + pick(&g1) + pick(&g2);
+        tensor[i][3] = two * (pick(&a1) + pick(&a2));
+    }
+    tensor[2][0] = tensor[2][0] - square * square;
+    tensor[1][2] = tensor[1][2] - two * square;
+    tensor
+}
+
+/// A frequency at which F < 0 for some stiffness from `lowest` to `highest`, or None where F > 0
+/// on that whole range of stiffness and at every frequency.
+fn negative_point(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
+    // ξ = scale · u/(1 − u) maps all frequencies onto 0 ≤ u ≤ 1.
+    let lowest = lowest.min(highest);
+    let mut boxes = vec![(bernstein(axis, lowest, highest, scale), 0.0, 1.0, 0u32)];
+    while let Some((tensor, left, right, depth)) = boxes.pop() {
+        let size = tensor.iter().flatten().fold(0.0f64, |size, value| size.max(value.abs()));
+        let least = tensor.iter().flatten().fold(f64::INFINITY, |least, &value| least.min(value));
+        // The coefficients enclose F on the box; those at the corners are values of F.
+        if least > -1e-14 * size {
+            continue;
+        }
+        let corners = [(0, left), (4, right)];
+        for (row, u) in corners {
+            if tensor[row][0].min(tensor[row][3]) < -1e-13 * size && u > 0.0 && u < 1.0 {
+                return Some(scale * u / (1.0 - u));
+            }
+        }
+        // A box of this depth is narrower than rounding: what is left in it is rounding.
+        if depth > 120 {
+            continue;
+        }
+        if spread_over_frequency(&tensor) >= spread_over_stiffness(&tensor) {
+            let middle = 0.5 * (left + right);
+            let (low, high) = split_rows(&tensor);
+            boxes.push((low, left, middle, depth + 1));
+            boxes.push((high, middle, right, depth + 1));
+        } else {
+            let (low, high) = split_columns(&tensor);
+            boxes.push((low, left, right, depth + 1));
+            boxes.push((high, left, right, depth + 1));
+        }
+    }
+    None
+}
+
+/// The Bernstein coefficients of F (1 − u)⁴ over u in 0..1 and k in `lowest..highest`.
+fn bernstein(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Tensor {
+    let binomial_4 = [1.0, 4.0, 6.0, 4.0, 1.0];
+    let width = highest - lowest;
+    let mut tensor = expand::<f64>(axis);
+    for (i, row) in tensor.iter_mut().enumerate() {
+        let factor = scale.powi(i as i32) / binomial_4[i];
+        let [c0, c1, c2, c3] = row.map(|value| value * factor);
+        // Shift to k = lowest + width·v, then power basis to Bernstein basis of degree 3.
+        let d0 = c0 + lowest * (c1 + lowest * (c2 + lowest * c3));
+        let d1 = width * (c1 + lowest * (2.0 * c2 + 3.0 * lowest * c3));
+        let d2 = width * width * (c2 + 3.0 * lowest * c3);
+        let d3 = width * width * width * c3;
+        *row = [d0, d0 + d1 / 3.0, d0 + (2.0 * d1 + d2) / 3.0, d0 + d1 + d2 + d3];
+    }
+    tensor
+}
+
+fn spread_over_frequency(tensor: &Tensor) -> f64 {
+    let mut spread = 0.0f64;
+    for i in 0..4 {
+        for j in 0..4 {
+            spread = spread.max((tensor[i + 1][j] - tensor[i][j]).abs());
+        }
+    }
+    spread
+}
+
+fn spread_over_stiffness(tensor: &Tensor) -> f64 {
+    let mut spread = 0.0f64;
+    for row in tensor {
+        for j in 0..3 {
+            spread = spread.max((row[j + 1] - row[j]).abs());
+        }
+    }
+    spread
+}
+
+/// De Casteljau's halving over the rows (frequency).
+fn split_rows(tensor: &Tensor) -> (Tensor, Tensor) {
+    let (mut low, mut high) = (*tensor, *tensor);
+    for j in 0..4 {
+        for step in 1..5 {
+            for i in (step..5).rev() {
+                low[i][j] = 0.5 * (low[i - 1][j] + low[i][j]);
+            }
+            for i in 0..5 - step {
+                high[i][j] = 0.5 * (high[i][j] + high[i + 1][j]);
+            }
+        }
+    }
+    (low, high)
+}
+
+/// De Casteljau's halving over the columns (stiffness).
+fn split_columns(tensor: &Tensor) -> (Tensor, Tensor) {
+    let (mut low, mut high) = (*tensor, *tensor);
+    for i in 0..5 {
+        for step in 1..4 {
+            for j in (step..4).rev() {
+                low[i][j] = 0.5 * (low[i][j - 1] + low[i][j]);
+            }
+            for j in 0..4 - step {
+                high[i][j] = 0.5 * (high[i][j] + high[i][j + 1]);
+            }
+        }
+    }
+    (low, high)
+}

@@ -1,0 +1,5 @@
+"""`python -m telespring` is the command `telespring`."""
+
+from telespring.cli import main
+
+main()

@@ -1,0 +1,316 @@
+"""The commands `telespring decide`, `telespring simulate` and `telespring study`.
+
+Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
+file that could not be read or written; 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+import telespring as ts
+from telespring.files import replacing, write_whole
+from telespring.terminal import decision_screen, refusal_screen
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="telespring",
+    help="Two people, two robots, one virtual spring over a network: is it stable, and by how much?",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+StudyFile = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="[STUDY.toml]", help="Robots, coupling and network; the paper's two H-MANs unless given."
+    ),
+]
+Stiffness = Annotated[float | None, typer.Option("--stiffness", help="Stiffness of the spring, N/m.")]
+Delay = Annotated[
+    float | None, typer.Option("--delay", help="One-way delay in s, each way unless --backward is given.")
+]
+Backward = Annotated[
+    float | None,
+    typer.Option("--backward", help="One-way delay in s from robot 2 to robot 1, where it differs."),
+]
+
+
+class Format(StrEnum):
+    """How `simulate` writes its result."""
+
+    netcdf = "nc"
+    csv = "csv"
+
+
+@app.command()
+def decide(
+    study: StudyFile = None,
+    stiffness: Stiffness = None,
+    delay: Delay = None,
+    backward: Backward = None,
+    jitter: Annotated[float | None, typer.Option(help="How much longer than that a delay may be, s.")] = None,
+    max_gap: Annotated[float | None, typer.Option(help="Longest time without a new sample, s.")] = None,
+    sample_period: Annotated[float | None, typer.Option(help="Period of the controllers, s.")] = None,
+    horizon: Annotated[float | None, typer.Option(help="List stable delays up to this one, s.")] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
+    ] = False,
+) -> None:
+    """Tell whether a dyad is stable, by what margin, and what it may use instead."""
+    from telespring.decision import decide as answer
+
+    with _refusals():
+        read = _read(study)
+        asked = _asked(read, stiffness, delay, backward)
+        if horizon is not None and not 0.0 < horizon <= 1000.0:
+            raise ts.InvalidInput(
+                "horizon",
+                str(horizon),
+                "a horizon must be a number above 0 and up to 1000 s",
+                "Leave it away for 1 s.",
+            )
+        decision = answer(
+            asked.dyad,
+            asked.stiffness,
+            asked.delay,
+            jitter=read.network.jitter if jitter is None else jitter,
+            max_gap=read.network.max_gap if max_gap is None else max_gap,
+            sample_period=read.network.sample_period if sample_period is None else sample_period,
+            computing_time=read.network.computing_time,
+            operator_ranges=read.operator_ranges,
+            horizon=horizon,
+        )
+    if as_json:
+        typer.echo(json.dumps(decision.to_json(), indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        Console(highlight=False).print(decision_screen(decision, asked.name))
+
+
+@app.command()
+def simulate(
+    study: StudyFile = None,
+    stiffness: Stiffness = None,
+    delay: Delay = None,
+    backward: Backward = None,
+    force: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--force",
+            help="A step of force at t = 0, N; once per axis for robot 1, then for robot 2. "
+            "1 and -1 unless given.",
+        ),
+    ] = None,
+    duration: Annotated[float, typer.Option(help="Time to simulate, s.")] = 10.0,
+    rate: Annotated[float, typer.Option(help="Outputs per second, Hz.")] = 1000.0,
+    out: Annotated[Path, typer.Option(help="File to write, .nc (netCDF) or .csv.", show_default=True)] = Path(
+        "out/simulation.nc"
+    ),
+) -> None:
+    """Simulate the ideal dyad with constant delay and write positions and velocities."""
+    console = Console(highlight=False)
+    with _refusals():
+        if out.suffix not in {f".{each}" for each in Format}:
+            raise ts.InvalidInput(
+                "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
+            )
+        asked = _asked(_read(study), stiffness, delay, backward)
+        axes = list(asked.dyad.axes)
+        forces = _forces(force, len(axes))
+        found = ts.simulate(asked.dyad, asked.stiffness, asked.delay, forces, duration, rate=rate)
+        if out.suffix == ".csv":
+            write_whole(out, _csv(found, axes))
+        else:
+            with replacing(out) as beside:
+                found.to_netcdf(beside, engine="h5netcdf")
+        for line in _simulation_summary(found, asked, axes, forces):
+            console.print(line)
+        console.print(f"Written: {out}", markup=False)
+
+
+@app.command("study")
+def study_command(
+    study: StudyFile = None,
+    out: Annotated[Path, typer.Option(help="Folder for report.html and study.json.")] = Path("out/study"),
+) -> None:
+    """Run the paper's sections II to IV-A on a study's robots and write a report."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from telespring.study import STEPS, analyse, write
+
+    console = Console(highlight=False)
+    with _refusals():
+        asked = _read(study)
+        with Progress(
+            TextColumn("{task.description:<28}"),
+            BarColumn(),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        ) as bar:
+            task = bar.add_task("starting", total=len(STEPS))
+
+            def progress(step: str) -> None:
+                bar.update(task, description=step, completed=STEPS.index(step))
+
+            analysis = analyse(asked, progress)
+        report, numbers = write(analysis, out)
+    summary = analysis.numbers["summary"]
+    row = summary["rows"][summary["highlight"]]
+    console.print(f"[bold]{escape(asked.name)}[/bold]")
+    console.print(f"Over {1e3 * row['delay']:.0f} ms each way the spring may have up to")
+    for tier in summary["tiers"]:
+        entry = row[tier["key"]]
+        if entry["unbounded"]:
+            limit = "no limit"
+        elif entry["stiffness"] is None:
+            limit = "not available"
+        else:
+            limit = f"{entry['stiffness']:.4g} N/m (axis {entry['axis']})"
+        console.print(f"  {limit:<24} {tier['name']}", markup=False)
+    console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
+
+
+def main() -> None:
+    """Run the command line; the entry point of the installed program."""
+    app()
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    """Tell refused input and unusable files in a few lines, and leave with status 2."""
+    try:
+        yield
+    except ts.InvalidInput as refused:
+        refusal_screen(
+            Console(stderr=True, highlight=False),
+            refused.field,
+            refused.value,
+            refused.allowed,
+            refused.remedy,
+        )
+        raise typer.Exit(2) from None
+    except OSError as trouble:
+        where = trouble.filename or "file"
+        refusal_screen(
+            Console(stderr=True, highlight=False),
+            "file",
+            str(where),
+            f"a file that can be read or written is needed ({trouble.strerror or trouble})",
+            "Check the name, the folder and its permissions.",
+        )
+        raise typer.Exit(2) from None
+    except KeyboardInterrupt:
+        print("Stopped; nothing half-written was left behind.", file=sys.stderr)
+        raise typer.Exit(130) from None
+
+
+def _read(study: Path | None) -> ts.Study:
+    """Read a study file, or take the paper's study where none is named."""
+    return ts.Study.paper() if study is None else ts.Study.read(study)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A dyad, its name, the stiffness (N/m) and the delays there and back (s) asked about."""
+
+    dyad: ts.Dyad
+    name: str
+    stiffness: float
+    delay: tuple[float, float]
+
+
+def _asked(study: ts.Study, stiffness: float | None, delay: float | None, backward: float | None) -> _Asked:
+    """Take the study, with what the command line says in the place of what the file says."""
+    forward, back = study.delay if delay is None else (delay, delay)
+    return _Asked(
+        dyad=study.dyad,
+        name=study.name,
+        stiffness=study.stiffness if stiffness is None else stiffness,
+        delay=(forward, back if backward is None else backward),
+    )
+
+
+def _forces(force: list[float] | None, axes: int) -> list[list[float]]:
+    if not force:
+        return [[1.0] * axes, [-1.0] * axes]
+    if len(force) != 2 * axes or not all(math.isfinite(value) for value in force):
+        raise ts.InvalidInput(
+            "force",
+            " ".join(str(value) for value in force),
+            f"one finite number per robot and axis is needed, that is {2 * axes}",
+            "Write --force once for each: robot 1 on every axis, then robot 2.",
+        )
+    return [force[:axes], force[axes:]]
+
+
+def _csv(found: xarray.Dataset, axes: list[str]) -> str:
+    import numpy as np
+
+    names, columns = ["time_s"], [np.asarray(found["time"])]
+    for quantity, unit in (("position", "m"), ("velocity", "m_per_s")):
+        values = np.asarray(found[quantity])
+        for robot in range(2):
+            for i, axis in enumerate(axes):
+                names.append(f"{quantity}_robot{robot + 1}_{axis}_{unit}")
+                columns.append(values[:, robot, i])
+    rows = (",".join(repr(float(value)) for value in row) for row in zip(*columns, strict=True))
+    return ",".join(names) + "\n" + "\n".join(rows) + "\n"
+
+
+def _simulation_summary(
+    found: xarray.Dataset, asked: _Asked, axes: list[str], forces: list[list[float]]
+) -> Iterator[str]:
+    import numpy as np
+
+    time, position = np.asarray(found["time"]), np.asarray(found["position"])
+    yield f"[bold]{escape(asked.name)}[/bold]"
+    yield f"{asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
+    diverged = found.attrs.get("diverged_at")
+    if diverged is not None and math.isfinite(float(diverged)):
+        yield f"[bold red]Diverged at {float(diverged):.4g} s[/bold red]: beyond it the numbers mean nothing."
+    for i, axis in enumerate(axes):
+        apart = position[:, 0, i] - position[:, 1, i]
+        apart = apart[np.isfinite(apart)]
+        abscissa = float(ts.spectral_abscissa(asked.dyad, asked.stiffness, asked.delay, axis=i))
+        largest = 1e3 * float(np.max(np.abs(apart)))
+        text = f"  axis {escape(axis)}: apart {1e3 * apart[-1]:.4g} mm at the end, at most {largest:.4g} mm"
+        rest = _rest_distance(asked, forces, i)
+        if abscissa >= 0.0:
+            text += ", unstable: it does not come to rest"
+        elif rest is not None:
+            overshoot = 100.0 * (largest / abs(1e3 * rest) - 1.0)
+            text += f"; at rest {1e3 * rest:.4g} mm, overshoot {max(0.0, overshoot):.3g} %"
+        yield text
+
+
+def _rest_distance(asked: _Asked, forces: list[list[float]], axis: int) -> float | None:
+    """How far apart (m) free robots come to rest under opposite steps; None in other cases."""
+    from telespring.axes import axes_of
+
+    one, other = forces[0][axis], forces[1][axis]
+    if one == 0.0 or one != -other or axes_of(asked.dyad)[axis].ground_stiffnesses != (0.0, 0.0):
+        return None
+    return one / asked.stiffness
+
+
+if __name__ == "__main__":
+    main()

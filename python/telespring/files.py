@@ -1,0 +1,80 @@
+"""Files that are whole or absent: write beside, flush to the disk, then rename."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+__all__ = ["replacing", "write_whole"]
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path beside `path` and move it there when the block ends well.
+
+    Whatever ends the block early (an exception, Ctrl-C) removes the temporary file and leaves what
+    was at `path` as it was.
+
+    Parameters
+    ----------
+    path
+        Where the finished file shall stand. Missing folders are made.
+
+    Yields
+    ------
+    pathlib.Path
+        A path in the same folder where nothing stands yet, to be written by the caller.
+
+    Raises
+    ------
+    OSError
+        Where the folder cannot be made or written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> with replacing(folder / "note.txt") as beside:
+    ...     _ = beside.write_text("whole")
+    >>> [entry.name for entry in folder.iterdir()]
+    ['note.txt']
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    # The name ends as the target's does: some writers choose the format by it.
+    beside = target.with_name(f".unfinished-{secrets.token_hex(8)}-{target.name}")
+    try:
+        yield beside
+        with beside.open("rb") as written:
+            os.fsync(written.fileno())
+        beside.replace(target)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
+    """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
+
+    Parameters
+    ----------
+    path
+        Where the file shall stand. Missing folders are made.
+    content
+        Text (written as UTF-8) or bytes.
+
+    Returns
+    -------
+    pathlib.Path
+        The path written.
+
+    Raises
+    ------
+    OSError
+        Where the folder cannot be made or written.
+    """
+    with replacing(path) as beside:
+        beside.write_bytes(content.encode() if isinstance(content, str) else content)
+    return Path(path)

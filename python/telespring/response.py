@@ -1,0 +1,553 @@
+"""Frequency response of one axis: transfer matrix, magnitude and phase, and the Nyquist locus.
+
+Everything is written in P_i(s) = m_i s² + (b_i + c) s + k + kh_i, the delays of both directions and
+chi(s) = P1 P2 - (k + c s)² exp(-T s), T the round trip. Phases are continuous in frequency and start
+from ω → 0, whatever frequencies are asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from telespring import _core
+from telespring._arrays import as_vector
+from telespring._errors import InvalidInput
+from telespring._types import ComplexArray, Delay, FloatArray, GridStatus
+
+if TYPE_CHECKING:
+    from telespring.model import Dyad
+
+__all__ = [
+    "FrequencyGrid",
+    "FrequencyMargin",
+    "FrequencyResponse",
+    "Nyquist",
+    "ResponseCurve",
+    "frequency_grid",
+    "frequency_response",
+    "mobility_matrix",
+    "nyquist",
+    "open_loop",
+    "partner_response",
+    "transfer_matrix",
+]
+
+Convention: TypeAlias = Literal["exact", "paper"]
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """The transfer matrix over frequency; index 0 is robot 1.
+
+    Attributes
+    ----------
+    frequency : ndarray, (n,)
+        Angular frequencies as given, rad/s.
+    value : ndarray of complex, (n, 2, 2)
+        value[i, output, input] is the position of a robot under the force on a robot, m/N.
+    magnitude : ndarray, (n, 2, 2)
+        Its magnitude, m/N.
+    phase : ndarray, (n, 2, 2)
+        Its phase, rad, continuous from ω → 0: from 0 there, or from -π/2 for free handles.
+    poles_on_axis : tuple of float
+        Frequencies, rad/s, up to the largest one asked for, where a characteristic root lies on the
+        imaginary axis within rounding; the phase falls by π there.
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    magnitude: FloatArray
+    phase: FloatArray
+    poles_on_axis: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseCurve:
+    """One response over frequency.
+
+    Attributes
+    ----------
+    frequency : ndarray, (n,)
+        Angular frequencies as given, rad/s.
+    value : ndarray of complex, (n,)
+        The response, without a unit.
+    magnitude : ndarray, (n,)
+        Its magnitude.
+    phase : ndarray, (n,)
+        Its phase, rad, continuous from ω → 0.
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    magnitude: FloatArray
+    phase: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyGrid:
+    """Frequencies between which nothing can hide.
+
+    Attributes
+    ----------
+    frequency : ndarray, (n,)
+        Angular frequencies, rad/s, ascending, both ends included.
+    status : {"resolved", "poles on the axis", "too many points"}
+        Whether they meet the resolution: everywhere, everywhere but at the poles, or only as far as the
+        limit on their number allows.
+    poles_on_axis : tuple of float
+        Frequencies, rad/s, of resonances without damping and of roots on the imaginary axis.
+    """
+
+    frequency: FloatArray
+    status: GridStatus
+    poles_on_axis: tuple[float, ...]
+
+
+class FrequencyMargin(NamedTuple):
+    """A margin or distance and the angular frequency where it is taken.
+
+    Attributes
+    ----------
+    value : float
+        Its size, in the unit told beside it.
+    frequency : float
+        The angular frequency, rad/s; inf where the limit ω → ∞ is meant.
+    """
+
+    value: float
+    frequency: float
+
+
+@dataclass(frozen=True, eq=False)
+class Nyquist:
+    """The Nyquist locus of one axis, the count of unstable roots and the margins.
+
+    Margins are None where no finite one exists or the dyad is not stable.
+
+    Attributes
+    ----------
+    frequency : ndarray, (n,)
+        Angular frequencies of the locus from 0 on, rad/s; fine enough that no turn is skipped.
+    locus : ndarray of complex, (n,)
+        L(jω) at each; points where it is infinite (undamped sides) are left out.
+    encirclements : int
+        Net clockwise encirclements of -1 over -∞ < ω < ∞, the rigid-body root deflated.
+    unstable_roots : int
+        Characteristic roots in the open right half-plane.
+    rigid_body : bool
+        Whether both handles are free: L(0) = -1 for every stiffness and delay, the root s = 0.
+    stable : bool
+        Whether every root but the rigid-body one is proven to lie in the open left half-plane.
+    minimum_distance : FrequencyMargin
+        Least local minimum of abs(L + 1) over ω > 0 and of its limit, 1 at ω = ∞.
+    gain_margin : FrequencyMargin or None
+        Smallest factor above 1 on L that brings a root onto the imaginary axis.
+    gain_reduction_margin : FrequencyMargin or None
+        Largest factor below 1 on L that does.
+    phase_margin : FrequencyMargin or None
+        Smallest rotation of L, rad, either way, that does.
+    delay_margin : FrequencyMargin or None
+        Smallest addition to the mean one-way delay, s, that does.
+    status : {"counted", "on the axis", "not counted"}
+        How the count ended; "on the axis" is a dyad that is marginal within rounding.
+    root_on_axis : float or None
+        The lowest frequency, rad/s, of such a root; it is not among the unstable ones.
+    locus_status : {"resolved", "poles on the axis", "too many points"}
+        Whether the drawn locus has its resolution; the count does not depend on it.
+    locus_poles : tuple of float
+        Frequencies, rad/s, at which it has not.
+    """
+
+    frequency: FloatArray
+    locus: ComplexArray
+    encirclements: int
+    unstable_roots: int
+    rigid_body: bool
+    stable: bool
+    minimum_distance: FrequencyMargin
+    gain_margin: FrequencyMargin | None
+    gain_reduction_margin: FrequencyMargin | None
+    phase_margin: FrequencyMargin | None
+    delay_margin: FrequencyMargin | None
+    status: Literal["counted", "on the axis", "not counted"]
+    root_on_axis: float | None
+    locus_status: GridStatus
+    locus_poles: tuple[float, ...]
+
+
+def _over_plane(s: ArrayLike, compute: Any) -> ComplexArray:
+    try:
+        given = np.asarray(s)
+        if given.dtype.kind not in "biufc":
+            raise TypeError
+        points = given.astype(np.complex128, copy=False)
+    except (TypeError, ValueError):
+        raise InvalidInput(
+            "s",
+            repr(s)[:60],
+            "a complex number or an array of them is needed",
+            "Convert it, for instance with numpy.asarray(..., dtype=complex).",
+        ) from None
+    found: ComplexArray = compute(np.ascontiguousarray(points).reshape(-1))
+    return found.reshape((*points.shape, 2, 2))
+
+
+def transfer_matrix(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    s: ArrayLike,
+    axis: int | str = 0,
+    convention: Convention = "exact",
+) -> ComplexArray:
+    """Positions of both robots under the forces on them, as a matrix of transfer functions.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    s : array_like of complex
+        Where to take it, 1/s.
+    axis : int or str
+        The axis by its index or its name.
+    convention : {"exact", "paper"}
+        X1/F1 = P2/chi and X2/F2 = P1/chi as the equations of motion have it, or Eq. 2 of [1]_ as
+        printed, the diagonal swapped.
+
+    Returns
+    -------
+    ndarray of complex, s.shape + (2, 2)
+        [..., output, input], m/N; index 0 is robot 1.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range or `s` is a pole (0 for free handles).
+
+    References
+    ----------
+    .. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
+       Delayed Haptic Dyadic Interactions Mediated by Robots", Eq. 2.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> dyad = ts.Dyad(ts.Robot(1.0, 4.0), ts.Robot(2.0, 5.0))
+    >>> s = 3j
+    >>> matrix = ts.transfer_matrix(dyad, 10.0, 0.0, s)
+    >>> ours = (s**2 + 4 * s + 10) * matrix[0, 0] - 10 * matrix[1, 0]  # robot 1 under a unit force
+    >>> bool(abs(ours - 1) < 1e-14)
+    True
+    """
+    of = (dyad, stiffness, delay, axis)
+    return _over_plane(s, lambda points: _core.transfer_matrix(of, points, convention))
+
+
+def mobility_matrix(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    s: ArrayLike,
+    axis: int | str = 0,
+) -> ComplexArray:
+    """Velocities of both robots under the forces on them: s times `transfer_matrix`.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    s : array_like of complex
+        Where to take it, 1/s.
+    axis : int or str
+        The axis by its index or its name.
+
+    Returns
+    -------
+    ndarray of complex, s.shape + (2, 2)
+        [..., output, input], (m/s)/N. Finite at s = 0 for free handles too: both drift at
+        1/(b1 + b2 + 2 δ k) under a unit force, δ the mean one-way delay.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range or `s` is a pole.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> dyad = ts.Dyad(ts.Robot(1.0, 4.0), ts.Robot(2.0, 5.0))
+    >>> drift = ts.mobility_matrix(dyad, 10.0, 0.1, 0.0)[0, 0]
+    >>> bool(abs(drift - 1 / (4 + 5 + 2 * 0.1 * 10)) < 1e-15)
+    True
+    """
+    of = (dyad, stiffness, delay, axis)
+    return _over_plane(s, lambda points: _core.mobility_matrix(of, points))
+
+
+def frequency_response(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    frequency: ArrayLike,
+    axis: int | str = 0,
+    convention: Convention = "exact",
+) -> FrequencyResponse:
+    """Transfer matrix, magnitude and phase over angular frequencies.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    frequency : array_like, (n,)
+        Angular frequencies, rad/s, in any order.
+    axis : int or str
+        The axis by its index or its name.
+    convention : {"exact", "paper"}
+        The diagonal as the equations of motion have it, or as Eq. 2 of [1]_ prints it.
+
+    Returns
+    -------
+    FrequencyResponse
+        Matrices, magnitudes and continuous phases.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range or a frequency is a pole (0 for free handles).
+
+    References
+    ----------
+    .. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
+       Delayed Haptic Dyadic Interactions Mediated by Robots", Eq. 2.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> found = ts.frequency_response(ts.hman(), 71.2, 0.1, [1e-6, 5.0])
+    >>> found.value.shape, round(float(found.phase[0, 0, 0]), 5)
+    ((2, 2, 2), -1.5708)
+    """
+    frequency = as_vector("frequency", frequency)
+    frequency, value, magnitude, phase, poles = _core.frequency_response(
+        (dyad, stiffness, delay, axis), frequency, convention
+    )
+    return FrequencyResponse(frequency, value, magnitude, phase, tuple(poles))
+
+
+def open_loop(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    frequency: ArrayLike,
+    axis: int | str = 0,
+) -> ResponseCurve:
+    """Open loop L = -(k + c s)² exp(-T s)/(P1 P2) over angular frequencies.
+
+    It is what `nyquist` draws and what Fig. 3 of [1]_ means, whose caption lacks a factor
+    k exp(-δ s). Its phase starts at +π; the critical phase is -π.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    frequency : array_like, (n,)
+        Angular frequencies, rad/s.
+    axis : int or str
+        The axis by its index or its name.
+
+    Returns
+    -------
+    ResponseCurve
+        L, its magnitude and its continuous phase.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range or a frequency is a pole (an undamped side).
+
+    References
+    ----------
+    .. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
+       Delayed Haptic Dyadic Interactions Mediated by Robots", Fig. 3.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> float(ts.open_loop(ts.hman(), 71.2, 0.167, 0.0).value[0].real)  # free handles
+    -1.0
+    """
+    frequency = as_vector("frequency", frequency)
+    return ResponseCurve(*_core.open_loop((dyad, stiffness, delay, axis), frequency))
+
+
+def partner_response(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    frequency: ArrayLike,
+    axis: int | str = 0,
+    robot: int = 0,
+) -> ResponseCurve:
+    """How one robot follows its partner: X_i/X_j = (k + c s) exp(-s δ)/P_i, δ the delay towards it.
+
+    Magnitude ratio and phase shift as in Fig. 4 of [1]_. For identical robots it squares to -L, so
+    that it rises above 1 exactly where the stiffness exceeds b²/(2m).
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    frequency : array_like, (n,)
+        Angular frequencies, rad/s.
+    axis : int or str
+        The axis by its index or its name.
+    robot : int
+        Which robot follows: 0 is robot 1, 1 is robot 2.
+
+    Returns
+    -------
+    ResponseCurve
+        The ratio, its magnitude and its continuous phase.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range or a frequency is a pole (an undamped side).
+
+    References
+    ----------
+    .. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
+       Delayed Haptic Dyadic Interactions Mediated by Robots", Fig. 4.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> pair = ts.Dyad(ts.Robot(1.0, 4.0), ts.Robot(1.0, 4.0))
+    >>> curve = ts.partner_response(pair, 16.0, 0.1, [0.0, 2.8])  # k = b²/m
+    >>> float(curve.magnitude[0]), bool(curve.magnitude[1] > 1)
+    (1.0, True)
+    """
+    frequency = as_vector("frequency", frequency)
+    return ResponseCurve(*_core.partner_response((dyad, stiffness, delay, axis), robot, frequency))
+
+
+def frequency_grid(
+    dyad: Dyad,
+    stiffness: float,
+    delay: Delay,
+    low: float,
+    high: float,
+    axis: int | str = 0,
+    resolution: float = 0.1,
+    limit: int = 100_000,
+) -> FrequencyGrid:
+    """Angular frequencies on which every curve here is smooth from point to point.
+
+    Between neighbours no factor of the responses changes by more than about `resolution`, so that no
+    resonance, however narrow, falls between two points.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    low, high : float
+        Both ends, rad/s, 0 ≤ low < high.
+    axis : int or str
+        The axis by its index or its name.
+    resolution : float
+        Largest relative change between neighbours, and largest turn of the round trip, rad; 1e-3 to 1.
+    limit : int
+        Most points.
+
+    Returns
+    -------
+    FrequencyGrid
+        The frequencies and whether they meet the resolution.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> grid = ts.frequency_grid(ts.hman(), 71.2, 0.167, 0.1, 100.0)
+    >>> grid.status, float(grid.frequency[0]), float(grid.frequency[-1])
+    ('resolved', 0.1, 100.0)
+    """
+    of = (dyad, stiffness, delay, axis)
+    frequency, status, poles = _core.frequency_grid(of, low, high, resolution, limit)
+    return FrequencyGrid(frequency, status, tuple(poles))
+
+
+def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> Nyquist:
+    """Nyquist locus, its encirclements of -1 and the margins.
+
+    With free handles the locus starts at -1 whatever the parameters, so that a plain count is
+    undefined; here the rigid-body root is divided out and the count is proven by following the
+    argument of the characteristic function, not read off the points drawn.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        The robots and what holds them.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    delay : float or (float, float)
+        One-way delay, s, or the pair (forward, backward).
+    axis : int or str
+        The axis by its index or its name.
+
+    Returns
+    -------
+    Nyquist
+        The locus, the count, the margins and how the count ended.
+
+    Raises
+    ------
+    InvalidInput
+        Where a value is out of its range.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> found = ts.nyquist(ts.hman(), 71.231976, 0.15)
+    >>> found.stable, round(0.15 + found.delay_margin.value, 6)
+    (True, 0.167186)
+    >>> ts.nyquist(ts.hman(), 71.231976, 0.18).encirclements
+    2
+    """
+    found = _core.nyquist((dyad, stiffness, delay, axis))
+    for name, value in found.items():
+        if name == "minimum_distance" or name.endswith("_margin"):
+            found[name] = None if value is None else FrequencyMargin(*value)
+    return Nyquist(**{**found, "locus_poles": tuple(found["locus_poles"])})

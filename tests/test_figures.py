@@ -1,0 +1,110 @@
+"""Figures: what is drawn is what was given, the text is whole, and the same figure gives the same text."""
+
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from telespring import figures
+
+
+def nyquist() -> Figure:
+    angle = np.linspace(0.0, 6.0, 200)
+    locus = -np.exp(-1j * angle) * np.exp(-0.3 * angle)
+    panel = figures.NyquistPanel("k = K, δ = Δ", locus, "stable", "stable")
+    return figures.nyquist_figure([[panel, panel], [panel, panel]])
+
+
+def frequency() -> Figure:
+    grid = np.geomspace(0.5, 60.0, 50)
+    curves = [figures.FrequencyCurve(f"{i}K", i / (1 + grid**2), -grid, (1.0, -90.0)) for i in (1, 2, 3, 4)]
+    return figures.frequency_figure(grid, [figures.FrequencyFamily("stiffness k", curves)] * 4)
+
+
+def responses() -> Figure:
+    time = np.linspace(0.0, 4.0, 100)
+    position = np.sin(time)[:, None, None] * np.array([[1.0, 0.5], [-1.0, -0.5]])
+    panel = figures.ResponsePanel("a", "k = K, δ = Δ", time, position, ["stable", "unstable"])
+    return figures.response_figure(["x", "y"], [[panel] * 3] * 2)
+
+
+def tiers() -> Figure:
+    stiffness = np.linspace(1.0, 100.0, 120)
+    exact = np.where(stiffness > 30.0, 5.0 / stiffness, np.inf)
+    axes = [figures.MapAxis(name, stiffness, exact, exact) for name in ("x", "y")]
+    return figures.tier_map(
+        axes,
+        any_network=15.0,
+        any_constant=30.0,
+        bounded=(stiffness, 3.0 / stiffness),
+        conditions=[(18.0, 0.084)],
+        extent=(100.0, 0.4),
+    )
+
+
+def regions() -> Figure:
+    columns = [figures.MapColumn(float(k), [(0.0, 1.0 / k), (1.5 / k, 2.0 / k)]) for k in range(1, 30)]
+    printed = np.where(np.arange(1, 30) > 10, 1.2 / np.arange(1, 30), np.inf)
+    panels = [("left", columns, printed), ("right", columns, printed)]
+    return figures.region_map(panels, longest=[1.0, 2.0], marks=[(5.0, 0.1), None])
+
+
+DRAWINGS = {
+    "nyquist": nyquist,
+    "frequency": frequency,
+    "responses": responses,
+    "tiers": tiers,
+    "regions": regions,
+}
+
+
+@pytest.fixture(params=DRAWINGS, scope="module")
+def drawing(request: pytest.FixtureRequest) -> tuple[str, Figure]:
+    return request.param, DRAWINGS[request.param]()
+
+
+def test_law_nothing_is_cut_off(drawing: tuple[str, Figure]) -> None:
+    _, figure = drawing
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]
+    width, height = figure.get_size_inches()
+    # a hundredth of an inch: half of a line's width may stand over the edge
+    assert box.x0 > -0.01
+    assert box.y0 > -0.01
+    assert box.x1 < width + 0.01
+    assert box.y1 < height + 0.01
+
+
+def test_law_every_outer_axis_has_a_label_with_a_unit(drawing: tuple[str, Figure]) -> None:
+    _, figure = drawing
+    labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
+    labels += [figure.get_supxlabel(), figure.get_supylabel()]
+    used = [label for label in labels if label]
+    assert len(used) >= 2
+    assert all(re.search(r", (1|m/m|mm|ms|s|N/m|rad/s|degree)$", label) for label in used)
+
+
+def test_law_svg_is_well_formed_alone_and_names_itself(drawing: tuple[str, Figure]) -> None:
+    name, figure = drawing
+    text = figures.to_svg(figure, name, "A title & more", "What is to be seen.")
+    root = ET.fromstring(text)
+    assert root.tag == "svg"
+    assert root.get("role") == "img"
+    assert [child.text for child in list(root)[:2]] == ["A title & more", "What is to be seen."]
+    assert "http" not in text
+    identifiers = re.findall(r'\bid="([^"]+)"', text)
+    assert identifiers
+    assert all(each.startswith(f"{name}-") for each in identifiers)
+    targets = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert targets <= set(identifiers)
+
+
+def test_law_same_figure_same_text(drawing: tuple[str, Figure]) -> None:
+    name, _ = drawing
+    one, other = (figures.to_svg(DRAWINGS[name](), name, "t", "d") for _ in range(2))
+    assert one == other

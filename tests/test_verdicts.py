@@ -1,0 +1,179 @@
+"""The four verdicts as Python sees them; the rules are proven in the core's own tests."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from typing import Any, get_args
+
+import pytest
+
+import telespring as ts
+from telespring.tiers import Tier
+
+
+def test_ref_tiers_of_the_h_mans_are_the_closed_forms(hman: ts.Dyad) -> None:
+    k, delay = 71.231976, 0.1
+    found = ts.verdicts(hman, k, delay)
+    assert [verdict.tier for verdict in found.tiers] == list(get_args(Tier))
+    axes = [hman._parameters(axis) for axis in (0, 1)]
+
+    any_network = found.tier("any network")
+    bounds = [min(b1**2 / (4 * m1), b2**2 / (4 * m2)) for m1, b1, m2, b2, *_ in axes]
+    assert any_network.stiffness_bound == pytest.approx(min(bounds), rel=1e-12)
+    assert any_network.worst_axis == bounds.index(min(bounds))
+    assert not any_network.satisfied
+
+    bounded = found.tier("bounded varying delay")
+    expected = min(2 * math.sqrt(b1 * b2) / (2 * delay) for _, b1, _, b2, *_ in axes)
+    assert bounded.stiffness_bound == pytest.approx(expected, rel=1e-12)
+    assert found.any_passive_operator == pytest.approx(expected, rel=1e-12)
+    assert bounded.margin is not None
+    assert bounded.margin.ratio == pytest.approx(expected / k, rel=1e-12)
+    assert bounded.margin.difference == pytest.approx(expected - k, rel=1e-9)
+
+    # DESIGN: K_x 35.615988
+    assert found.tier("any constant delay").stiffness_bound == pytest.approx(35.615988, rel=1e-7)
+    constant = found.tier("constant delay")
+    assert constant.satisfied
+    assert constant.stiffness_bound == pytest.approx(
+        min(ts.maximum_stiffness(*axis[:4], delay) for axis in axes), rel=1e-9
+    )
+    assert found.stiffness_allowed is not None
+    assert found.stiffness_allowed.tier == "constant delay"
+    assert found.stiffness_allowed == found.stiffness_allowed_behind_buffer
+    assert found.remedies == ts.Remedies(None, None, None)
+    assert found.axes[0].maximum_delay == pytest.approx(0.16718632424, rel=1e-7)
+    assert [axis.name for axis in found.axes] == ["x", "y"]
+    assert found.operators_examined == 1
+
+
+# DESIGN: H-MAN1 x at 1 kHz: 17.863 N/m
+def test_ref_sampling_lowers_what_any_network_allows(hman: ts.Dyad) -> None:
+    robot = ts.Robot(0.8334, 7.7257)
+    found = ts.verdicts(ts.Dyad(robot, robot), 17.0, 0.1, sample_period=0.001)
+    assert found.tier("any network").stiffness_bound == pytest.approx(17.863, abs=5e-4)
+    assert found.sampled_stable is True
+    [axis] = found.axes
+    assert axis.sampled is not None
+    assert axis.sampled.stable
+    assert axis.sampled.certificate == "complete"
+    assert axis.sampled_stiffness_bound is not None
+    assert ts.verdicts(hman, 17.0, 0.1).sampled_stable is None
+
+
+# DESIGN 2.3: masses 1, 1, dampings 1, 10: the paper's k_m is 25.25, the true one 9.46 N/m
+def test_ref_the_paper_is_contradicted_where_it_is_wrong() -> None:
+    dyad = ts.Dyad(ts.Robot(1.0, 1.0), ts.Robot(1.0, 10.0))
+    found = ts.verdicts(dyad, 24.9975, 0.175)
+    assert found.paper == ts.PaperVerdict(
+        critical_stiffness=25.25,
+        critical_axis=0,
+        maximum_delay=math.inf,
+        delay_axis=0,
+        stable=True,
+        agrees=False,
+    )
+    assert found.tier("any constant delay").stiffness_bound == pytest.approx(9.4610953, abs=1e-7)
+    assert not found.tier("constant delay").satisfied
+    assert found.remedies.stiffness == pytest.approx(ts.maximum_stiffness(1, 1, 1, 10, 0.175), rel=1e-9)
+    assert found.remedies.delay == pytest.approx(ts.maximum_delay(1, 1, 1, 10, 24.9975), rel=1e-9)
+    assert found.remedies.damping == pytest.approx(ts.minimum_damping(1, 1, 1, 10, 24.9975, 0.175), rel=1e-9)
+
+
+def test_ref_the_delay_budget_adds_up_and_jitter_needs_a_buffer(hman: ts.Dyad) -> None:
+    found = ts.verdicts(hman, 30.0, (0.05, 0.07), 0.01, 0.004, 0.001, 0.0002)
+    forward, backward = found.delay_budget
+    assert forward == ts.DelayBudget(0.05, 0.01, 0.004, 0.001, 0.0002, forward.total)
+    assert forward.total == pytest.approx(0.0652, rel=1e-12)
+    assert backward.total == pytest.approx(0.0852, rel=1e-12)
+    assert found.network == ts.Network((0.05, 0.07), 0.01, 0.004, 0.001, 0.0002)
+    constant = found.tier("constant delay")
+    assert constant.assumption == "met behind playout buffer"
+    assert not constant.assumption_met
+    assert constant.buffer_delay == pytest.approx((0.064, 0.084), rel=1e-12)
+    varying = found.tier("bounded varying delay")
+    assert varying.assumption_met
+    assert varying.buffer_delay is None
+
+
+def test_law_a_coupling_damper_leaves_tier_2_without_a_rule(hman: ts.Dyad) -> None:
+    found = ts.verdicts(ts.Dyad(*hman.robots, coupling_damping=1.0), 30.0, 0.1)
+    bounded = found.tier("bounded varying delay")
+    assert (bounded.stiffness_bound, bounded.unavailable) == (None, "coupling damping")
+    assert (bounded.margin, bounded.worst_axis, bounded.worst_operators) == (None, None, None)
+    assert found.any_passive_operator is None
+
+
+def test_ref_the_operators_are_told_in_their_order(hman: ts.Dyad) -> None:
+    held = ts.Dyad(*hman.robots, operators=(None, ts.Operator(0.5, 1.0, 10.0)))
+    expected = (ts.OperatorPoint(0.0, 0.0, 0.0), ts.OperatorPoint(0.5, 1.0, 10.0))
+    found = ts.verdicts(held, 30.0, 0.1)
+    assert [verdict.worst_operators for verdict in found.tiers] == [expected] * 4
+    assert [tier.operators for axis in found.axes for tier in axis.tiers] == [expected] * 8
+
+
+def test_law_a_range_of_operators_is_judged_by_its_worst(hman: ts.Dyad) -> None:
+    grip = ts.OperatorRange(ts.Operator(), ts.Operator(mass=[1.0, 1.5], stiffness=200.0))
+    both = ts.verdicts(hman, 30.0, 0.1, operator_range=grip)
+    assert both == ts.verdicts(hman, 30.0, 0.1, operator_range=(grip, grip))
+    free = ts.verdicts(hman, 30.0, 0.1)
+    assert both.operators_examined > free.operators_examined == 1
+    for worst, own in zip(both.tiers, free.tiers, strict=True):
+        assert worst.stiffness_bound is not None
+        assert own.stiffness_bound is not None
+        assert worst.stiffness_bound <= own.stiffness_bound * (1 + 1e-9)
+    assert both.axes[0].grounded
+    assert not free.axes[0].grounded
+    point = ts.OperatorRange(ts.Operator(), ts.Operator())
+    assert ts.verdicts(hman, 30.0, 0.1, operator_range=point).tiers == free.tiers
+
+
+@pytest.mark.parametrize("sample_period", [0.0, 0.001])
+@pytest.mark.parametrize("delay", [0.0, 0.1])
+def test_law_the_dictionary_is_json_and_loses_nothing_but_infinity(
+    hman: ts.Dyad, delay: float, sample_period: float
+) -> None:
+    found = ts.verdicts(hman, 30.0, delay, sample_period=sample_period)
+    given = found.to_dict()
+    assert json.loads(json.dumps(given, allow_nan=False)) == given
+
+    def compare(record: Any, said: Any) -> None:
+        if dataclasses.is_dataclass(record):
+            assert list(said) == [field.name for field in dataclasses.fields(record)]
+            for name, value in said.items():
+                compare(getattr(record, name), value)
+        elif isinstance(record, tuple):
+            for one, value in zip(record, said, strict=True):
+                compare(one, value)
+        elif isinstance(record, ts.Network):
+            assert ts.Network(**{**said, "delay": tuple(said["delay"])}) == record
+        else:
+            assert said == (None if record in (math.inf, -math.inf) else record)
+
+    compare(found, given)
+    if delay == 0.0:
+        assert found.tiers[3].stiffness_bound == math.inf
+        assert given["tiers"][3]["stiffness_bound"] is given["tiers"][3]["unavailable"] is None
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda d: ts.verdicts(d, 0.0, 0.1), "stiffness"),
+        (lambda d: ts.verdicts(d, 30.0, 167.0), "delay"),
+        (lambda d: ts.verdicts(d, 30.0, 0.1, jitter=-0.1), "jitter"),
+        (lambda d: ts.verdicts(d, 30.0, 0.1, sample_period=0.001, computing_time=0.002), "computing_time"),
+        (
+            lambda d: ts.verdicts(
+                d, 30.0, 0.1, operator_range=ts.OperatorRange(ts.Operator(), ts.Operator([1.0, 1.0, 1.0]))
+            ),
+            "operator_range.high.mass",
+        ),
+    ],
+)
+def test_ref_bad_values_are_refused_at_the_door(hman: ts.Dyad, call: Any, field: str) -> None:
+    with pytest.raises(ts.InvalidInput) as refused:
+        call(hman)
+    assert refused.value.field == field
