@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import os
+
+# Before NumPy is loaded: on cores that others use too, OpenBLAS' threads wait for each other, and the
+# eigenvalues of a hundred rows take seconds instead of milliseconds.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import tomllib
 from pathlib import Path
 from typing import Any
