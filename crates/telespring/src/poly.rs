@@ -114,13 +114,14 @@ pub(crate) fn positive_roots<const N: usize>(
     polynomial: &Polynomial<f64, N>,
     precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
 ) -> Roots<f64, N> {
-    if let Some(roots) = search(polynomial, 0, N, Doubt::Refuse) {
-        return roots;
-    }
-    let fine = search(&precise(), 0, N, Doubt::Zero).expect("doubt is resolved as zero");
     let mut roots = Roots::none();
-    for root in fine.iter() {
-        roots.push(root.at.to_f64(), root.slope);
+    if search(polynomial, 0, N, Doubt::Refuse, &mut roots).is_none() {
+        roots.length = 0;
+        let mut fine = Roots::none();
+        search(&precise(), 0, N, Doubt::Zero, &mut fine).expect("doubt is resolved as zero");
+        for root in fine.iter() {
+            roots.push(root.at.to_f64(), root.slope);
+        }
     }
     roots
 }
@@ -159,14 +160,15 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
     }
 }
 
-/// The positive roots of the polynomial with the coefficients `low..high`, the first of them its
-/// constant; None where a sign is in doubt and doubt is refused.
+/// Adds to `roots` the positive roots of the polynomial with the coefficients `low..high`, the first of
+/// them its constant; None where a sign is in doubt and doubt is refused.
 fn search<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     mut low: usize,
     mut high: usize,
     doubt: Doubt,
-) -> Option<Roots<R, N>> {
+    roots: &mut Roots<R, N>,
+) -> Option<()> {
     // A zero constant is a root at 0, a zero leading coefficient one at infinity: neither is positive.
     while low < high && p.coefficient_sign(low) == 0 {
         if doubt == Doubt::Refuse && p.magnitude[low] != 0.0 {
@@ -180,9 +182,8 @@ fn search<R: Real, const N: usize>(
         }
         high -= 1;
     }
-    let mut roots = Roots::none();
     if high - low < 2 {
-        return Some(roots);
+        return Some(());
     }
     let first = p.coefficient_sign(low);
     let last = p.coefficient_sign(high - 1);
@@ -194,13 +195,13 @@ fn search<R: Real, const N: usize>(
         (coefficients, magnitudes) => sign_changes(coefficients, magnitudes),
     };
     if certain && changes == 0 {
-        return Some(roots);
+        return Some(());
     }
     let one_root = certain && changes == 1;
 
     if high - low == 2 {
         roots.push(-p.coefficient[low] / p.coefficient[low + 1], last);
-        return Some(roots);
+        return Some(());
     }
     if high - low == 3
         && let Some(certain) = quadratic(p, low, last)
@@ -209,13 +210,18 @@ fn search<R: Real, const N: usize>(
             let slope = quadratic_slope(&p.coefficient[low..high], root.at);
             doubt == Doubt::Zero || is_accurate(p, low, high, root.at, slope)
         };
-        return certain.iter().all(accurate).then_some(certain);
+        if !certain.iter().all(accurate) {
+            return None;
+        }
+        certain.iter().for_each(|root| roots.push(root.at, root.slope));
+        return Some(());
     }
     if one_root {
         roots.push(bracketed(p, low, high, R::from(0.0), R::from(FAR), first, doubt)?, last);
-        return Some(roots);
+        return Some(());
     }
-    let splits = search(&p.derivative(low, high), low + 1, high, Doubt::Zero)?;
+    let mut splits = Roots::none();
+    search(&p.derivative(low, high), low + 1, high, Doubt::Zero, &mut splits)?;
 
     // The last interval is open: its upper end is moved out until the leading term rules.
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
@@ -250,7 +256,7 @@ fn search<R: Real, const N: usize>(
         left = split;
         left_sign = sign;
     }
-    Some(roots)
+    Some(())
 }
 
 /// The sign of a value with an error bound; 0 where the bound leaves it open.
