@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import platform
+import sys
 import tempfile
 import time
 import warnings
@@ -49,7 +50,8 @@ def main() -> None:
 
     # peers warn of many things; what matters is whether their results are right
     warnings.simplefilter("ignore")
-    console = Console()
+    # a file or a pipe has no width of its own, and the default breaks the table's words
+    console = Console(width=None if sys.stdout.isatty() else 150)
     start = time.perf_counter()
     rows = measure(Effort(options.quick), not options.no_build, console)
     spent = time.perf_counter() - start
