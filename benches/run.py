@@ -56,7 +56,9 @@ def main() -> None:
     rows = measure(Effort(options.quick), not options.no_build, console)
     spent = time.perf_counter() - start
     write(options.output, rows, spent, options.quick)
-    show(rows, console)
+    show(rows, console, options.quick)
+    if options.quick:
+        console.print("--quick: tiny sizes; no time here is a measurement.")
     console.print(f"{spent:.0f} s in all; written to {options.output}")
 
 
@@ -87,7 +89,7 @@ def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
     return rows
 
 
-def show(rows: list[Row], console: Console) -> None:
+def show(rows: list[Row], console: Console, quick: bool) -> None:
     for group in dict.fromkeys(row.group for row in rows):
         here = [row for row in rows if row.group == group]
         base = next((row.timing.median for row in here if row.base and row.timing), None)
@@ -113,7 +115,7 @@ def show(rows: list[Row], console: Console) -> None:
                     ratio = f"{timing.median / base:.3g}"
             goals = [duration(row.target_seconds)] if row.target_seconds is not None else []
             goals += [f"{row.target_error:.0e}"] if row.target_error is not None else []
-            remark = "; ".join(text for text in (row.verdict, row.note) if text)
+            remark = "; ".join(text for text in ("" if quick else row.verdict, row.note) if text)
             table.add_row(
                 row.name,
                 median,
