@@ -248,6 +248,8 @@ def test_law_jitter_counts_where_a_buffer_makes_the_delay_constant() -> None:
     assert answer["axes"][0]["spectral_abscissa"] > 0.0
     screen = flat(run("decide", *common).stdout)
     assert "UNSTABLE on axis x at a constant delay of 200 ms (behind a playout buffer)" in screen
+    soft = run("decide", "--stiffness", "5", "--delay", "0.1", "--jitter", "0.1").stdout
+    assert "nothing to change" in soft  # stable on any network, without a buffer
     stable = flat(run("decide", "--stiffness", "71.2", "--delay", "0.1", "--jitter", "0.01").stdout)
     assert "STABLE at a constant delay of 110 ms (behind a playout buffer)" in stable
     assert "UNSTABLE" not in stable

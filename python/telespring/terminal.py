@@ -360,6 +360,9 @@ def _towards_stability(decision: Decision) -> list[str]:
 
 
 def _towards_more(decision: Decision) -> list[str]:
+    strongest = decision.verdict("any network")
+    if strongest.available and strongest.satisfied:
+        return ["nothing to change"]
     lines = []
     for name, promise in (
         ("any constant delay", "under any constant delay"),
