@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import h5py
 import pytest
 
 from telespring.files import replacing, write_whole
@@ -47,3 +48,46 @@ def test_law_the_file_can_be_read_as_any_other(tmp_path: Path) -> None:
     ordinary.write_text("")
     written = write_whole(tmp_path / "note.txt", b"")
     assert written.stat().st_mode == ordinary.stat().st_mode
+
+
+def test_law_trouble_names_the_target_not_the_temporary(tmp_path: Path) -> None:
+    taken = tmp_path / "taken.txt"
+    taken.mkdir()
+    with pytest.raises(OSError, match="taken") as refused:
+        write_whole(taken, "new")
+    assert refused.value.filename == str(taken)
+    assert "unfinished" not in str(refused.value)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["taken.txt"]
+
+
+def test_law_trouble_in_hdf5_names_the_target(tmp_path: Path) -> None:
+    target = tmp_path / "run.nc"
+
+    def unwritable() -> None:
+        with replacing(target) as beside:
+            beside.mkdir()
+            try:
+                h5py.File(beside, "w")
+            finally:
+                beside.rmdir()
+
+    with pytest.raises(OSError, match=r"run\.nc") as refused:
+        unwritable()
+    assert refused.value.filename == str(target)
+    assert "unfinished" not in str(refused.value)
+
+
+def test_law_trouble_with_another_file_keeps_its_name(tmp_path: Path) -> None:
+    other = tmp_path / "other.txt"
+
+    def reads_another() -> None:
+        with replacing(tmp_path / "note.txt"):
+            other.read_text()
+
+    with pytest.raises(FileNotFoundError) as refused:
+        reads_another()
+    assert refused.value.filename == str(other)
+
+
+def test_law_the_longest_name_that_a_folder_takes_is_taken(tmp_path: Path) -> None:
+    assert write_whole(tmp_path / ("n" * 251 + ".txt"), "x").read_text() == "x"

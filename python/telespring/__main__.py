@@ -1,5 +1,10 @@
 """`python -m telespring` is the command `telespring`."""
 
-from telespring.cli import main
+import sys
 
-main()
+try:
+    from telespring.cli import main
+
+    main()
+except KeyboardInterrupt:
+    sys.exit(130)

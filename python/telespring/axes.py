@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import telespring as ts
 
-__all__ = ["Axis", "axes_of", "free_axis"]
+__all__ = ["Axis", "axes_of", "free_axis", "holds"]
 
 
 class _Keywords(TypedDict):
@@ -104,7 +104,13 @@ class Axis:
     def is_stable(self, stiffness: float, delay: float) -> bool:
         """Tell whether this mean one-way delay (s) lies in a stable interval."""
         horizon = max(1.001 * delay, delay + 1e-6)
-        return any(start <= delay < end for start, end in self.stable_delays(stiffness, horizon))
+        return any(holds(interval, delay) for interval in self.stable_delays(stiffness, horizon))
+
+
+def holds(interval: tuple[float, float], delay: float) -> bool:
+    """Tell whether a stable interval holds this delay: its ends are crossings, but for a start at 0."""
+    start, end = interval
+    return (start < delay or start == 0.0) and delay < end
 
 
 def axes_of(dyad: ts.Dyad) -> list[Axis]:

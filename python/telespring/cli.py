@@ -6,6 +6,8 @@ file that could not be read or written; 130 after Ctrl-C.
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 import sys
@@ -22,7 +24,7 @@ from rich.markup import escape
 
 import telespring as ts
 from telespring.files import replacing, write_whole
-from telespring.terminal import decision_screen, refusal_screen
+from telespring.terminal import decision_screen, digits_down, refusal_screen
 
 if TYPE_CHECKING:
     import xarray
@@ -71,14 +73,18 @@ def decide(
     max_gap: Annotated[float | None, typer.Option(help="Longest time without a new sample, s.")] = None,
     sample_period: Annotated[float | None, typer.Option(help="Period of the controllers, s.")] = None,
     horizon: Annotated[float | None, typer.Option(help="List stable delays up to this one, s.")] = None,
+    decay_rate: Annotated[
+        float | None,
+        typer.Option(help="Also give the stiffnesses at which every motion decays this fast or faster, 1/s."),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,
 ) -> None:
     """Tell whether a dyad is stable, by what margin, and what it may use instead."""
-    from telespring.decision import decide as answer
-
     with _refusals():
+        from telespring.decision import decide as answer
+
         read = _read(study)
         asked = _asked(read, stiffness, delay, backward)
         if horizon is not None and not 0.0 < horizon <= 1000.0:
@@ -98,9 +104,12 @@ def decide(
             computing_time=read.network.computing_time,
             operator_ranges=read.operator_ranges,
             horizon=horizon,
+            decay_rate=decay_rate,
         )
     if as_json:
-        typer.echo(json.dumps(decision.to_json(), indent=1, ensure_ascii=False, allow_nan=False))
+        # Where the output cannot write every letter, JSON can escape them.
+        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
+        typer.echo(json.dumps(decision.to_json(), indent=1, ensure_ascii=escape_letters, allow_nan=False))
     else:
         Console(highlight=False).print(decision_screen(decision, asked.name))
 
@@ -152,12 +161,12 @@ def study_command(
     out: Annotated[Path, typer.Option(help="Folder for report.html and study.json.")] = Path("out/study"),
 ) -> None:
     """Run the paper's sections II to IV-A on a study's robots and write a report."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from telespring.study import STEPS, analyse, write
-
     console = Console(highlight=False)
     with _refusals():
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        from telespring.study import STEPS, analyse, write
+
         asked = _read(study)
         with Progress(
             TextColumn("{task.description:<28}"),
@@ -184,14 +193,21 @@ def study_command(
         elif entry["stiffness"] is None:
             limit = "not available"
         else:
-            limit = f"{entry['stiffness']:.4g} N/m (axis {entry['axis']})"
+            limit = f"{digits_down(entry['stiffness'])} N/m (axis {entry['axis']})"
         console.print(f"  {limit:<24} {tier['name']}", markup=False)
     console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
 
 
 def main() -> None:
     """Run the command line; the entry point of the installed program."""
-    app()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # A letter that the terminal cannot write must not cost the answer.
+            stream.reconfigure(errors="replace")
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(130)
 
 
 @contextmanager
@@ -272,8 +288,15 @@ def _csv(found: xarray.Dataset, axes: list[str]) -> str:
             for i, axis in enumerate(axes):
                 names.append(f"{quantity}_robot{robot + 1}_{axis}_{unit}")
                 columns.append(values[:, robot, i])
-    rows = (",".join(repr(float(value)) for value in row) for row in zip(*columns, strict=True))
-    return ",".join(names) + "\n" + "\n".join(rows) + "\n"
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([float(value) for value in row] for row in zip(*columns, strict=True))
+    return text.getvalue()
+
+
+#: A distance, mm, that no two robots in a dyad ever have: 1 km.
+_RUNAWAY = 1e6
 
 
 def _simulation_summary(
@@ -286,12 +309,18 @@ def _simulation_summary(
     yield f"{asked.stiffness:.4g} N/m, {len(time)} samples over {time[-1]:.4g} s"
     diverged = found.attrs.get("diverged_at")
     if diverged is not None and math.isfinite(float(diverged)):
-        yield f"[bold red]Diverged at {float(diverged):.4g} s[/bold red]: beyond it the numbers mean nothing."
+        yield (
+            f"[bold red]Diverged at {float(diverged):.4g} s[/bold red]: a position was over 1e12 m, the "
+            "file ends before it."
+        )
     for i, axis in enumerate(axes):
         apart = position[:, 0, i] - position[:, 1, i]
         apart = apart[np.isfinite(apart)]
         abscissa = float(ts.spectral_abscissa(asked.dyad, asked.stiffness, asked.delay, axis=i))
         largest = 1e3 * float(np.max(np.abs(apart)))
+        if largest > _RUNAWAY:
+            yield f"  axis {escape(axis)}: unstable, the robots run away from each other"
+            continue
         text = f"  axis {escape(axis)}: apart {1e3 * apart[-1]:.4g} mm at the end, at most {largest:.4g} mm"
         rest = _rest_distance(asked, forces, i)
         if abscissa >= 0.0:

@@ -10,10 +10,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import telespring as ts
-from telespring import paper
-from telespring.axes import Axis, axes_of, finite_or_none
+from telespring.axes import Axis, axes_of, finite_or_none, holds
 
-__all__ = ["TIERS", "AxisDecision", "Decision", "Remedies", "TierDescription", "Verdict", "decide"]
+__all__ = [
+    "TIERS",
+    "AxisDecision",
+    "Decay",
+    "Decision",
+    "Remedies",
+    "TierDescription",
+    "Verdict",
+    "decide",
+]
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,8 @@ class Verdict:
     stiffness_allowed
         Largest stiffness that this verdict allows, N/m; infinite where it sets no bound, NaN where
         it is not available.
+    attained
+        True where that stiffness is itself allowed.
     axis
         The axis that bounds it, or None where none does.
     satisfied
@@ -90,6 +100,7 @@ class Verdict:
 
     name: str
     stiffness_allowed: float
+    attained: bool
     axis: str | None
     satisfied: bool
     assumption_met: bool
@@ -109,6 +120,7 @@ class Verdict:
             "rule": self.description.rule,
             "stiffness_allowed": finite_or_none(self.stiffness_allowed),
             "stiffness_unbounded": math.isinf(self.stiffness_allowed),
+            "attained": self.attained,
             "axis": self.axis,
             "satisfied": self.satisfied,
             "assumption_met": self.assumption_met,
@@ -121,6 +133,9 @@ class Verdict:
 class AxisDecision:
     """The margins of one axis.
 
+    Over ranges of operators the stiffnesses, the maximum delay and `stable` are the worst; what belongs to
+    one operator (intervals, crossings, spectral abscissa, the paper's delay) is that of the middle.
+
     Attributes
     ----------
     axis
@@ -129,6 +144,9 @@ class AxisDecision:
         Exact and by Eq. 5, N/m.
     maximum_delay
         End of the first stable interval, one way, s; infinite where no delay destabilises.
+    stable_around
+        The stable interval that holds the delay, s, cut off at the horizon or twice the delay if that is
+        more; None where none does.
     maximum_delay_paper
         By Eqs. 5 to 9 as printed, s; NaN where the paper has no formula (operators, damper).
     maximum_stiffness
@@ -137,10 +155,15 @@ class AxisDecision:
         All stable intervals up to the horizon, s.
     spectral_abscissa
         Largest real part of the characteristic roots without the rigid-body root, 1/s.
+    sampled_abscissa
+        The same for the slowest multiplier of sampled controllers, the worst over the operators, 1/s; None
+        without a sample period.
     crossings
         Where roots meet the imaginary axis: delay, frequency, direction.
     stable
-        True where the delay lies in a stable interval.
+        True where the delay is stable for every operator, under sampled controllers too if they sample.
+    continuous_stable
+        The same for continuous controllers.
     """
 
     axis: str
@@ -150,9 +173,12 @@ class AxisDecision:
     maximum_delay_paper: float
     maximum_stiffness: float
     stable_delays: tuple[tuple[float, float], ...]
+    stable_around: tuple[float, float] | None
     spectral_abscissa: float
+    sampled_abscissa: float | None
     crossings: tuple[dict[str, Any], ...]
     stable: bool
+    continuous_stable: bool
 
     def to_json(self) -> dict[str, Any]:
         """Give SI values; None for infinity, with a `..._unbounded` flag beside it."""
@@ -169,6 +195,9 @@ class AxisDecision:
             "maximum_stiffness_unbounded": math.isinf(self.maximum_stiffness),
             "stable_delays": [list(interval) for interval in self.stable_delays],
             "spectral_abscissa": finite_or_none(self.spectral_abscissa),
+            "sampled_abscissa": None
+            if self.sampled_abscissa is None
+            else finite_or_none(self.sampled_abscissa),
             "crossings": list(self.crossings),
             "stable": self.stable,
         }
@@ -178,19 +207,49 @@ class AxisDecision:
 class Remedies:
     """What to change, one thing at a time, so that the constant delay asked for is stable.
 
+    All are the worst over the operators. Sampled controllers limit the stiffness too; delay and damping
+    are those of continuous controllers.
+
     Attributes
     ----------
     stiffness
-        Every smaller stiffness is stable at this delay on all axes, N/m; infinite at zero delay.
+        Every smaller stiffness is stable at this delay on all axes, N/m; infinite at zero delay, 0 where
+        none is.
     delay
-        Every shorter one-way delay is stable at this stiffness on all axes, s; may be infinite.
+        Every shorter one-way delay is stable at this stiffness on all axes, s, jitter and gaps included;
+        may be infinite, 0 where none is.
     added_damping
-        Damping to add to both robots, N·s/m; 0 where nothing is missing.
+        More than this damping, N·s/m, must be added to both robots; 0 where nothing is missing.
     """
 
     stiffness: float
     delay: float
     added_damping: float
+
+
+@dataclass(frozen=True)
+class Decay:
+    """The stiffnesses at which every motion dies away at a wanted rate.
+
+    They are those of continuous controllers, for the operators in the middle of their ranges.
+
+    Attributes
+    ----------
+    rate
+        Every motion but the common drift decays at least this fast, 1/s.
+    stiffness
+        Ranges of stiffness, N/m, that do so on all axes, ascending; an infinite end is no limit.
+    """
+
+    rate: float
+    stiffness: tuple[tuple[float, float], ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Give SI values; None for the end of a range without limit."""
+        return {
+            "rate": self.rate,
+            "stiffness": [[low, finite_or_none(high)] for low, high in self.stiffness],
+        }
 
 
 @dataclass(frozen=True)
@@ -202,52 +261,75 @@ class Decision:
     stiffness
         The stiffness asked about, N/m.
     delay
-        Forward and backward one-way delay, s.
+        Forward and backward one-way delay of the network, s.
+    constant_delay
+        The constant delay that is judged, forward and backward, s: that of the network, or with jitter
+        or gaps the one behind the playout buffer.
     horizon
         Stable intervals are listed up to this one-way delay, s.
     axes, verdicts, remedies
         The parts of the answer.
     delay_budget
         What the age of the oldest sample in use is made of, forward and backward: name to s.
-    stiffness_allowed, allowing_verdict
+    stiffness_allowed, stiffness_allowed_attained, allowing_verdict
         The largest stiffness, N/m, that any verdict gives whose assumption this network meets as it is,
-        and that verdict's name; None where none does.
+        whether that stiffness is itself allowed, and the verdict's name; None where none does.
     paper_agrees
         True where the paper's verdict on this constant delay is the exact one.
     sampled_stable
         Whether the dyad with sampled controllers is stable too; None without a sample period.
     over_operator_ranges
-        True where operators are ranges: the verdicts are then the worst over them, while the margins
-        of the axes are those of the middle.
+        True where operators are ranges: what is then the worst over them is said at `AxisDecision`.
+    decay
+        The stiffnesses that decay as fast as was asked; None where nothing was asked.
     """
 
     stiffness: float
     delay: tuple[float, float]
+    constant_delay: tuple[float, float]
     horizon: float
     axes: tuple[AxisDecision, ...]
     verdicts: tuple[Verdict, ...]
     delay_budget: tuple[dict[str, float], dict[str, float]]
     remedies: Remedies
     stiffness_allowed: float | None
+    stiffness_allowed_attained: bool
     allowing_verdict: str | None
     paper_agrees: bool
     sampled_stable: bool | None
     over_operator_ranges: bool
+    decay: Decay | None
 
     @property
     def mean_delay(self) -> float:
         """Half of the round trip, s: all that stability depends on."""
-        return 0.5 * sum(self.delay)
+        return 0.5 * sum(self.constant_delay)
+
+    @property
+    def buffered(self) -> bool:
+        """True where only a playout buffer makes the delay constant."""
+        return self.constant_delay != self.delay
+
+    @property
+    def continuous_stable(self) -> bool:
+        """True where the constant delay is stable for every operator if the controllers are continuous."""
+        return self.verdict("constant delay").satisfied
 
     @property
     def stable(self) -> bool:
-        """True where every axis is stable at this constant delay."""
-        return all(axis.stable for axis in self.axes)
+        """True where the constant delay is stable for every operator, sampled controllers included."""
+        return self.continuous_stable and self.sampled_stable is not False
 
     @property
     def worst_axis(self) -> AxisDecision:
-        """The axis whose slowest root is farthest to the right."""
-        return max(self.axes, key=lambda axis: axis.spectral_abscissa)
+        """An unstable axis if there is one, else any; of these the one that decays slowest."""
+        return max(
+            self.axes,
+            key=lambda axis: (
+                not axis.stable,
+                axis.spectral_abscissa if axis.sampled_abscissa is None else axis.sampled_abscissa,
+            ),
+        )
 
     def verdict(self, name: str) -> Verdict:
         """Find the verdict of that name, a key of `TIERS`."""
@@ -258,7 +340,13 @@ class Decision:
         remedies = self.remedies
         return {
             "stiffness": self.stiffness,
-            "delay": {"forward": self.delay[0], "backward": self.delay[1], "mean": self.mean_delay},
+            "delay": {"forward": self.delay[0], "backward": self.delay[1], "mean": 0.5 * sum(self.delay)},
+            "constant_delay": {
+                "forward": self.constant_delay[0],
+                "backward": self.constant_delay[1],
+                "mean": self.mean_delay,
+                "buffered": self.buffered,
+            },
             "stable": self.stable,
             "worst_axis": self.worst_axis.axis,
             "horizon": self.horizon,
@@ -268,6 +356,7 @@ class Decision:
                 None if self.stiffness_allowed is None else finite_or_none(self.stiffness_allowed)
             ),
             "stiffness_allowed_unbounded": self.stiffness_allowed == math.inf,
+            "stiffness_allowed_attained": self.stiffness_allowed_attained,
             "allowing_verdict": self.allowing_verdict,
             "paper_agrees": self.paper_agrees,
             "sampled_stable": self.sampled_stable,
@@ -283,6 +372,7 @@ class Decision:
                 "delay_unbounded": math.isinf(remedies.delay),
                 "added_damping": finite_or_none(remedies.added_damping),
             },
+            "decay": None if self.decay is None else self.decay.to_json(),
         }
 
 
@@ -297,6 +387,7 @@ def decide(
     computing_time: float = 0.0,
     operator_ranges: tuple[ts.OperatorRange, ts.OperatorRange] | None = None,
     horizon: float | None = None,
+    decay_rate: float | None = None,
 ) -> Decision:
     """Answer for one dyad, stiffness and network.
 
@@ -316,6 +407,8 @@ def decide(
     horizon
         List stable intervals up to this one-way delay, s; 1 s, or twice the delay if that is more,
         unless told.
+    decay_rate
+        Also find the stiffnesses at which every motion decays at least this fast, 1/s.
 
     Returns
     -------
@@ -339,51 +432,103 @@ def decide(
         computing_time=computing_time,
         operator_range=operator_ranges,
     )
-    mean = 0.5 * sum(both)
+    constant = judged.tier("constant delay").buffer_delay or both
+    mean = 0.5 * sum(constant)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     axes = axes_of(dyad)
+    allowed = judged.stiffness_allowed
     return Decision(
         stiffness=stiffness,
         delay=both,
+        constant_delay=constant,
         horizon=horizon,
-        axes=tuple(_decide_axis(dyad, axis, stiffness, delay, mean, horizon) for axis in axes),
+        axes=tuple(
+            _decide_axis(dyad, axis, found, stiffness, constant, horizon)
+            for axis, found in zip(axes, judged.axes, strict=True)
+        ),
         verdicts=tuple(_verdicts(judged, [axis.name for axis in axes])),
         delay_budget=(_budget(judged.delay_budget[0]), _budget(judged.delay_budget[1])),
-        stiffness_allowed=None if judged.stiffness_allowed is None else judged.stiffness_allowed.stiffness,
-        allowing_verdict=None if judged.stiffness_allowed is None else judged.stiffness_allowed.tier,
+        stiffness_allowed=None if allowed is None else allowed.stiffness,
+        stiffness_allowed_attained=allowed is not None and allowed.attained,
+        allowing_verdict=None if allowed is None else allowed.tier,
         paper_agrees=judged.paper.agrees,
         sampled_stable=judged.sampled_stable,
         over_operator_ranges=operator_ranges is not None,
-        remedies=Remedies(
-            stiffness=min(axis.maximum_stiffness(mean) for axis in axes),
-            delay=min(float(axis.maximum_delay(stiffness)) for axis in axes),
-            added_damping=max(axis.minimum_damping(stiffness, mean) for axis in axes),
-        ),
+        remedies=_remedies(judged, axes, stiffness, mean),
+        decay=None if decay_rate is None else Decay(decay_rate, _decaying(axes, mean, decay_rate)),
     )
 
 
 def _decide_axis(
     dyad: ts.Dyad,
     axis: Axis,
+    judged: ts.AxisVerdict,
     stiffness: float,
-    delay: float | tuple[float, float],
-    mean: float,
+    delay: tuple[float, float],
     horizon: float,
 ) -> AxisDecision:
+    mean = 0.5 * sum(delay)
+    tiers = {tier.tier: tier for tier in judged.tiers}
+    satisfied = tiers["constant delay"].satisfied
+    around = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
     return AxisDecision(
         axis=axis.name,
-        critical_stiffness=axis.critical_stiffness(),
+        critical_stiffness=_number(tiers["any constant delay"].stiffness_bound),
         critical_stiffness_paper=axis.critical_stiffness("paper"),
-        maximum_delay=float(axis.maximum_delay(stiffness)),
-        maximum_delay_paper=(
-            paper.maximum_delay(*axis.parameters, stiffness).delay if axis.is_plain else math.nan
-        ),
-        maximum_stiffness=axis.maximum_stiffness(mean),
+        maximum_delay=judged.maximum_delay,
+        maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
+        maximum_stiffness=_number(tiers["constant delay"].stiffness_bound),
         stable_delays=tuple(axis.stable_delays(stiffness, horizon)),
+        stable_around=next((interval for interval in around if holds(interval, mean)), None),
         spectral_abscissa=float(ts.spectral_abscissa(dyad, stiffness, delay, axis=axis.index)),
+        sampled_abscissa=None if judged.sampled is None else judged.sampled.abscissa_equivalent,
         crossings=tuple(axis.crossings(stiffness)),
-        stable=axis.is_stable(stiffness, mean),
+        stable=satisfied and (judged.sampled is None or judged.sampled.stable),
+        continuous_stable=satisfied,
     )
+
+
+def _number(bound: float | None) -> float:
+    return math.nan if bound is None else float(bound)
+
+
+def _maximum_delay_paper(axis: Axis, stiffness: float) -> float:
+    if not axis.is_plain:
+        return math.nan
+    if axis.dampings == (0.0, 0.0):
+        # Eq. 5 promises nothing here, and the fraction in Eq. 9 is 0/0: no sign, no angle, no delay.
+        return 0.0
+    return float(ts.maximum_delay(*axis.parameters, stiffness, method="paper"))
+
+
+def _remedies(judged: ts.Verdicts, axes: list[Axis], stiffness: float, mean: float) -> Remedies:
+    """Gather what helps on all axes: one that is stable now may be so in a later stable interval only."""
+    satisfied = judged.tier("constant delay").satisfied
+    sampled = [axis.sampled_stiffness_bound for axis in judged.axes]
+    softest = min(
+        _number(judged.tier("constant delay").stiffness_bound),
+        *(math.inf if bound is None else bound for bound in sampled),
+    )
+    damping = 0.0
+    if not satisfied:
+        damping = max(
+            judged.remedies.damping or 0.0, *(axis.minimum_damping(stiffness, mean) for axis in axes)
+        )
+    return Remedies(
+        stiffness=softest,
+        delay=min(axis.maximum_delay for axis in judged.axes),
+        added_damping=damping,
+    )
+
+
+def _decaying(axes: list[Axis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
+    """Intersect the ranges of stiffness, N/m, in which every axis decays at this rate, 1/s."""
+    common = [(0.0, math.inf)]
+    for axis in axes:
+        mine = ts.decay_stiffness(*axis.parameters, mean, rate, **axis.keywords)
+        overlaps = [(max(a, c), min(b, d)) for a, b in common for c, d in mine]
+        common = [(low, high) for low, high in overlaps if low < high]
+    return tuple(sorted(common))
 
 
 def _verdicts(judged: ts.Verdicts, axis_names: list[str]) -> list[Verdict]:
@@ -392,6 +537,7 @@ def _verdicts(judged: ts.Verdicts, axis_names: list[str]) -> list[Verdict]:
         Verdict(
             name=tier.tier,
             stiffness_allowed=math.nan if tier.stiffness_bound is None else float(tier.stiffness_bound),
+            attained=tier.attained,
             axis=None if tier.worst_axis is None else axis_names[tier.worst_axis],
             satisfied=bool(tier.satisfied),
             assumption_met=tier.assumption_met,
@@ -405,6 +551,7 @@ def _verdicts(judged: ts.Verdicts, axis_names: list[str]) -> list[Verdict]:
     paper_verdict = Verdict(
         name="paper",
         stiffness_allowed=float(judged.paper.critical_stiffness),
+        attained=True,
         axis=axis_names[judged.paper.critical_axis],
         satisfied=bool(judged.paper.stable),
         assumption_met=constant.assumption_met,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 __all__ = ["replacing", "write_whole"]
@@ -31,7 +32,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     OSError
-        Where the folder cannot be made or written.
+        Where the folder cannot be made or written; its `filename` is the folder or `path`, never the
+        temporary path.
 
     Examples
     --------
@@ -44,15 +46,25 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    # The name ends as the target's does: some writers choose the format by it.
-    beside = target.with_name(f".unfinished-{secrets.token_hex(8)}-{target.name}")
+    # The name ends as the target's does: some writers choose the format by it. It is short, so that a
+    # long name is refused only where the target's own is too long.
+    beside = target.with_name(f".unfinished-{secrets.token_hex(8)}{target.suffix}")
     try:
         yield beside
         with beside.open("rb") as written:
             os.fsync(written.fileno())
         beside.replace(target)
+    except OSError as trouble:
+        # HDF5 names no file in `filename`, and the temporary one in its message.
+        if trouble.filename not in (None, str(beside)):
+            raise
+        number = trouble.errno
+        reason = os.strerror(number) if number else str(trouble).replace(str(beside), str(target))
+        raise OSError(number or errno.EIO, reason, str(target)) from trouble
     finally:
-        beside.unlink(missing_ok=True)
+        # What could not be made cannot be removed, and must not hide the first trouble.
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:

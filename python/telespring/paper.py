@@ -69,7 +69,12 @@ def cubic_equation_8(m1: float, b1: float, m2: float, b2: float, k: float) -> ND
 
 
 def sign_of_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, frequency: float) -> float:
-    """Give the quantity B of Eq. 9, (rad/s)^2, whose sign picks the square root."""
+    """Give the quantity B of Eq. 9, (rad/s)^2, whose sign picks the square root.
+
+    Without any damping its fraction is 0/0 and gives no sign: then 0.
+    """
+    if b1 == 0.0 and b2 == 0.0:
+        return 0.0
     return frequency**2 - k * (b1 + b2) / (m1 * b2 + m2 * b1)
 
 

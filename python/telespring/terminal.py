@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from telespring.decision import AxisDecision, Decision
+from telespring.decision import Decision
 
-__all__ = ["decision_screen", "refusal_screen"]
+__all__ = ["decision_screen", "digits_down", "refusal_screen"]
 
 
 def decision_screen(decision: Decision, title: str) -> RenderableType:
@@ -35,6 +36,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
         *_notes(decision),
         _axis_table(decision),
         _budget(decision),
+        *_decay(decision),
         _changes(decision),
     )
 
@@ -54,61 +56,151 @@ _FITS = {
 }
 
 
+#: So many intervals are told on one screen.
+_INTERVALS = 6
+
+
+def digits_down(value: float, shift: int = 0) -> str:
+    """Write a limit that must stay above what is safe to use: four digits, never more than the value.
+
+    Parameters
+    ----------
+    value
+        The limit, 0 or more.
+    shift
+        Show it times ten to this power: 3 for a length or a time in thousandths.
+
+    Returns
+    -------
+    str
+        The digits.
+
+    Examples
+    --------
+    >>> digits_down(0.16719, 3), digits_down(0.3, 3)
+    ('167.1', '300')
+    """
+    return _digits(value, shift, ROUND_FLOOR)
+
+
+def _digits(value: float, shift: int, rounding: str) -> str:
+    # The shortest decimal that reads back to the same number: 0.3 is then no less than 0.3.
+    shown = Context(prec=4, rounding=rounding).plus(Decimal(repr(float(value))).scaleb(shift))
+    return f"{float(shown):.4g}"
+
+
 def _stiffness(value: float) -> str:
-    return "no limit" if math.isinf(value) else f"{value:.4g} N/m"
+    """Write a stiffness that must not be exceeded."""
+    return "no limit" if math.isinf(value) else f"{digits_down(value)} N/m"
 
 
-def _delay(value: float) -> str:
+def _delay(value: float, rounding: str = ROUND_FLOOR) -> str:
+    """Write a delay that must not be exceeded, or, rounded up, one that must."""
     if math.isinf(value):
         return "no limit"
-    return f"{value * 1e3:.4g} ms" if value < 1 else f"{value:.4g} s"
+    return f"{_digits(value, 3, rounding)} ms" if value < 1 else f"{_digits(value, 0, rounding)} s"
 
 
-def _link(decision: Decision) -> str:
-    forward, backward = decision.delay
+def _asked_delay(value: float) -> str:
+    """Write a delay that was asked about, with as many digits as one gives."""
+    return f"{value * 1e3:.6g} ms" if value < 1 else f"{value:.6g} s"
+
+
+def _each_way(delay: tuple[float, float]) -> str:
+    forward, backward = delay
     if forward == backward:
-        return f"{_delay(forward)} each way"
-    return f"{_delay(forward)} there and {_delay(backward)} back"
+        return f"{_asked_delay(forward)} each way"
+    return f"{_asked_delay(forward)} there and {_asked_delay(backward)} back"
+
+
+def _constant_delay(decision: Decision) -> str:
+    if not decision.buffered:
+        return "at this constant delay"
+    forward, backward = decision.constant_delay
+    delay = _asked_delay(forward) if forward == backward else _each_way(decision.constant_delay)
+    return f"at a constant delay of {delay} (behind a playout buffer)"
 
 
 def _headline(decision: Decision, title: str) -> Text:
-    worst = decision.worst_axis
-    asked = f"{title}: {_stiffness(decision.stiffness)} over {_link(decision)}\n"
+    asked = f"{title}: {decision.stiffness:.6g} N/m over {_each_way(decision.delay)}\n"
+    where = _constant_delay(decision)
     if decision.stable:
-        return Text.assemble(
-            (asked, "bold"), ("STABLE", "bold green"), f" at this constant delay. {_margin(decision)}\n"
-        )
-    growth = worst.spectral_abscissa
-    pace = (
-        f": it grows by the factor e every {_delay(1 / growth)}"
-        if growth > 0
-        else ": it swings on without end"
-    )
-    unstable = [axis.axis for axis in decision.axes if not axis.stable]
+        return Text.assemble((asked, "bold"), ("STABLE", "bold green"), f" {where}. {_margin(decision)}\n")
+    names = [axis.axis for axis in decision.axes if not axis.stable]
+    unstable = f"{'axis' if len(names) == 1 else 'axes'} {', '.join(names)}"
     return Text.assemble(
-        (asked, "bold"),
-        ("UNSTABLE", "bold red"),
-        f" on axis {', '.join(unstable)}{pace} (axis {worst.axis}).\n",
+        (asked, "bold"), ("UNSTABLE", "bold red"), f" on {unstable} {where}{_pace(decision)}.\n"
     )
+
+
+def _pace(decision: Decision) -> str:
+    """Tell how an unstable dyad leaves its rest, where the growth of the worst operators is known."""
+    worst = decision.worst_axis
+    if decision.continuous_stable:
+        why = " with controllers that sample"
+        growth = worst.sampled_abscissa or 0.0
+    elif decision.over_operator_ranges:
+        return " for some operators in their ranges"
+    else:
+        why = ""
+        growth = worst.spectral_abscissa if worst.sampled_abscissa is None else worst.sampled_abscissa
+    if growth > 0.0:
+        return f"{why}: it grows by the factor e every {_time(1 / growth)} (axis {worst.axis})"
+    return f"{why}: it swings on without end (axis {worst.axis})"
+
+
+def _time(value: float) -> str:
+    return f"{value * 1e3:.4g} ms" if value < 1 else f"{value:.4g} s"
 
 
 def _margin(decision: Decision) -> str:
-    end, nearest = min((_end_of_interval(axis, decision.mean_delay), axis.axis) for axis in decision.axes)
-    if math.isinf(end) or end >= decision.horizon:
-        if all(math.isinf(axis.maximum_delay) for axis in decision.axes):
-            return "No constant delay of any length can change that."
-        return f"It stays stable up to {_delay(decision.horizon)} at least."
-    softest = min(axis.maximum_stiffness for axis in decision.axes)
-    text = f"The delay may grow by {_delay(end - decision.mean_delay)}, to {_delay(end)} (axis {nearest})"
-    if decision.stiffness < softest < math.inf:
-        text += f"; the stiffness by {100 * (softest / decision.stiffness - 1):.3g} %"
-    return text + "."
+    """Tell how far delay and stiffness may go from a stable point."""
+    sentences = [_delay_margin(decision)]
+    if decision.sampled_stable is not None:
+        sentences = [
+            f"With continuous controllers: {_within(sentence)}" for sentence in sentences if sentence
+        ]
+    more = decision.remedies.stiffness / decision.stiffness - 1.0
+    if 0.0 < more < math.inf:
+        # In front, where it counts sampling and what follows does not.
+        place = 0 if decision.sampled_stable is not None else 1
+        sentences.insert(place, f"The stiffness may grow by {digits_down(more, 2)} %.")
+    return " ".join(sentence for sentence in sentences if sentence)
 
 
-def _end_of_interval(axis: AxisDecision, delay: float) -> float:
-    if math.isinf(axis.maximum_delay):
-        return math.inf
-    return next((end for start, end in axis.stable_delays if start <= delay < end), -math.inf)
+def _within(sentence: str) -> str:
+    return sentence[:1].lower() + sentence[1:]
+
+
+def _delay_margin(decision: Decision) -> str:
+    delay = decision.mean_delay
+    first = min((axis.maximum_delay, axis.axis) for axis in decision.axes)
+    if math.isinf(first[0]):
+        return "No constant delay of any length can change that."
+    end, ending = first
+    start, starting = 0.0, ""
+    middle = ""
+    cut_off = math.inf
+    if delay >= first[0]:
+        # Some axis is in a later interval, and these are known for one operator only.
+        around = [(axis.stable_around, axis.axis) for axis in decision.axes]
+        known = [(interval, name) for interval, name in around if interval is not None]
+        if len(known) < len(around):
+            return ""
+        start, starting = max((interval[0], name) for interval, name in known)
+        end, ending = min((interval[1], name) for interval, name in known)
+        if decision.over_operator_ranges:
+            middle = "For the operators in the middle of their ranges, "
+        cut_off = max(decision.horizon, 2.0 * delay)
+    if end >= cut_off:
+        sentence = f"The delay may grow to {_delay(end)} at least"
+    else:
+        sentence = f"The delay may grow by {_delay(end - delay)}, to {_delay(end)} (axis {ending})"
+    if start > 0.0:
+        sentence += (
+            f", and shrink by {_delay(delay - start)}, to {_delay(start, ROUND_CEILING)} (axis {starting})"
+        )
+    return (middle + _within(sentence) if middle else sentence) + "."
 
 
 def _verdict_table(decision: Decision) -> Table:
@@ -117,7 +209,7 @@ def _verdict_table(decision: Decision) -> Table:
     )
     table.add_column("verdict", no_wrap=True)
     table.add_column("rule", ratio=1)
-    table.add_column("allows up to", justify="right", no_wrap=True)
+    table.add_column("allows stiffness", justify="right", no_wrap=True)
     table.add_column("axis", no_wrap=True)
     table.add_column("holds", no_wrap=True)
     table.add_column("network", no_wrap=True)
@@ -129,7 +221,7 @@ def _verdict_table(decision: Decision) -> Table:
         table.add_row(
             verdict.name,
             rule,
-            _stiffness(verdict.stiffness_allowed),
+            _allowed(verdict.stiffness_allowed, verdict.attained),
             verdict.axis or "–",
             _yes_or_no(verdict.satisfied),
             _FITS[verdict.assumption],
@@ -137,18 +229,34 @@ def _verdict_table(decision: Decision) -> Table:
     return table
 
 
+def _allowed(bound: float, attained: bool = False) -> str:
+    """Write the stiffnesses that a bound allows."""
+    if math.isinf(bound):
+        return "no limit"
+    if bound == 0.0:
+        return "none"
+    # A bound that is rounded down is itself allowed, but then so is everything below it.
+    return f"{'up to' if attained else 'below'} {_stiffness(bound)}"
+
+
 def _notes(decision: Decision) -> list[Text]:
     notes = []
     if decision.stiffness_allowed is not None:
-        allowed = _stiffness(decision.stiffness_allowed)
-        notes.append(Text(f"This network as it is allows up to {allowed} ({decision.allowing_verdict})."))
+        allowed = _allowed(decision.stiffness_allowed, decision.stiffness_allowed_attained)
+        words = {"no limit": "any stiffness", "none": "no stiffness"}.get(allowed, f"a stiffness {allowed}")
+        notes.append(Text(f"This network as it is allows {words} ({decision.allowing_verdict})."))
     if not decision.paper_agrees:
         notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
     if decision.sampled_stable is not None:
         state = "stable" if decision.sampled_stable else "UNSTABLE"
-        notes.append(Text(f"With controllers that sample, at this constant delay: {state}."))
+        notes.append(Text(f"With controllers that sample, {_constant_delay(decision)}: {state}."))
     if decision.over_operator_ranges:
-        notes.append(Text("Verdicts: the worst over the ranges of operators. Margins: their middle."))
+        notes.append(
+            Text(
+                "Verdicts, kₘ exact and δₘ exact: the worst over the ranges of operators. The other margins: "
+                "for the operators in the middle of their ranges."
+            )
+        )
     return notes
 
 
@@ -161,9 +269,14 @@ def _axis_table(decision: Decision) -> Padding:
     table.add_column("axis")
     for name in ("kₘ exact", "kₘ paper", "δₘ exact", "δₘ paper", "slowest root"):
         table.add_column(name, justify="right", no_wrap=True)
-    table.add_column(f"stable delays up to {_delay(decision.horizon)}")
+    table.add_column(f"stable delays up to {_asked_delay(decision.horizon)}")
     for axis in decision.axes:
-        stable = ", ".join(f"{_delay(start)} to {_delay(end)}" for start, end in axis.stable_delays)
+        intervals = [
+            f"{_delay(start, ROUND_CEILING)} to {_delay(end)}"
+            for start, end in axis.stable_delays[:_INTERVALS]
+        ]
+        left = len(axis.stable_delays) - len(intervals)
+        stable = ", ".join(intervals) + (f", … {left} more" if left else "")
         printed = "–" if math.isnan(axis.maximum_delay_paper) else _delay(axis.maximum_delay_paper)
         table.add_row(
             Text(axis.axis, style="green" if axis.stable else "red"),
@@ -186,28 +299,85 @@ def _budget(decision: Decision) -> Padding:
 
 
 def _budget_line(direction: str, parts: dict[str, float]) -> str:
-    used = " + ".join(f"{_delay(seconds)} {part}" for part, seconds in parts.items() if seconds > 0.0)
-    return f"{direction}: {used or 'nothing'} = {_delay(sum(parts.values()))}"
+    used = " + ".join(f"{_asked_delay(seconds)} {part}" for part, seconds in parts.items() if seconds > 0.0)
+    return f"{direction}: {used or 'nothing'} = {_asked_delay(sum(parts.values()))}"
+
+
+def _decay(decision: Decision) -> list[Padding]:
+    decay = decision.decay
+    if decay is None:
+        return []
+    ranges = [
+        f"above {_digits(low, 0, ROUND_CEILING)} N/m"
+        if math.isinf(high)
+        else f"{_digits(low, 0, ROUND_CEILING)} to {_stiffness(high)}"
+        for low, high in decay.stiffness
+    ]
+    stiffness = " or ".join(ranges) or "none"
+    limits = []
+    if decision.sampled_stable is not None:
+        limits.append("continuous controllers")
+    if decision.over_operator_ranges:
+        limits.append("operators in the middle of their ranges")
+    if limits:
+        stiffness += f" ({', '.join(limits)})"
+    title = f"Stiffness at which every motion decays at {decay.rate:.4g} 1/s or faster: "
+    return [Padding(Text.assemble((title, "bold"), stiffness), (1, 0, 0, 0))]
 
 
 def _changes(decision: Decision) -> Padding:
-    remedies = decision.remedies
-    lines = []
-    if not decision.stable:
-        lines.append(f"stiffness below {_stiffness(remedies.stiffness)}, or")
-        lines.append(f"delay below {_delay(remedies.delay)} each way, or")
-        lines.append(f"{remedies.added_damping:.4g} N·s/m more damping on both robots")
-        title = "To be stable at a constant delay, one of: "
+    if decision.stable:
+        title, lines = "To be safe under more than this constant delay: ", _towards_more(decision)
     else:
-        title = "To be safe under more than this constant delay: "
-        for name, promise in (
-            ("any constant delay", "under any constant delay"),
-            ("bounded varying delay", "while the delay varies within its budget"),
-            ("any network", "on any network"),
-        ):
-            verdict = decision.verdict(name)
-            if verdict.available and not (verdict.satisfied and verdict.assumption_met):
-                lines.append(f"stiffness below {_stiffness(verdict.stiffness_allowed)} {promise}")
-        if not lines:
-            lines.append("nothing to change")
+        title, lines = "To be stable at a constant delay, one of: ", _towards_stability(decision)
     return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))
+
+
+def _towards_stability(decision: Decision) -> list[str]:
+    remedies = decision.remedies
+    softer = (
+        f"stiffness below {_stiffness(remedies.stiffness)}"
+        if remedies.stiffness > 0.0
+        else "no stiffness is low enough"
+    )
+    if decision.continuous_stable:
+        return [softer, "controllers that sample faster: continuous ones are stable"]
+    way = "each way" if decision.delay[0] == decision.delay[1] else "on average of both ways"
+    counted = ", jitter and gaps included" if decision.buffered else ""
+    nearer = (
+        f"delay below {_delay(remedies.delay)} {way}{counted}"
+        if remedies.delay > 0.0
+        else "no delay is short enough"
+    )
+    if math.isinf(remedies.added_damping):
+        damped = "no damping is enough"
+    else:
+        added = _digits(remedies.added_damping, 0, ROUND_CEILING)
+        damped = f"more than {added} N·s/m added to the damping of both robots"
+    if decision.sampled_stable is not None:
+        nearer, damped = (f"{line} (with continuous controllers)" for line in (nearer, damped))
+    return [softer, nearer, damped]
+
+
+def _towards_more(decision: Decision) -> list[str]:
+    strongest = decision.verdict("any network")
+    if strongest.available and strongest.satisfied:
+        return ["nothing to change"]
+    lines = []
+    for name, promise in (
+        ("any constant delay", "under any constant delay"),
+        ("bounded varying delay", "while the delay varies within its budget"),
+        ("any network", "on any network"),
+    ):
+        verdict = decision.verdict(name)
+        if not verdict.available or (verdict.satisfied and verdict.assumption_met):
+            continue
+        buffer = "" if verdict.assumption_met else " behind a playout buffer"
+        if verdict.satisfied:
+            lines.append(f"a playout buffer, to be stable {promise}")
+        elif verdict.stiffness_allowed > 0.0:
+            allowed = _allowed(verdict.stiffness_allowed, verdict.attained)
+            lines.append(f"stiffness {allowed} {promise}{buffer}")
+        else:
+            lines.append(f"no stiffness is low enough {promise}{buffer}")
+    return lines or ["nothing to change"]
