@@ -118,7 +118,8 @@ pub(crate) fn positive_roots<const N: usize>(
     if search(polynomial, 0, N, Doubt::Refuse, &mut roots).is_none() {
         roots.length = 0;
         let mut fine = Roots::none();
-        search(&precise(), 0, N, Doubt::Zero, &mut fine).expect("doubt is resolved as zero");
+        let resolved = search(&precise(), 0, N, Doubt::Zero, &mut fine);
+        debug_assert!(resolved.is_some(), "only a refused doubt ends a search early");
         for root in fine.iter() {
             roots.push(root.at.to_f64(), root.slope);
         }
@@ -142,7 +143,20 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
 
     fn sign(&self, low: usize, high: usize, x: R) -> i8 {
         let (value, bound) = self.value(low, high, x);
-        sign_of(value, bound)
+        if bound.is_finite() { sign_of(value, bound) } else { self.sign_far_out(low, high, x) }
+    }
+
+    /// The sign at an `x` whose powers overflow, from the value over the highest power.
+    #[cold]
+    fn sign_far_out(&self, low: usize, high: usize, x: R) -> i8 {
+        let reciprocal = R::from(1.0) / x;
+        let mut value = self.coefficient[low];
+        let mut magnitude = self.magnitude[low];
+        for i in low + 1..high {
+            value = value * reciprocal + self.coefficient[i];
+            magnitude = magnitude * reciprocal.to_f64() + self.magnitude[i];
+        }
+        sign_of(value, 16.0 * R::EPSILON * magnitude)
     }
 
     fn coefficient_sign(&self, i: usize) -> i8 {
@@ -200,7 +214,10 @@ fn search<R: Real, const N: usize>(
     let one_root = certain && changes == 1;
 
     if high - low == 2 {
-        roots.push(-p.coefficient[low] / p.coefficient[low + 1], last);
+        let at = -p.coefficient[low] / p.coefficient[low + 1];
+        if at.to_f64().is_finite() {
+            roots.push(at, last);
+        }
         return Some(());
     }
     if high - low == 3
@@ -227,10 +244,15 @@ fn search<R: Real, const N: usize>(
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
     let mut outer = start;
     while p.sign(low, high, outer) != last {
-        outer = outer * R::from(16.0);
-        if !outer.to_f64().is_finite() {
-            return None;
+        let farther = outer * R::from(16.0);
+        if !farther.to_f64().is_finite() {
+            if doubt == Doubt::Refuse {
+                return None;
+            }
+            // What lies beyond every number is no root.
+            break;
         }
+        outer = farther;
     }
 
     let mut left = R::from(0.0);
@@ -311,7 +333,7 @@ fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8
     let (one, other) = (sum / a, c / sum);
     let (smaller, larger) = if one < other { (one, other) } else { (other, one) };
     for (at, slope) in [(smaller, -last), (larger, last)] {
-        if at > zero {
+        if at > zero && at.to_f64().is_finite() {
             roots.push(at, slope);
         }
     }

@@ -43,7 +43,8 @@ pub fn paper_critical_stiffness(axis: &DyadAxis) -> Result<f64> {
 }
 
 /// The paper's maximum delay (Eqs. 5 to 9), s: infinite up to its critical stiffness, and above it
-/// the smallest −arg(z)/ω over the positive roots of Eq. 8.
+/// the smallest −arg(z)/ω over the positive roots of Eq. 8. Zero where neither side is damped: Eq. 9
+/// divides by m₁b₂ + m₂b₁ there, and a motion that nothing damps leaves no delay to promise.
 ///
 /// # Errors
 ///
@@ -54,6 +55,9 @@ pub fn paper_maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
         return Ok(f64::INFINITY);
     }
     let [first, second] = &axis.sides;
+    if first.damping == 0.0 && second.damping == 0.0 {
+        return Ok(0.0);
+    }
     let shortest = crossing_roots(axis, stiffness).iter().fold(f64::INFINITY, |shortest, root| {
         let squared = root.at * stiffness;
         let frequency = squared.sqrt();

@@ -96,3 +96,17 @@ fn ref_a_tiny_root_is_as_accurate_as_any() {
     assert_eq!(roots.len(), 1);
     assert!((roots[0].at - expected).abs() < 1e-14 * expected, "{} {expected}", roots[0].at);
 }
+
+#[test]
+fn ref_a_root_beyond_every_number_does_no_harm() {
+    // x² − 3x + 1 with a leading term that rules only from 1e300 on, or never.
+    let golden = (3.0 - 5.0_f64.sqrt()) / 2.0;
+    for leading in [1e-300, 1e-308, 5e-324] {
+        let coefficient = [-1.0, 3.0, -1.0, leading, 0.0];
+        let magnitude = coefficient.map(f64::abs);
+        let fine = || Polynomial { coefficient: coefficient.map(TwoFloat::from), magnitude };
+        let roots = positive_roots(&Polynomial { coefficient, magnitude }, fine);
+        assert!(roots.len() >= 2, "{leading:e} {:?}", &*roots);
+        assert!((roots[0].at - golden).abs() < 1e-14 && (roots[1].at - 1.0 / golden).abs() < 1e-14);
+    }
+}

@@ -166,7 +166,8 @@ pub struct AxisVerdict {
     /// The slowest multiplier under sampled controllers, the largest over the operators' corners and the
     /// worst of tier 4; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
-    /// The largest stiffness (N/m) up to the bound of tier 4 that the sampled dyad keeps.
+    /// The largest stiffness (N/m) up to the bound of tier 4 that the sampled dyad keeps, the least over
+    /// the operators' corners and the worst of tier 4.
     pub sampled_stiffness_bound: Option<f64>,
 }
 
@@ -307,13 +308,12 @@ fn axis_verdict(
     let delay = network.buffered_mean();
     let mut shortest = f64::INFINITY;
     let mut sampled: Option<SampledSpectrum> = None;
-    let mut worst_sampled = nominal;
     for axis in &held {
         shortest = shortest.min(maximum_delay(axis, k)?);
         if network.sample_period() > 0.0 {
             let spectrum = sampled_spectral_radius(axis, k, network)?;
             if sampled.is_none_or(|worst| spectrum.radius > worst.radius) {
-                (sampled, worst_sampled) = (Some(spectrum), *axis);
+                sampled = Some(spectrum);
             }
         }
         if !examined.tiers[3].satisfied {
@@ -329,12 +329,11 @@ fn axis_verdict(
     }
     let sampled_stiffness_bound = sampled.map(|_| {
         let limit = examined.tiers[3].stiffness_bound.unwrap_or(f64::INFINITY);
-        let bound = sampled::stiffness_bound(&nominal, network, limit);
-        if worst_sampled == nominal {
-            bound
-        } else {
-            sampled::stiffness_bound(&worst_sampled, network, bound)
-        }
+        // The nominal one first: it is often the worst, and a lower limit shortens the other searches.
+        let nominal_bound = sampled::stiffness_bound(&nominal, network, limit);
+        held.iter()
+            .filter(|&axis| *axis != nominal)
+            .fold(nominal_bound, |bound, axis| sampled::stiffness_bound(axis, network, bound))
     });
     Ok(AxisVerdict {
         name: dyad.axis_names()[index].clone(),
