@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import telespring as ts
 from telespring import paper
 from telespring.axes import Axis, axes_of, finite_or_none
@@ -327,7 +329,6 @@ def decide(
     telespring.InvalidInput
         Where a value is out of its range.
     """
-    both = delay if isinstance(delay, tuple) else (delay, delay)
     # Checks every value at the door, before anything is derived from it.
     judged = ts.verdicts(
         dyad,
@@ -339,6 +340,8 @@ def decide(
         computing_time=computing_time,
         operator_range=operator_ranges,
     )
+    forward, backward = np.broadcast_to(delay, 2).tolist()
+    both = (forward, backward)
     mean = 0.5 * sum(both)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     axes = axes_of(dyad)
