@@ -40,8 +40,31 @@ def test_cross_a_dyad_s_system_has_its_roots_and_the_rigid_body_s(hman: ts.Dyad)
     expected = ts.characteristic_roots(hman, 71.2, delay, 5, "y")
     found = system.characteristic_roots(6)
     rigid = np.abs(found).argmin()
-    assert abs(found[rigid]) < 1e-12
+    assert found[rigid] == 0.0
     np.testing.assert_allclose(np.delete(found, rigid), expected, rtol=1e-10)
+
+
+@pytest.mark.parametrize("delay", [(6e-6, 1.4e-5), (6e-5, 1.4e-4), (0.1, 0.2), (43.0, 99.0)])
+def test_cross_tiny_and_long_delays_are_certified_too(hman: ts.Dyad, delay: tuple[float, float]) -> None:
+    system = hman.delay_system(71.2, delay)
+    found = system.certified_roots(8)
+    assert found.complete, found.certificate
+    expected = ts.characteristic_roots(hman, 71.2, delay, 8)
+    moving = found.roots[found.roots != 0.0]
+    np.testing.assert_allclose(moving, expected[: len(moving)], rtol=1e-11)
+    # the rightmost root has a modulus of up to 13 1/s
+    assert system.spectral_abscissa_without_zero() == pytest.approx(expected[0].real, abs=1e-12)
+    assert system.roots_at_zero == 1
+
+
+def test_ref_a_root_at_zero_is_set_apart_exactly() -> None:
+    free = ts.hman().delay_system(71.2, 0.1)
+    assert free.spectral_abscissa() == 0.0 > free.spectral_abscissa_without_zero()
+    held = ts.Dyad(*ts.hman().robots, operators=(ts.Operator(stiffness=1e-3), None)).delay_system(71.2, 0.1)
+    assert held.roots_at_zero == 0
+    assert held.spectral_abscissa() == held.spectral_abscissa_without_zero() < 0.0
+    assert ts.DelaySystem(np.zeros((2, 2))).roots_at_zero == 2
+    assert ts.DelaySystem(np.zeros((2, 2))).spectral_abscissa_without_zero() == -np.inf
 
 
 def test_law_a_system_is_what_was_given() -> None:

@@ -99,9 +99,139 @@ def test_ref_bad_values_are_refused_at_the_door(build: Any, field: str, said: st
     assert all((refused.value.value, refused.value.allowed, refused.value.remedy))
 
 
+@pytest.mark.parametrize(
+    ("build", "bad", "field", "value", "allowed"),
+    [
+        (lambda bad: ts.Robot(bad, 1), "a", "mass", "'a'", "one number per axis"),
+        (lambda bad: ts.Robot(1.0, bad), ["a"], "damping", "['a']", "one number per axis"),
+        (lambda bad: ts.Operator(stiffness=bad), "soft", "stiffness", "'soft'", "one number per axis"),
+        (
+            lambda bad: ts.Dyad(*ts.hman().robots, coupling_damping=bad),
+            "b",
+            "coupling_damping",
+            "'b'",
+            "real",
+        ),
+        (lambda bad: ts.hman().delay_system(bad, 0.1), "k", "stiffness", "'k'", "a real number"),
+        (lambda bad: ts.spectral_abscissa(ts.hman(), bad, 0.1), 1j, "stiffness", "1j", "a real number"),
+        (lambda bad: ts.open_loop(ts.hman(), bad, 0.1, [1.0]), None, "stiffness", "None", "a real number"),
+        (lambda bad: ts.verdicts(ts.hman(), bad, 0.1), "k", "stiffness", "'k'", "a real number"),
+        (lambda bad: ts.Network(0.1, jitter=bad), "j", "jitter", "'j'", "a real number"),
+        (lambda bad: ts.Network(0.1, sample_period=bad), [1.0], "sample_period", "[1.0]", "a real number"),
+        (lambda bad: ts.Coupling(bad), "k", "stiffness", "'k'", "a real number"),
+    ],
+)
+def test_ref_a_value_that_is_no_number_is_refused_by_its_name(
+    build: Any, bad: Any, field: str, value: str, allowed: str
+) -> None:
+    refused = refusal(lambda: build(bad))
+    assert (refused.field, refused.value) == (field, value)
+    assert allowed in refused.allowed
+    assert refused.remedy.startswith("Give")
+
+
+@pytest.mark.parametrize(
+    ("axis", "value"),
+    [
+        (-1, "-1"),
+        (2, "2"),
+        (10**30, "1" + 30 * "0"),
+        ("z", '"z"'),
+        (1.5, "1.5"),
+        (None, "None"),
+        (["x"], "['x']"),
+    ],
+)
+def test_ref_an_axis_that_is_not_there_is_refused_with_those_that_are(axis: Any, value: str) -> None:
+    hman = ts.hman()
+    for ask in (
+        lambda: ts.characteristic_roots(hman, 71.2, 0.1, axis=axis),
+        lambda: ts.spectral_abscissa(hman, 71.2, 0.1, axis=axis),
+        lambda: ts.nyquist(hman, 71.2, 0.1, axis=axis),
+        lambda: hman.delay_system(71.2, 0.1, axis=axis),
+    ):
+        refused = refusal(ask)
+        assert (refused.field, refused.value) == ("axis", value)
+        assert refused.allowed == 'this dyad has the axes ["x", "y"], counted from 0'
+        assert refused.remedy.startswith("Choose one")
+
+
+def test_law_an_axis_is_the_same_by_name_and_by_any_integer() -> None:
+    axes: list[Any] = ["y", 1, np.int64(1), True]
+    found = [ts.spectral_abscissa(ts.hman(), 71.2, 0.1, axis=axis) for axis in axes]
+    assert found == found[:1] * 4
+
+
+@pytest.mark.parametrize(
+    "pair", [(0.1, 0.2), [0.1, 0.2], np.array([0.1, 0.2]), np.array([0.1, 0.2], dtype=np.float32)[:]]
+)
+def test_law_a_row_of_two_is_a_pair_of_delays(pair: Any) -> None:
+    hman = ts.hman()
+    rtol = 1e-6 if getattr(pair, "dtype", None) == np.float32 else 0.0
+    wanted = ts.spectral_abscissa(hman, 71.2, (0.1, 0.2))
+    assert ts.spectral_abscissa(hman, 71.2, pair) == pytest.approx(wanted, rel=rtol, abs=0.0)
+    assert ts.Network(pair).delay == pytest.approx((0.1, 0.2), rel=rtol, abs=0.0)
+    result = ts.simulate(hman, 71.2, pair, [[1.0, 0.0], [0.0, 0.0]], duration=0.1)
+    backward = result.attrs["delay_backward"]
+    assert isinstance(backward, float)
+    assert backward == pytest.approx(0.2, rel=rtol, abs=0.0)
+    assert ts.verdicts(hman, 71.2, pair) is not None
+
+
+@pytest.mark.parametrize(
+    ("delay", "value"),
+    [
+        ((0.1, 0.2, 0.3), "(0.1, 0.2, 0.3)"),
+        ([0.1], "[0.1]"),
+        ((), "()"),
+        ("0.1", "'0.1'"),
+        (None, "None"),
+        ((0.1, "b"), "(0.1, 'b')"),
+        (np.array([0.1]), "array([0.1])"),
+        (np.array([[0.1, 0.2]]), "array([[0.1, 0.2]])"),
+        (list(range(99)), str(list(range(99)))[:57] + "..."),
+    ],
+)
+def test_ref_a_delay_that_is_no_number_nor_a_pair_is_refused(delay: Any, value: str) -> None:
+    hman = ts.hman()
+    for ask in (
+        lambda: ts.characteristic_roots(hman, 71.2, delay),
+        lambda: ts.spectral_abscissa(hman, 71.2, delay),
+        lambda: ts.nyquist(hman, 71.2, delay),
+        lambda: ts.simulate(hman, 71.2, delay, [[1.0, 0.0], [0.0, 0.0]], duration=0.1),
+        lambda: hman.delay_system(71.2, delay),
+        lambda: ts.Network(delay),
+    ):
+        refused = refusal(ask)
+        assert (refused.field, refused.value) == ("delay", value)
+        assert "(forward, backward)" in refused.allowed
+        assert refused.remedy == "Give a float or a pair of floats."
+
+
+@pytest.mark.parametrize(
+    ("count", "value"), [(2.5, "2.5"), (0, "0"), (-1, "-1"), (1001, "1001"), ("8", "'8'"), (None, "None")]
+)
+def test_ref_a_number_of_roots_is_a_whole_number(count: Any, value: str) -> None:
+    hman = ts.hman()
+    for ask in (
+        lambda: ts.characteristic_roots(hman, 71.2, 0.1, count),
+        lambda: ts.certified_roots(hman, 71.2, 0.1, count),
+        lambda: hman.delay_system(71.2, 0.1).characteristic_roots(count),
+        lambda: hman.delay_system(71.2, 0.1).certified_roots(count),
+    ):
+        refused = refusal(ask)
+        assert (refused.field, refused.value) == ("count", value)
+        assert "1 to 1000" in refused.allowed
+        assert refused.remedy
+
+
+def refusal(ask: Any) -> ts.InvalidInput:
+    with pytest.raises(ts.InvalidInput) as refused:
+        ask()
+    return refused.value
+
+
 def test_ref_a_wrong_type_is_a_type_error() -> None:
-    with pytest.raises(TypeError, match="one number per axis, got 'heavy'"):
-        ts.Robot("heavy", 1.0)  # type: ignore[arg-type]
     with pytest.raises(TypeError):
         ts.Dyad(ts.Robot(1.0, 1.0), None)  # type: ignore[arg-type]
 

@@ -71,7 +71,11 @@ def test_ref_how_it_ended_is_a_status() -> None:
     [
         ({"delays": [-1.0]}, "delays[0]"),
         ({"delays": [1.0, lambda: 1.0]}, "delays[1]"),
-        ({"t_span": (1.0, 0.0)}, "span"),
+        ({"t_span": (1.0, 0.0)}, "t_span"),
+        ({"t_span": 0}, "t_span"),
+        ({"t_span": (0.0, 1.0, 2.0)}, "t_span"),
+        ({"t_span": (0.0, "end")}, "t_span[1]"),
+        ({"t_span": (0.0, [1.0, 2.0])}, "t_span[1]"),
         ({"rtol": 1e-20}, "rtol"),
         ({"atol": [1e-9, 1e-9]}, "atol"),
         ({"rhs": lambda *_: [1.0, 2.0]}, "rhs(t, y, delayed)"),

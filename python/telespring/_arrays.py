@@ -23,13 +23,18 @@ def as_numbers(name: str, value: ArrayLike) -> FloatArray:
             raise TypeError
         return given.astype(np.float64, copy=False)
     except (TypeError, ValueError):
-        text = repr(value)
         raise InvalidInput(
             name,
-            text if len(text) <= 60 else text[:57] + "...",
+            written(value),
             "a real number or an array of real numbers is needed",
             "Convert it, for instance with numpy.asarray(..., dtype=float).",
         ) from None
+
+
+def written(value: object) -> str:
+    """Return the value as Python writes it, cut to a length that fits a message."""
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def as_number(name: str, value: ArrayLike) -> float:

@@ -18,8 +18,8 @@ GridStatus: TypeAlias = Literal["resolved", "poles on the axis", "too many point
 Axes: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 AxisValues: TypeAlias = tuple[float, float, float, float, float, float, float]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
-# one-way, s: the same each way, or forward and backward
-Delay: TypeAlias = float | tuple[float, float]
+# one-way, s: the same each way, or forward and backward, a row of two
+Delay: TypeAlias = float | Sequence[float] | FloatArray
 # what a response is of: the dyad, the stiffness (N/m), the delay, the axis
 Loop: TypeAlias = "tuple[Dyad, float, Delay, int | str]"
 # a number, or a function and whether it takes the state beside the time

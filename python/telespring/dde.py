@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from telespring import _core
-from telespring._arrays import as_numbers
+from telespring._arrays import as_number, as_numbers, written
 from telespring._errors import InvalidInput
 from telespring._types import DelayValue, FloatArray, OptionValues
 
@@ -191,7 +191,7 @@ def solve_dde(
     >>> [round(float(value), 9) for value in solution([0.5, 2.0])[:, 0]]
     [0.5, -0.5]
     """
-    start, end = (float(as_numbers(f"t_span[{i}]", value)) for i, value in enumerate(t_span))
+    start, end = _span(t_span)
     if callable(history):
         past = history
         first = past(start) if initial is None else initial
@@ -212,7 +212,12 @@ def solve_dde(
         "breakpoints": [point if isinstance(point, tuple) else (float(point), 1) for point in breakpoints],
     }
     beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
-    found = _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+    try:
+        found = _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+    except InvalidInput as refused:
+        if refused.field != "span":
+            raise
+        raise refused.at("t_span") from None
     (status, message), (steps, rejected, evaluations) = found.status, found.work
     knots = found.knots
     return DelaySolution(
@@ -226,6 +231,19 @@ def solve_dde(
         evaluations,
         found,
     )
+
+
+def _span(t_span: Any) -> tuple[float, float]:
+    try:
+        start, end = t_span
+    except (TypeError, ValueError):
+        raise InvalidInput(
+            "t_span",
+            written(t_span),
+            "the two times (start, end) are needed",
+            "Give both, the start first.",
+        ) from None
+    return as_number("t_span[0]", start), as_number("t_span[1]", end)
 
 
 def _tolerance(name: str, value: ArrayLike) -> float | list[float]:

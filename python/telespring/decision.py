@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import telespring as ts
 from telespring.axes import Axis, axes_of, finite_or_none, holds
 
@@ -420,7 +422,6 @@ def decide(
     telespring.InvalidInput
         Where a value is out of its range.
     """
-    both = delay if isinstance(delay, tuple) else (delay, delay)
     # Checks every value at the door, before anything is derived from it.
     judged = ts.verdicts(
         dyad,
@@ -432,6 +433,8 @@ def decide(
         computing_time=computing_time,
         operator_range=operator_ranges,
     )
+    forward, backward = np.broadcast_to(delay, 2).tolist()
+    both = (forward, backward)
     constant = judged.tier("constant delay").buffer_delay or both
     mean = 0.5 * sum(constant)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)

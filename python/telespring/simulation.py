@@ -264,7 +264,7 @@ def simulate(
     found = simulate_array(dyad, stiffness, delay, forces, duration, rate, history)
     assert found.velocity is not None
     signal, pair = ("time", "robot", "axis"), ("robot", "axis")
-    forward, backward = delay if isinstance(delay, tuple) else (delay, delay)
+    forward, backward = np.broadcast_to(delay, 2).tolist()
     attributes: dict[str, Any] = {
         "status": "completed",
         "stiffness": stiffness,

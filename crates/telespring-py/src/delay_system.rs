@@ -9,6 +9,7 @@ use pyo3::types::PyType;
 use telespring::InvalidInput;
 use telespring::spectrum::Certificate;
 
+use crate::arguments::Count;
 use crate::errors::Outcome;
 use crate::spectrum::roots;
 
@@ -95,7 +96,7 @@ impl DelaySystem {
     /// The `count` rightmost characteristic roots, 1/s.
     ///
     /// They are the zeros of det(s I - A0 - Σ Aj exp(-s τj)). A root at s = 0, such as the common
-    /// motion of free robots, is one of them; `telespring.characteristic_roots` divides it out.
+    /// motion of free robots, is one of them, exactly 0; `telespring.characteristic_roots` divides it out.
     ///
     /// Parameters
     /// ----------
@@ -128,12 +129,13 @@ impl DelaySystem {
     /// >>> system = ts.DelaySystem([[0.0]], [(1.0, [[-1.0]])])
     /// >>> system.characteristic_roots(2).round(6)
     /// array([-0.318132+1.337236j, -0.318132-1.337236j])
-    #[pyo3(signature = (count=8))]
+    #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
     fn characteristic_roots<'py>(
         &self,
         py: Python<'py>,
-        count: usize,
+        count: Count,
     ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
+        let count = count.check()?;
         let found = py.detach(|| self.0.characteristic_roots(count))?;
         warn(py, "roots'", &found.certificate)?;
         Ok(roots(py, found).0)
@@ -162,6 +164,37 @@ impl DelaySystem {
         Ok(found.value)
     }
 
+    /// The largest real part of the roots other than s = 0, 1/s.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     The spectral abscissa; below zero every motion dies out but those that `roots_at_zero`
+    ///     counts. Minus infinity where s = 0 is the only root.
+    ///
+    /// Warns
+    /// -----
+    /// CertificateWarning
+    ///     Where the argument principle does not confirm that no root was missed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> system = ts.hman().delay_system(71.2, (0.1, 0.2))
+    /// >>> system.spectral_abscissa(), system.spectral_abscissa_without_zero() < -0.1
+    /// (0.0, True)
+    fn spectral_abscissa_without_zero(&self, py: Python<'_>) -> PyResult<f64> {
+        let found = py.detach(|| self.0.spectral_abscissa_without_zero());
+        warn(py, "abscissa's", &found.certificate)?;
+        Ok(found.value)
+    }
+
+    /// How often s = 0 is a root, to rounding: 1 for two free robots, carried off together.
+    #[getter]
+    fn roots_at_zero(&self) -> usize {
+        self.0.roots_at_zero()
+    }
+
     /// The rightmost characteristic roots with their certificate as a record.
     ///
     /// Parameters
@@ -184,11 +217,12 @@ impl DelaySystem {
     /// --------
     /// >>> import telespring as ts
     /// >>> found = ts.hman().delay_system(71.2, (0.1, 0.2)).certified_roots(5)
-    /// >>> found.complete, bool(abs(found.roots).min() < 1e-12)
+    /// >>> found.complete, bool(abs(found.roots).min() == 0.0)
     /// (True, True)
-    #[pyo3(signature = (count=8))]
-    fn certified_roots<'py>(&self, py: Python<'py>, count: usize) -> Outcome<Bound<'py, PyAny>> {
+    #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
+    fn certified_roots<'py>(&self, py: Python<'py>, count: Count) -> Outcome<Bound<'py, PyAny>> {
         static SPECTRUM: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        let count = count.check()?;
         let found = py.detach(|| self.0.characteristic_roots(count))?;
         Ok(SPECTRUM.import(py, "telespring.spectrum", "Spectrum")?.call1(roots(py, found))?)
     }

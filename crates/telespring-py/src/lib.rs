@@ -3,6 +3,7 @@
 //! Everything public is documented, broadcast and typed in `python/telespring`; what stands here
 //! takes flat contiguous arrays and lets go of the interpreter while it computes.
 
+mod arguments;
 mod arrays;
 mod criteria;
 mod dde;

@@ -1,11 +1,11 @@
 //! Robot, Operator and Dyad as Python sees them: frozen, comparable, picklable.
 
 use numpy::{PyArray1, ToPyArray};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
-use telespring::{Delay, DyadAxis, InvalidInput};
+use telespring::InvalidInput;
 
+use crate::arguments::{Argument, AxisChoice, DelayChoice, Number};
 use crate::delay_system::DelaySystem;
 use crate::errors::Outcome;
 
@@ -25,9 +25,7 @@ impl FromPyObject<'_, '_> for PerAxis {
         if let Ok(number) = value.extract::<f64>() {
             return Ok(Self::All(number));
         }
-        value.extract::<Vec<f64>>().map(Self::Each).map_err(|_| {
-            PyTypeError::new_err(format!("expected a number or one number per axis, got {}", repr(&value)))
-        })
+        value.extract::<Vec<f64>>().map(Self::Each)
     }
 }
 
@@ -61,10 +59,6 @@ impl PerAxis {
     }
 }
 
-fn repr(value: &Bound<'_, PyAny>) -> String {
-    value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string())
-}
-
 /// A robot with independent axes, each a mass with viscous damping.
 ///
 /// Parameters
@@ -94,7 +88,8 @@ pub struct Robot(pub telespring::Robot);
 impl Robot {
     #[new]
     #[pyo3(signature = (mass, damping, axes=None))]
-    fn new(mass: PerAxis, damping: PerAxis, axes: Option<Vec<String>>) -> Outcome<Self> {
+    fn new(mass: Argument<PerAxis>, damping: Argument<PerAxis>, axes: Option<Vec<String>>) -> Outcome<Self> {
+        let (mass, damping) = (mass.named("mass")?, damping.named("damping")?);
         Ok(Self(telespring::Robot::new(mass.on(1), damping.on(1), axes)?))
     }
 
@@ -208,10 +203,18 @@ impl From<&telespring::Operator> for Operator {
 #[pymethods]
 impl Operator {
     #[new]
-    #[pyo3(signature = (mass=PerAxis::All(0.0), damping=PerAxis::All(0.0), stiffness=PerAxis::All(0.0)),
+    #[pyo3(signature = (mass=Argument::Given(PerAxis::All(0.0)), damping=Argument::Given(PerAxis::All(0.0)), stiffness=Argument::Given(PerAxis::All(0.0))),
            text_signature = "(mass=0.0, damping=0.0, stiffness=0.0)")]
-    fn new(mass: PerAxis, damping: PerAxis, stiffness: PerAxis) -> Outcome<Self> {
-        let operator = Self { mass, damping, stiffness };
+    fn new(
+        mass: Argument<PerAxis>,
+        damping: Argument<PerAxis>,
+        stiffness: Argument<PerAxis>,
+    ) -> Outcome<Self> {
+        let operator = Self {
+            mass: mass.named("mass")?,
+            damping: damping.named("damping")?,
+            stiffness: stiffness.named("stiffness")?,
+        };
         operator.on(operator.count())?;
         Ok(operator)
     }
@@ -282,13 +285,14 @@ type OperatorPair<'py> = (Option<Bound<'py, Operator>>, Option<Bound<'py, Operat
 #[pymethods]
 impl Dyad {
     #[new]
-    #[pyo3(signature = (robot1, robot2, operators=None, coupling_damping=0.0))]
+    #[pyo3(signature = (robot1, robot2, operators=None, coupling_damping=Number::Given(0.0)), text_signature = "(robot1, robot2, operators=None, coupling_damping=0.0)")]
     fn new(
         robot1: &Bound<'_, Robot>,
         robot2: &Bound<'_, Robot>,
         operators: Option<OperatorPair<'_>>,
-        coupling_damping: f64,
+        coupling_damping: Number,
     ) -> Outcome<Self> {
+        let coupling_damping = coupling_damping.named("coupling_damping")?;
         let (robot1, robot2) = (robot1.get().0.clone(), robot2.get().0.clone());
         let axes = robot1.axes().len();
         let lower = |operator: Option<Bound<'_, Operator>>| match operator {
@@ -361,8 +365,9 @@ impl Dyad {
     /// >>> delay, matrix = dyad.delay_system(10.0, (0.1, 0.2)).delayed[0]
     /// >>> delay, float(matrix[3, 0])  # robot 2 is pulled towards x1(t - 0.1)
     /// (0.1, 5.0)
-    #[pyo3(signature = (stiffness, delay, axis=AxisChoice::Index(0)), text_signature = "($self, stiffness, delay, axis=0)")]
-    fn delay_system(&self, stiffness: f64, delay: DelayChoice, axis: AxisChoice) -> Outcome<DelaySystem> {
+    #[pyo3(signature = (stiffness, delay, axis=AxisChoice::FIRST), text_signature = "($self, stiffness, delay, axis=0)")]
+    fn delay_system(&self, stiffness: Number, delay: DelayChoice, axis: AxisChoice) -> Outcome<DelaySystem> {
+        let stiffness = stiffness.named("stiffness")?;
         Ok(DelaySystem(axis.of(&self.0)?.delay_system(stiffness, &delay.check()?)?))
     }
 
@@ -413,50 +418,4 @@ impl Dyad {
 #[pyfunction]
 pub fn hman() -> Dyad {
     Dyad(telespring::hman())
-}
-
-/// An axis by its index or its name.
-#[derive(FromPyObject)]
-pub enum AxisChoice {
-    /// Counted from 0.
-    Index(usize),
-    /// As the dyad names it.
-    Name(String),
-}
-
-impl AxisChoice {
-    /// That axis of the dyad.
-    pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<DyadAxis> {
-        match self {
-            Self::Index(index) => dyad.axis(*index),
-            Self::Name(name) => match dyad.axis_names().iter().position(|known| known == name) {
-                Some(index) => dyad.axis(index),
-                None => Err(InvalidInput::new(
-                    "axis",
-                    format!("{name:?}"),
-                    format!("this dyad has the axes {:?}", dyad.axis_names()),
-                    "Choose one of them.",
-                )),
-            },
-        }
-    }
-}
-
-/// One delay each way, or the pair (forward, backward), s.
-#[derive(FromPyObject)]
-pub enum DelayChoice {
-    /// The same each way.
-    EachWay(f64),
-    /// From robot 1 to robot 2, and back.
-    Pair(f64, f64),
-}
-
-impl DelayChoice {
-    /// Checked.
-    pub fn check(&self) -> telespring::Result<Delay> {
-        match *self {
-            Self::EachWay(delay) => Delay::each_way(delay),
-            Self::Pair(forward, backward) => Delay::new(forward, backward),
-        }
-    }
 }

@@ -6,8 +6,9 @@ use pyo3::prelude::*;
 use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus, ResponseCurve};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
+use crate::arguments::{AxisChoice, DelayChoice, Number};
 use crate::errors::Outcome;
-use crate::model::{AxisChoice, DelayChoice, Dyad};
+use crate::model::Dyad;
 
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
@@ -37,7 +38,7 @@ pub struct Loop<'py> {
     #[pyo3(item(0))]
     dyad: Bound<'py, Dyad>,
     #[pyo3(item(1))]
-    stiffness: f64,
+    stiffness: Number,
     #[pyo3(item(2))]
     delay: DelayChoice,
     #[pyo3(item(3))]
@@ -45,8 +46,9 @@ pub struct Loop<'py> {
 }
 
 impl Loop<'_> {
-    fn check(&self) -> telespring::Result<(DyadAxis, f64, Delay)> {
-        Ok((self.axis.of(&self.dyad.get().0)?, self.stiffness, self.delay.check()?))
+    fn check(self) -> Outcome<(DyadAxis, f64, Delay)> {
+        let axis = self.axis.of(&self.dyad.get().0)?;
+        Ok((axis, self.stiffness.named("stiffness")?, self.delay.check()?))
     }
 }
 
@@ -61,7 +63,7 @@ fn blocks<'py, T: numpy::Element + Copy>(
 /// Matrices at each complex s (1/s): of positions, m/N, or where `mobility`, of velocities.
 fn matrices<'py>(
     py: Python<'py>,
-    of: &Loop<'py>,
+    of: Loop<'py>,
     s: &PyReadonlyArray1<'py, Complex64>,
     compute: impl Fn(&DyadAxis, f64, &Delay, Complex64) -> telespring::Result<[[Complex64; 2]; 2]> + Sync,
 ) -> Outcome<Matrices<'py>> {
@@ -90,7 +92,7 @@ pub fn transfer_matrix<'py>(
     convention: ConventionName,
 ) -> Outcome<Matrices<'py>> {
     let convention = convention.check()?;
-    matrices(py, &of, &s, |axis, stiffness, delay, s| {
+    matrices(py, of, &s, |axis, stiffness, delay, s| {
         response::transfer_matrix(axis, stiffness, delay, s, convention)
     })
 }
@@ -102,7 +104,7 @@ pub fn mobility_matrix<'py>(
     of: Loop<'py>,
     s: PyReadonlyArray1<'py, Complex64>,
 ) -> Outcome<Matrices<'py>> {
-    matrices(py, &of, &s, response::mobility_matrix)
+    matrices(py, of, &s, response::mobility_matrix)
 }
 
 type Response<'py> =

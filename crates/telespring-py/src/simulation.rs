@@ -7,8 +7,9 @@ use telespring::dde::linear::{
 };
 use telespring::{Delay, InvalidInput};
 
+use crate::arguments::{DelayChoice, Number};
 use crate::errors::Outcome;
-use crate::model::{DelayChoice, Dyad};
+use crate::model::Dyad;
 
 /// One sine as Python gives it.
 #[derive(FromPyObject)]
@@ -178,16 +179,17 @@ type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Vec<[f6
 pub fn simulate<'py>(
     py: Python<'py>,
     dyad: &Bound<'py, Dyad>,
-    stiffness: f64,
+    stiffness: Number,
     delay: DelayChoice,
     forces: Vec<Vec<ForceValue>>,
-    duration: f64,
-    rate: f64,
+    duration: Number,
+    rate: Number,
     history: Option<Vec<Vec<HistoryValue>>>,
     velocities: bool,
 ) -> Outcome<Simulated<'py>> {
     let axes: Vec<_> = dyad.get().0.axes().collect();
-    let delay = delay.check()?;
+    let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
+    let (duration, rate) = (duration.named("duration")?, rate.named("rate")?);
     let count = output_count(duration, rate)?;
     let forces = lowered("forces", axes.len(), &forces, |force| force.lower(py, duration))?;
     let histories = match history {

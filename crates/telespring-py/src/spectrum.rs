@@ -5,8 +5,9 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use telespring::spectrum::{self, Spectrum};
 
+use crate::arguments::{AxisChoice, Count, DelayChoice, Number};
 use crate::errors::Outcome;
-use crate::model::{AxisChoice, DelayChoice, Dyad};
+use crate::model::Dyad;
 
 /// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
 pub type Roots<'py> = (Bound<'py, PyArray1<Complex64>>, bool, bool, String, f64);
@@ -27,13 +28,14 @@ pub fn roots(py: Python<'_>, found: Spectrum) -> Roots<'_> {
 pub fn characteristic_roots<'py>(
     py: Python<'py>,
     dyad: &Bound<'py, Dyad>,
-    stiffness: f64,
+    stiffness: Number,
     delay: DelayChoice,
-    count: usize,
+    count: Count,
     axis: AxisChoice,
 ) -> Outcome<Roots<'py>> {
-    let axis = axis.of(&dyad.get().0)?;
-    let found = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay.check()?, count))?;
+    let (axis, stiffness) = (axis.of(&dyad.get().0)?, stiffness.named("stiffness")?);
+    let (delay, count) = (delay.check()?, count.check()?);
+    let found = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
     Ok(roots(py, found))
 }
 
@@ -42,11 +44,11 @@ pub fn characteristic_roots<'py>(
 pub fn spectral_abscissa(
     py: Python<'_>,
     dyad: &Bound<'_, Dyad>,
-    stiffness: f64,
+    stiffness: Number,
     delay: DelayChoice,
     axis: AxisChoice,
 ) -> Outcome<(f64, bool, String)> {
-    let axis = axis.of(&dyad.get().0)?;
+    let (axis, stiffness) = (axis.of(&dyad.get().0)?, stiffness.named("stiffness")?);
     let found = py.detach(|| spectrum::spectral_abscissa(&axis, stiffness, &delay.check()?))?;
     Ok((found.value, found.certificate.is_complete(), found.certificate.to_string()))
 }

@@ -5,8 +5,9 @@ use pyo3::types::PyType;
 use telespring::criteria::verdicts;
 use telespring::{InvalidInput, quantity};
 
+use crate::arguments::{DelayChoice, Number};
 use crate::errors::Outcome;
-use crate::model::{DelayChoice, Dyad, Operator};
+use crate::model::{Dyad, Operator};
 
 /// The virtual spring and the damper beside it.
 ///
@@ -34,8 +35,9 @@ pub struct Coupling(telespring::study::Coupling);
 #[pymethods]
 impl Coupling {
     #[new]
-    #[pyo3(signature = (stiffness, damping=0.0))]
-    fn new(stiffness: f64, damping: f64) -> Outcome<Self> {
+    #[pyo3(signature = (stiffness, damping=Number::Given(0.0)), text_signature = "(stiffness, damping=0.0)")]
+    fn new(stiffness: Number, damping: Number) -> Outcome<Self> {
+        let (stiffness, damping) = (stiffness.named("stiffness")?, damping.named("damping")?);
         Ok(Self(telespring::study::Coupling {
             stiffness: quantity::STIFFNESS.check("stiffness", stiffness)?,
             damping: quantity::DAMPING.check("damping", damping)?,
@@ -97,15 +99,22 @@ pub struct Network(pub verdicts::Network);
 #[pymethods]
 impl Network {
     #[new]
-    #[pyo3(signature = (delay, jitter=0.0, max_gap=0.0, sample_period=0.0, computing_time=0.0))]
+    #[pyo3(
+        signature = (delay, jitter=Number::Given(0.0), max_gap=Number::Given(0.0),
+                     sample_period=Number::Given(0.0), computing_time=Number::Given(0.0)),
+        text_signature = "(delay, jitter=0.0, max_gap=0.0, sample_period=0.0, computing_time=0.0)"
+    )]
     fn new(
         delay: DelayChoice,
-        jitter: f64,
-        max_gap: f64,
-        sample_period: f64,
-        computing_time: f64,
+        jitter: Number,
+        max_gap: Number,
+        sample_period: Number,
+        computing_time: Number,
     ) -> Outcome<Self> {
         let delay = delay.check()?;
+        let (jitter, max_gap) = (jitter.named("jitter")?, max_gap.named("max_gap")?);
+        let sample_period = sample_period.named("sample_period")?;
+        let computing_time = computing_time.named("computing_time")?;
         Ok(Self(verdicts::Network::new(delay, jitter, max_gap, sample_period, computing_time)?))
     }
 

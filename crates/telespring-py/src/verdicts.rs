@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use telespring::criteria::verdicts as core;
 use telespring::criteria::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
 
+use crate::arguments::Number;
 use crate::errors::Outcome;
 use crate::model::Dyad;
 use crate::study::{Network, OperatorRange};
@@ -257,10 +258,11 @@ pub enum Ranges<'py> {
 pub fn verdicts(
     py: Python<'_>,
     dyad: &Bound<'_, Dyad>,
-    stiffness: f64,
+    stiffness: Number,
     network: &Bound<'_, Network>,
     operator_range: Option<Ranges<'_>>,
 ) -> Outcome<Verdicts> {
+    let stiffness = stiffness.named("stiffness")?;
     let (dyad, network) = (&dyad.get().0, &network.get().0);
     let axes = dyad.axis_names().len();
     let ranges = match &operator_range {

@@ -79,6 +79,12 @@ impl CharacteristicMatrix {
         self.delayed.last().map_or(0.0, |(delay, _)| *delay)
     }
 
+    /// A size that the roots may be compared with, 1/s.
+    pub(super) fn scale(&self) -> f64 {
+        let size = self.instantaneous.norm() + self.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
+        if size > 0.0 { size } else { 1.0 }
+    }
+
     /// Bounds |s| for every root with Re s ≥ `sigma`.
     pub(super) fn radius(&self, sigma: f64) -> f64 {
         self.instantaneous.norm()

@@ -7,6 +7,8 @@
 mod collocation;
 mod matrix;
 mod roots;
+mod search;
+mod zero;
 
 use nalgebra::DMatrix;
 
@@ -94,14 +96,16 @@ impl DelaySystem {
     /// The `count` rightmost characteristic roots, each refined by Newton.
     ///
     /// A root at s = 0, such as the common motion of free robots, is a root like any other here and
-    /// stays in the list ([`Spectrum::rigid_body`] is false);
+    /// stays in the list, as exactly 0 ([`Spectrum::rigid_body`] is false);
     /// [`crate::spectrum::characteristic_roots`] divides it out. A system without delay has as many
     /// roots as states; fewer than `count` are then returned, and `depth` is minus infinity.
     ///
     /// Starts are the eigenvalues of the infinitesimal generator collocated at Chebyshev nodes
     /// (Breda, Maset and Vermiglio 2005, doi:10.1137/030601600), nodes being added until the
     /// argument principle counts no more roots than were found. Roots much beyond 300 divided by the
-    /// largest delay need more nodes than are allowed; the certificate then says so.
+    /// largest delay need more nodes than are allowed: a line is then counted on, Newton started
+    /// along it and in halved rectangles, until as many were found. Where that work has no end in
+    /// reach (thousands of roots), the certificate says so.
     ///
     /// # Errors
     ///
@@ -114,7 +118,7 @@ impl DelaySystem {
     /// let system = hman().axis(0)?.delay_system(71.2, &Delay::new(0.1, 0.2)?)?;
     /// let spectrum = system.characteristic_roots(5)?;
     /// assert!(spectrum.certificate.is_complete());
-    /// assert!(spectrum.roots.iter().any(|root| root.norm() < 1e-12)); // both carried off together
+    /// assert!(spectrum.roots.iter().any(|root| root.norm() == 0.0)); // both carried off together
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn characteristic_roots(&self, count: usize) -> Result<Spectrum> {
@@ -127,6 +131,45 @@ impl DelaySystem {
         let spectrum = roots::rightmost(self, 1);
         Abscissa {
             value: spectrum.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
+            certificate: spectrum.certificate,
+        }
+    }
+
+    /// How often s = 0 is a root: 1 for two free robots, which can be carried off together.
+    ///
+    /// Decided by the ranks of the characteristic matrix' Taylor coefficients at 0, to rounding.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::{Delay, hman};
+    /// let system = hman().axis(0)?.delay_system(71.2, &Delay::new(0.1, 0.2)?)?;
+    /// assert_eq!(system.roots_at_zero(), 1);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn roots_at_zero(&self) -> usize {
+        roots::at_zero_in(self)
+    }
+
+    /// The largest real part of the roots other than s = 0, 1/s.
+    ///
+    /// Below zero every motion dies out but those that [`DelaySystem::roots_at_zero`] counts. Minus
+    /// infinity where s = 0 is the only root.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::{Delay, hman};
+    /// let system = hman().axis(0)?.delay_system(71.2, &Delay::new(0.1, 0.2)?)?;
+    /// assert_eq!(system.spectral_abscissa().value, 0.0);
+    /// assert!(system.spectral_abscissa_without_zero().value < -0.1);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn spectral_abscissa_without_zero(&self) -> Abscissa {
+        let spectrum = roots::rightmost(self, 1 + self.roots_at_zero());
+        let moving = spectrum.roots.iter().find(|root| root.norm() > 0.0);
+        Abscissa {
+            value: moving.map_or(f64::NEG_INFINITY, |root| root.re),
             certificate: spectrum.certificate,
         }
     }

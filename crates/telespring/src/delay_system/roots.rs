@@ -5,6 +5,8 @@ use num_complex::Complex64;
 use super::DelaySystem;
 use super::collocation::{delayed_states, eigenvalues};
 use super::matrix::CharacteristicMatrix;
+use super::search::{MOST_TO_FIND, fill, line_with};
+use super::zero;
 use crate::spectrum::contour::{Stop, zeros_in_rectangle};
 use crate::spectrum::{Certificate, Spectrum};
 
@@ -17,9 +19,9 @@ const SAME: f64 = 1e-7;
 
 /// A root in the closed upper half-plane and how often it counts.
 #[derive(Debug, Clone, Copy)]
-struct Known {
-    s: Complex64,
-    multiplicity: usize,
+pub(super) struct Known {
+    pub s: Complex64,
+    pub multiplicity: usize,
 }
 
 impl Known {
@@ -38,7 +40,7 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     }
     let most_nodes = ((LARGEST_ORDER.max(4 * size) - size) / states).max(8);
     let mut nodes = (12 + count / states).min(most_nodes);
-    let mut known: Vec<Known> = Vec::new();
+    let mut known = at_zero(&matrix);
     loop {
         // The shifts of the eigenvalue iteration can go in circles; another size breaks the circle.
         let starts = eigenvalues(&matrix, nodes).or_else(|| eigenvalues(&matrix, nodes + 1));
@@ -51,10 +53,14 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
                 keep(&matrix, &mut known, start);
             }
         }
-        known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
+        sort(&mut known);
         let last = nodes >= most_nodes;
         // A missing root is more often one that needs more nodes than one that counts twice.
-        let outcome = certify(&matrix, &mut known, count, last || nodes > 60);
+        let mut outcome = certify(&matrix, &mut known, count, last || nodes > 60);
+        let complete = matches!(outcome, Some((_, Certificate::Complete)));
+        if !complete && (last || nodes > 60) {
+            outcome = search(&matrix, &mut known, count, outcome);
+        }
         match outcome {
             Some((depth, Certificate::Complete)) => {
                 return list(&known, count, depth, Certificate::Complete);
@@ -70,15 +76,56 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     }
 }
 
-/// A size that the roots may be compared with, 1/s.
-fn scale(matrix: &CharacteristicMatrix) -> f64 {
-    let size = matrix.instantaneous.norm() + matrix.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
-    if size > 0.0 { size } else { 1.0 }
+/// Where collocation fell short: finds the roots that the count speaks of.
+fn search(
+    matrix: &CharacteristicMatrix,
+    known: &mut Vec<Known>,
+    count: usize,
+    outcome: Option<(f64, Certificate)>,
+) -> Option<(f64, Certificate)> {
+    let hint = known.last().map_or(0.0, |root| root.s.re);
+    let line = match outcome {
+        Some((depth, Certificate::Failed { counted, .. })) if counted <= MOST_TO_FIND => {
+            Some((depth, counted))
+        }
+        // A line far too deep, or one that cannot be counted: the search goes on from the axis.
+        Some(_) => line_with(matrix, count, 0.0),
+        None => line_with(matrix, count, hint),
+    };
+    let Some((depth, counted)) = line.filter(|&(_, counted)| counted <= MOST_TO_FIND) else { return outcome };
+    if right_of(known, depth) < counted {
+        fill(matrix, known, depth, counted);
+    }
+    if right_of(known, depth) < counted {
+        weigh(matrix, known, depth);
+    }
+    sort(known);
+    let found = right_of(known, depth);
+    let certificate =
+        if found == counted { Certificate::Complete } else { Certificate::Failed { counted, found } };
+    Some((depth, certificate))
+}
+
+fn sort(known: &mut [Known]) {
+    known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
+}
+
+/// How often s = 0 is a root.
+pub(super) fn at_zero_in(system: &DelaySystem) -> usize {
+    zero::multiplicity(&CharacteristicMatrix::balanced(system, 0.0))
+}
+
+/// The root s = 0, where it is one.
+fn at_zero(matrix: &CharacteristicMatrix) -> Vec<Known> {
+    match zero::multiplicity(matrix) {
+        0 => Vec::new(),
+        multiplicity => vec![Known { s: Complex64::ZERO, multiplicity }],
+    }
 }
 
 /// Newton on the determinant, with the step of a multiple root where it creeps like one.
 fn refine(matrix: &CharacteristicMatrix, start: Complex64) -> Option<Known> {
-    let scale = scale(matrix);
+    let scale = matrix.scale();
     let mut s = start;
     let mut multiplicity = 1;
     let (mut previous, mut last_guess) = (f64::INFINITY, 1.0);
@@ -121,9 +168,9 @@ fn refine(matrix: &CharacteristicMatrix, start: Complex64) -> Option<Known> {
     None
 }
 
-/// Refines a start and keeps the root if it is new.
-fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64) {
-    let Some(mut root) = refine(matrix, start) else { return };
+/// Refines a start and keeps the root if it is new; whether it did.
+pub(super) fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64) -> bool {
+    let Some(mut root) = refine(matrix, start) else { return false };
     if root.multiplicity > 1 {
         // What Newton's pace suggests, a count decides.
         let half = 1e-5 * root.s.norm();
@@ -132,7 +179,7 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
             .map_or(1, |inside| inside.max(1));
     }
     root.s.im = root.s.im.abs();
-    let scale = scale(matrix);
+    let scale = matrix.scale();
     let reach = |s: Complex64| SAME * (s.norm() + 1e-4 * scale);
     if root.s.im > 0.0 && root.s.im <= reach(root.s) {
         match refine(matrix, Complex64::new(root.s.re, 0.0)) {
@@ -145,9 +192,16 @@ fn keep(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, start: Complex64)
         (other.s - root.s).norm() <= reach
     };
     match known.iter_mut().find(same) {
-        Some(other) if other.multiplicity < root.multiplicity => *other = root,
-        Some(_) => {}
-        None => known.push(root),
+        // That s = 0 is a root is known exactly.
+        Some(other) if other.multiplicity < root.multiplicity && other.s != Complex64::ZERO => {
+            *other = root;
+            true
+        }
+        Some(_) => false,
+        None => {
+            known.push(root);
+            true
+        }
     }
 }
 
@@ -169,7 +223,7 @@ fn certify(
                 Some(next) => root.s.re - next.s.re,
                 None if gaps.is_empty() => {
                     // With no further root known, a step as long as the list reaches.
-                    known.iter().map(|known| known.s.norm()).fold(1e-3 * scale(matrix), f64::max)
+                    known.iter().map(|known| known.s.norm()).fold(1e-3 * matrix.scale(), f64::max)
                 }
                 None => break,
             };
@@ -205,7 +259,7 @@ fn certify(
     stopped
 }
 
-fn right_of(known: &[Known], depth: f64) -> usize {
+pub(super) fn right_of(known: &[Known], depth: f64) -> usize {
     known.iter().filter(|root| root.s.re > depth).map(Known::weight).sum()
 }
 
@@ -222,7 +276,7 @@ fn weigh(matrix: &CharacteristicMatrix, known: &mut [Known], depth: f64) {
             .filter(|&(j, _)| j != i)
             .map(|(_, other)| (other.s - s).norm().min((other.s.conj() - s).norm()))
             .fold(if s.im > 0.0 { 2.0 * s.im } else { f64::INFINITY }, f64::min);
-        let half = (0.3 * nearest).min(1e-3 * (s.norm() + scale(matrix)));
+        let half = (0.3 * nearest).min(1e-3 * (s.norm() + matrix.scale()));
         let corner = Complex64::new(half, half);
         if let Ok(inside) = zeros_in_rectangle(matrix, s - corner, s + corner, 100_000)
             && inside > 0
@@ -234,7 +288,7 @@ fn weigh(matrix: &CharacteristicMatrix, known: &mut [Known], depth: f64) {
 
 /// No delay: as many roots as states.
 fn without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
-    let mut known = Vec::new();
+    let mut known = at_zero(matrix);
     for start in eigenvalues(matrix, 0).unwrap_or_default() {
         if start.im >= 0.0 {
             keep(matrix, &mut known, start);
@@ -244,7 +298,7 @@ fn without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
     if right_of(&known, f64::NEG_INFINITY) < size {
         weigh(matrix, &mut known, f64::NEG_INFINITY);
     }
-    known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
+    sort(&mut known);
     let found = right_of(&known, f64::NEG_INFINITY);
     let certificate =
         if found == size { Certificate::Complete } else { Certificate::Failed { counted: size, found } };

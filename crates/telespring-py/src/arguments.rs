@@ -1,0 +1,152 @@
+//! Arguments of the wrong kind: refused by their name like values out of range, not by a type error
+//! that knows no name.
+
+use pyo3::prelude::*;
+use std::convert::Infallible;
+use telespring::spectrum::MOST_ROOTS;
+use telespring::{Delay, DyadAxis, InvalidInput};
+
+use crate::errors::Outcome;
+use crate::model::PerAxis;
+
+/// What was given, or how Python writes it where it is of another kind.
+pub enum Argument<T> {
+    /// Of the wanted kind.
+    Given(T),
+    /// Of another.
+    Other(String),
+}
+
+impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
+    type Error = Infallible;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(value.extract().map_or_else(|_| Self::Other(written(&value)), Self::Given))
+    }
+}
+
+/// As Python writes it, cut to a length that fits a message.
+fn written(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
+    match text.char_indices().nth(57) {
+        Some((end, _)) if text.chars().count() > 60 => format!("{}...", &text[..end]),
+        _ => text,
+    }
+}
+
+impl<T> Argument<T> {
+    fn or_refuse(self, field: &str, allowed: impl Into<String>, remedy: &str) -> telespring::Result<T> {
+        match self {
+            Self::Given(value) => Ok(value),
+            Self::Other(text) => Err(InvalidInput::new(field, text, allowed.into(), remedy)),
+        }
+    }
+}
+
+/// A real number.
+pub type Number = Argument<f64>;
+
+impl Number {
+    /// The number, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<f64> {
+        Ok(self.or_refuse(field, "a real number is needed", "Give one number.")?)
+    }
+}
+
+impl Argument<PerAxis> {
+    /// The numbers, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<PerAxis> {
+        let allowed = "a number, or one number per axis, is needed";
+        Ok(self.or_refuse(field, allowed, "Give a number or a list of numbers.")?)
+    }
+}
+
+/// How many roots are wanted.
+pub type Count = Argument<usize>;
+
+impl Count {
+    /// The number, its range being checked by what it is passed to.
+    pub fn check(self) -> telespring::Result<usize> {
+        let allowed = format!("the number of roots must be a whole number from 1 to {MOST_ROOTS}");
+        self.or_refuse("count", allowed, "Give an int.")
+    }
+}
+
+/// An axis by its index or its name.
+#[derive(FromPyObject)]
+pub enum AxisKind {
+    /// Counted from 0.
+    Index(i64),
+    /// As the dyad names it.
+    Name(String),
+}
+
+/// An axis by its index or its name.
+pub type AxisChoice = Argument<AxisKind>;
+
+impl AxisChoice {
+    /// The first axis: what is meant where none is named.
+    pub const FIRST: Self = Self::Given(AxisKind::Index(0));
+
+    /// That axis of the dyad.
+    pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<DyadAxis> {
+        let (index, text) = match self {
+            Self::Given(AxisKind::Index(index)) => (usize::try_from(*index).ok(), index.to_string()),
+            Self::Given(AxisKind::Name(name)) => {
+                (dyad.axis_names().iter().position(|known| known == name), format!("{name:?}"))
+            }
+            Self::Other(text) => (None, text.clone()),
+        };
+        match index {
+            Some(index) => dyad.axis(index),
+            None => Err(InvalidInput::new(
+                "axis",
+                text,
+                format!("this dyad has the axes {:?}, counted from 0", dyad.axis_names()),
+                "Choose one of them by its index or its name.",
+            )),
+        }
+    }
+}
+
+/// One delay each way, or (forward, backward), s.
+pub enum DelayChoice {
+    /// The same each way.
+    EachWay(f64),
+    /// From robot 1 to robot 2, and back; a row of any length until it is checked.
+    Row(Vec<f64>, String),
+    /// Neither a number nor a row of numbers.
+    Other(String),
+}
+
+impl FromPyObject<'_, '_> for DelayChoice {
+    type Error = Infallible;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> Result<Self, Infallible> {
+        // The row first: numpy makes a number of an array of one.
+        if let Ok(row) = value.extract::<Vec<f64>>() {
+            return Ok(Self::Row(row, written(&value)));
+        }
+        Ok(value.extract::<f64>().map_or_else(|_| Self::Other(written(&value)), Self::EachWay))
+    }
+}
+
+impl DelayChoice {
+    /// Checked.
+    pub fn check(&self) -> telespring::Result<Delay> {
+        let text = match self {
+            Self::EachWay(delay) => return Delay::each_way(*delay),
+            Self::Row(row, text) => match row[..] {
+                [forward, backward] => return Delay::new(forward, backward),
+                _ => text,
+            },
+            Self::Other(text) => text,
+        };
+        Err(InvalidInput::new(
+            "delay",
+            text,
+            "a delay is one number for both ways, s, or the two numbers (forward, backward)",
+            "Give a float or a pair of floats.",
+        ))
+    }
+}

@@ -1,0 +1,204 @@
+//! What collocation missed, found by the count: a line with enough roots to its right, starts along
+//! that line, and at last rectangles halved until each missing root is alone in one.
+
+use num_complex::Complex64;
+
+use super::matrix::CharacteristicMatrix;
+use super::roots::{Known, keep, right_of};
+use crate::spectrum::contour::{Stop, zeros_in_rectangle};
+
+/// How many steps one contour of the search for a line may take.
+const LINE_STEPS: usize = 100_000;
+/// How many steps the contour of one rectangle may take, and how many rectangles are tried.
+const RECTANGLE_STEPS: usize = 20_000;
+const MOST_RECTANGLES: usize = 80;
+/// Beyond this many roots right of a line, a line further right is looked for.
+pub(super) const MOST_TO_FIND: usize = 6_000;
+
+/// How many Newton iterations' starts are affordable: inverting n × n matrices costs as n³.
+fn most_starts(matrix: &CharacteristicMatrix) -> usize {
+    (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
+}
+
+/// A line with at least `count` roots to its right and not many more, with their number.
+///
+/// `hint` is a line to begin with. `None` where no such line could be counted.
+pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) -> Option<(f64, usize)> {
+    let longest = matrix.longest_delay();
+    let counted = |sigma: f64| -> Result<(f64, usize), Stop> {
+        let mut line = sigma;
+        let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / longest);
+        loop {
+            match matrix.roots_right_of(line, LINE_STEPS) {
+                Err(Stop::NearZero { .. }) if nudge < 1e-3 * (sigma.abs() + 1e-3 / longest) => {
+                    line = sigma - nudge;
+                    nudge *= 16.0;
+                }
+                other => return other.map(|number| (line, number)),
+            }
+        }
+    };
+    let mut shallow = matrix.radius(0.0);
+    let mut deep = None;
+    let mut sigma = hint.min(-1.0 / longest);
+    let mut too_deep = f64::NEG_INFINITY;
+    for _ in 0..80 {
+        match counted(sigma) {
+            Ok((line, number)) if number >= count => {
+                deep = Some((line, number));
+                if number <= 2 * count + 8 {
+                    return deep;
+                }
+                too_deep = line;
+            }
+            Ok((line, _)) => shallow = line,
+            Err(_) => too_deep = sigma,
+        }
+        sigma = if too_deep > f64::NEG_INFINITY {
+            if shallow - too_deep <= 1e-12 * (shallow.abs() + too_deep.abs()) {
+                break;
+            }
+            0.5 * (shallow + too_deep)
+        } else {
+            2.0 * sigma
+        };
+        if -sigma * longest > 600.0 {
+            break;
+        }
+    }
+    deep
+}
+
+/// Looks for the roots right of `depth` until `counted` are known, or all means are used up.
+pub(super) fn fill(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, depth: f64, counted: usize) {
+    // Weights for this line keep the bound on the roots small.
+    let matrix = &matrix.rebalanced(depth);
+    let top = matrix.radius(depth);
+    let right = matrix.radius(depth.max(0.0));
+    if !top.is_finite() {
+        return;
+    }
+    let mut starts = most_starts(matrix);
+    // From the left of a chain Newton moves straight onto it; what lies further right (roots that no
+    // delay makes) is reached from further right.
+    for share in [0.0, 0.03, 0.3] {
+        starts_on(matrix, known, (depth, depth + share * (right - depth)), top, counted, &mut starts);
+        if right_of(known, depth) >= counted || starts == 0 {
+            break;
+        }
+    }
+    if right_of(known, depth) < counted {
+        halve(matrix, known, depth, Complex64::new(right, top), counted);
+    }
+}
+
+/// Starts Newton along the line Re s = `sigma`, so densely that det Δ turns little between two.
+fn starts_on(
+    matrix: &CharacteristicMatrix,
+    known: &mut Vec<Known>,
+    (depth, sigma): (f64, f64),
+    top: f64,
+    counted: usize,
+    starts: &mut usize,
+) {
+    let longest = matrix.longest_delay();
+    // A chain of roots is at least this wide apart on average: det Δ holds n delays in all.
+    let finest = 0.5 / (matrix.size() as f64 * longest);
+    let coarsest = 1.5 / longest;
+    let mut y = 0.0;
+    while y <= top && *starts > 0 {
+        let s = Complex64::new(sigma, y);
+        *starts -= 1;
+        if keep(matrix, known, s) && right_of(known, depth) >= counted {
+            return;
+        }
+        let step = matrix.newton_step(s).norm();
+        y += if step.is_finite() { (1.5 * step).clamp(finest, coarsest.max(1e-4 * top)) } else { finest };
+    }
+}
+
+/// Counts in rectangles, halves those with more roots than are known in them, and starts Newton there.
+fn halve(
+    matrix: &CharacteristicMatrix,
+    known: &mut Vec<Known>,
+    depth: f64,
+    corner: Complex64,
+    counted: usize,
+) {
+    // The lower edge leaves room for real roots, which must not lie on it.
+    let bottom = -1e-3 * (corner.im + 1.0 / matrix.longest_delay());
+    let mut waiting = vec![(Complex64::new(depth, bottom), corner * 1.01)];
+    let mut tried = 0;
+    while let Some((low, high)) = waiting.pop() {
+        if tried >= MOST_RECTANGLES || right_of(known, depth) >= counted {
+            return;
+        }
+        tried += 1;
+        if let Ok(number) = zeros_in_rectangle(matrix, low, high, RECTANGLE_STEPS)
+            && number <= inside(known, low, high)
+        {
+            continue;
+        }
+        let size = high - low;
+        for (x, y) in [(0.5, 0.5), (0.05, 0.25), (0.05, 0.75), (0.7, 0.3), (0.7, 0.8)] {
+            keep(matrix, known, low + Complex64::new(x * size.re, y * size.im));
+        }
+        if size.norm() <= 1e-7 * high.norm() {
+            continue;
+        }
+        // Not the middle: roots of simple systems lie on round numbers.
+        if size.re > size.im {
+            let middle = low.re + 0.483 * size.re;
+            waiting.push((low, Complex64::new(middle, high.im)));
+            waiting.push((Complex64::new(middle, low.im), high));
+        } else {
+            let middle = low.im + 0.483 * size.im;
+            waiting.push((low, Complex64::new(high.re, middle)));
+            waiting.push((Complex64::new(low.re, middle), high));
+        }
+    }
+}
+
+fn inside(known: &[Known], low: Complex64, high: Complex64) -> usize {
+    let within = |s: Complex64| s.re > low.re && s.re < high.re && s.im > low.im && s.im < high.im;
+    known
+        .iter()
+        .map(|root| {
+            let both = usize::from(within(root.s)) + usize::from(root.s.im > 0.0 && within(root.s.conj()));
+            both * root.multiplicity
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Delay, hman};
+
+    #[test]
+    fn law_halving_alone_finds_every_root_that_is_counted() {
+        let axis = hman().axis(0).unwrap();
+        let system = axis.delay_system(71.2, &Delay::new(0.1, 0.2).unwrap()).unwrap();
+        let matrix = CharacteristicMatrix::balanced(&system, -22.0);
+        let counted = matrix.roots_right_of(-22.0, LINE_STEPS).unwrap();
+        assert_eq!(counted, 7);
+        let mut known = Vec::new();
+        let corner = Complex64::new(matrix.radius(0.0), matrix.radius(-22.0));
+        halve(&matrix, &mut known, -22.0, corner, counted);
+        assert_eq!(right_of(&known, -22.0), counted);
+    }
+
+    #[test]
+    fn law_a_line_has_the_roots_it_was_asked_for() {
+        let axis = hman().axis(0).unwrap();
+        for (forward, backward) in [(6e-6, 1.4e-5), (0.1, 0.2), (43.0, 99.0)] {
+            let system = axis.delay_system(71.2, &Delay::new(forward, backward).unwrap()).unwrap();
+            let matrix = CharacteristicMatrix::balanced(&system, 0.0);
+            for count in [1, 8, 40] {
+                let (line, counted) = line_with(&matrix, count, 0.0).unwrap();
+                assert!((count..=2 * count + 8).contains(&counted), "{forward}: {counted} of {count}");
+                assert_eq!(matrix.roots_right_of(line, LINE_STEPS), Ok(counted));
+            }
+        }
+    }
+}

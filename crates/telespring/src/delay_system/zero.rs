@@ -1,0 +1,61 @@
+//! How often s = 0 is a root: a question of ranks, not of iteration.
+
+use nalgebra::DMatrix;
+
+use super::matrix::CharacteristicMatrix;
+
+/// No block Toeplitz matrix larger than this is built.
+const LARGEST_ORDER: usize = 256;
+
+/// The multiplicity of s = 0 as a zero of det Δ, ranks taken to rounding.
+///
+/// With Δ(s) = Σ Δₗ sˡ, the block Toeplitz matrix of Δ₀ … Δₖ₋₁ lacks Σ min(k, κᵢ) of full rank, κᵢ
+/// the partial multiplicities of s = 0, whose sum is wanted (Gohberg, Lancaster and Rodman 1982,
+/// "Matrix Polynomials", section 1.4). It is reached where one block more changes nothing.
+pub(super) fn multiplicity(matrix: &CharacteristicMatrix) -> usize {
+    let size = matrix.size();
+    let most = (LARGEST_ORDER / size).max(1);
+    let mut missing = 0;
+    for blocks in 1..=most {
+        let now = missing_rank(&toeplitz(matrix, blocks));
+        if now == missing {
+            break;
+        }
+        missing = now;
+    }
+    missing
+}
+
+fn toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
+    let size = matrix.size();
+    let norm = matrix.scale();
+    // The unit of s: that of the faster of system and delays, so that no coefficient outgrows Δ₀.
+    let unit = if matrix.longest_delay() > 0.0 { norm.min(matrix.longest_delay().recip()) } else { norm };
+    let coefficient = |order: usize| {
+        let mut sum = match order {
+            0 => -&matrix.instantaneous,
+            1 => DMatrix::identity(size, size),
+            _ => DMatrix::zeros(size, size),
+        };
+        let factorial: f64 = (1..=order).map(|i| i as f64).product();
+        for (delay, term) in &matrix.delayed {
+            sum -= term * ((-delay).powi(order as i32) / factorial);
+        }
+        sum * (unit.powi(order as i32) / norm)
+    };
+    let coefficients: Vec<DMatrix<f64>> = (0..blocks).map(coefficient).collect();
+    let mut whole = DMatrix::zeros(blocks * size, blocks * size);
+    for row in 0..blocks {
+        for column in 0..=row {
+            whole.view_mut((row * size, column * size), (size, size)).copy_from(&coefficients[row - column]);
+        }
+    }
+    whole
+}
+
+fn missing_rank(matrix: &DMatrix<f64>) -> usize {
+    let order = matrix.nrows();
+    let values = matrix.singular_values();
+    let rounding = 8.0 * order as f64 * f64::EPSILON * values.max();
+    values.iter().filter(|value| **value <= rounding).count()
+}
