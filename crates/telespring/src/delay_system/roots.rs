@@ -41,6 +41,7 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     let most_nodes = ((LARGEST_ORDER.max(4 * size) - size) / states).max(8);
     let mut nodes = (12 + count / states).min(most_nodes);
     let mut known = at_zero(&matrix);
+    let mut searched = false;
     loop {
         // The shifts of the eigenvalue iteration can go in circles; another size breaks the circle.
         let starts = eigenvalues(&matrix, nodes).or_else(|| eigenvalues(&matrix, nodes + 1));
@@ -58,7 +59,9 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
         // A missing root is more often one that needs more nodes than one that counts twice.
         let mut outcome = certify(&matrix, &mut known, count, last || nodes > 60);
         let complete = matches!(outcome, Some((_, Certificate::Complete)));
-        if !complete && (last || nodes > 60) {
+        // Once: what it cannot find, it cannot find from a few starts more.
+        if !complete && !searched && (last || nodes > 60) {
+            searched = true;
             outcome = search(&matrix, &mut known, count, outcome);
         }
         match outcome {

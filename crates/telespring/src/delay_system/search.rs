@@ -12,10 +12,12 @@ const LINE_STEPS: usize = 100_000;
 /// How many steps the contour of one rectangle may take, and how many rectangles are tried.
 const RECTANGLE_STEPS: usize = 20_000;
 const MOST_RECTANGLES: usize = 80;
+/// After this many lines that took too many steps, the search for one is given up: each costs a second.
+const MOST_REFUSED: usize = 4;
 /// Beyond this many roots right of a line, a line further right is looked for.
 pub(super) const MOST_TO_FIND: usize = 6_000;
 
-/// How many Newton iterations' starts are affordable: inverting n × n matrices costs as n³.
+/// How many starts of Newton are affordable: inverting n × n matrices costs as n³.
 fn most_starts(matrix: &CharacteristicMatrix) -> usize {
     (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
 }
@@ -42,6 +44,7 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
     let mut deep = None;
     let mut sigma = hint.min(-1.0 / longest);
     let mut too_deep = f64::NEG_INFINITY;
+    let mut refused = 0;
     for _ in 0..80 {
         match counted(sigma) {
             Ok((line, number)) if number >= count => {
@@ -52,7 +55,10 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
                 too_deep = line;
             }
             Ok((line, _)) => shallow = line,
-            Err(_) => too_deep = sigma,
+            Err(_) => {
+                too_deep = sigma;
+                refused += 1;
+            }
         }
         sigma = if too_deep > f64::NEG_INFINITY {
             if shallow - too_deep <= 1e-12 * (shallow.abs() + too_deep.abs()) {
@@ -62,7 +68,7 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
         } else {
             2.0 * sigma
         };
-        if -sigma * longest > 600.0 {
+        if -sigma * longest > 600.0 || refused >= MOST_REFUSED {
             break;
         }
     }
