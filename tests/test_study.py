@@ -257,6 +257,7 @@ def test_law_the_page_says_what_its_limits_hold_for(analysis: Analysis, held: An
         "worst over them",
     ):
         assert words in caption, words
+    assert not re.search(r"[.)][A-Z“]", caption)
     middle = "operators in the middle of their ranges"
     assert middle in part(held, '<h2 id="robots">', "</caption>")
     assert middle in part(held, "<b>Figure 1.</b>", "</figcaption>")
