@@ -50,8 +50,14 @@ format: $(STAMPS)/test ## write the formatting that lint asks for
 	$(PYTHON_IN_VENV) -m ruff check --fix .
 	$(PYTHON_IN_VENV) -m ruff format .
 
+# New cases in every run, drawn from one seed; it is printed, and `make verify SEED=...` repeats them.
+SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
+verify: export PROPTEST_RNG_SEED := $(SEED)
+verify: export TELESPRING_VERIFY := $(SEED)
 verify: $(STAMPS)/binding $(STAMPS)/oracles ## the large random comparisons (minutes to hours)
+	@echo "drawing new cases from $(SEED); repeat them by 'make verify SEED=$(SEED)'"
 	cargo test --workspace --locked --release -- --include-ignored
+	$(PYTHON_IN_VENV) -m pytest tests/test_laws.py --hypothesis-seed $(SEED) --timeout 0
 	$(PYTHON_IN_VENV) -m pytest -m verify --timeout 0
 
 oracles: $(STAMPS)/oracles ## install the programs that others use, to compare with

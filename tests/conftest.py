@@ -20,9 +20,19 @@ import telespring as ts
 ROOT = Path(__file__).resolve().parent.parent
 
 # A failure found here must be found everywhere: generated cases are the same on every machine, and
-# no case fails for being slow.
+# no case fails for being slow. `make verify` draws new ones from the seed that it puts into
+# TELESPRING_VERIFY, and more of them.
+DRAWN_SEED = os.environ.get("TELESPRING_VERIFY")
 settings.register_profile("telespring", derandomize=True, deadline=None)
-settings.load_profile("telespring")
+settings.register_profile("verify", derandomize=False, deadline=None, max_examples=2000, print_blob=True)
+settings.load_profile("telespring" if DRAWN_SEED is None else "verify")
+
+
+def pytest_report_header() -> str:
+    """Say which generated cases these are, so that a failure can be repeated."""
+    if DRAWN_SEED is None:
+        return "generated cases: the same on every machine"
+    return f"generated cases: drawn from {DRAWN_SEED}; repeat them by `make verify SEED={DRAWN_SEED}`"
 
 
 @pytest.fixture(scope="session")

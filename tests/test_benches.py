@@ -36,7 +36,7 @@ def content(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, A
     return found
 
 
-def test_our_own_lines_are_there_and_accurate(content: dict[str, Any]) -> None:
+def test_cross_our_own_lines_are_there_and_accurate(content: dict[str, Any]) -> None:
     """A simulation is within the accuracy that `simulate` promises of an unrelated method."""
     ours = {row["name"]: row for row in content["rows"] if row["ours"]}
     for name in ("ours: Python simulate_array, positions", "ours: Python spectral_abscissa"):
@@ -44,7 +44,7 @@ def test_our_own_lines_are_there_and_accurate(content: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("peer", PEERS)
-def test_a_peer_is_measured(content: dict[str, Any], peer: str) -> None:
+def test_law_a_peer_is_measured(content: dict[str, Any], peer: str) -> None:
     """Each peer that is installed answers; one that is not has a line that says so."""
     lines = [row for row in content["rows"] if row["name"].startswith(PEERS[peer])]
     assert lines
@@ -55,7 +55,7 @@ def test_a_peer_is_measured(content: dict[str, Any], peer: str) -> None:
     assert all(row["timing"]["median"] > 0 for row in lines)
 
 
-def test_the_rust_program_is_measured(content: dict[str, Any], root: Path) -> None:
+def test_cross_the_rust_program_is_measured(content: dict[str, Any], root: Path) -> None:
     """Its lines meet their accuracy; their times are not looked at."""
     if not (root / PROGRAM).exists():
         pytest.skip(f"{PROGRAM} is not built; `make bench` builds it")

