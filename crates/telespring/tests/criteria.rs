@@ -196,6 +196,58 @@ fn ref_decay_range_is_too_soft_below_and_too_stiff_above() {
     assert!(decay_stiffness(&x, 0.5, 60.0).unwrap_err().to_string().contains("at most 5, that is 10 1/s"));
 }
 
+#[test]
+fn ref_the_paper_promises_no_delay_without_damping() {
+    // Eq. 9 is 0/0: without any damping every short delay destabilises.
+    let undamped = axis(1.0, 0.0, 2.0, 0.0);
+    assert_eq!(paper_maximum_delay(&undamped, 5.0).unwrap(), 0.0);
+    assert_eq!(maximum_delay(&undamped, 5.0).unwrap(), 0.0);
+}
+
+/// The first unstable stiffness of a logarithmic range, if any.
+fn unstable_between(axis: &DyadAxis, delay: f64, low: f64, high: f64) -> Option<f64> {
+    (0..=300)
+        .map(|i| low * (high / low).powf(f64::from(i) / 300.0))
+        .find(|&k| unstable_root_count(axis, k, delay).unwrap() > 0)
+}
+
+#[test]
+fn law_an_undamped_resonance_may_be_lost_at_the_softest_spring() {
+    let grounded = |m: [f64; 2], b: [f64; 2], kh: [f64; 2]| {
+        DyadAxis::with_operators(m[0], b[0], m[1], b[1], kh[0], kh[1], 0.0).unwrap()
+    };
+    let cases = [
+        (grounded([1.0, 1.0], [0.0, 0.0], [10.0, 0.0]), 0.05),
+        (grounded([3.41446, 1.07732], [0.0, 0.0], [9.5715, 0.0]), 0.09498),
+        (grounded([3.41446, 1.07732], [0.0, 1.9e-6], [9.5715, 0.0]), 0.09498),
+    ];
+    for (axis, delay) in cases {
+        assert_eq!(maximum_stiffness(&axis, delay).unwrap(), 0.0, "{axis:?}");
+        let exchanged = DyadAxis { sides: [axis.sides[1], axis.sides[0]], ..axis };
+        assert_eq!(maximum_stiffness(&exchanged, delay).unwrap(), 0.0, "{axis:?}");
+    }
+}
+
+#[test]
+fn law_an_undamped_resonance_may_be_lost_just_above_the_softest_spring() {
+    // The delay turns the bare resonance by half a turn, by one, and a little less or more.
+    let axis = DyadAxis::with_operators(1.0, 0.0, 2.0, 0.0, 10.0, 0.0, 0.0).unwrap();
+    let damped = DyadAxis::with_operators(1.0, 0.0, 2.0, 1e-3, 10.0, 0.0, 0.0).unwrap();
+    let turn = std::f64::consts::PI / 10.0_f64.sqrt();
+    for beside in [1e-3, 1e-5, 1e-7] {
+        // Re s grows with sin(ω T): past half a turn it falls first, past a whole one it rises.
+        for (turns, stable) in [(1.0 - beside, false), (1.0 + beside, true), (2.0 + beside, false)] {
+            let most = maximum_stiffness(&axis, 0.5 * turns * turn).unwrap();
+            assert_eq!(most > 0.0, stable, "{turns} {most}");
+        }
+        // Just short of a turn: lost where (1 + k/10)^½ makes up for it: K = 10 `beside` to first order.
+        let most = maximum_stiffness(&axis, 0.5 * (2.0 - beside) * turn).unwrap();
+        close(most, 10.0 * beside, 10.0 * beside + 1e-9);
+        let most = maximum_stiffness(&damped, 0.5 * (2.0 - 0.1) * turn).unwrap();
+        assert!(most > 0.0 && unstable_between(&damped, 0.95 * turn, 1e-3 * most, most * 0.999).is_none());
+    }
+}
+
 /// The smallest stiffness of a fine grid at which the delay is unstable.
 fn first_unstable(axis: &DyadAxis, delay: f64, up_to: f64, steps: u32) -> Option<f64> {
     (1..=steps)
@@ -278,6 +330,35 @@ proptest! {
             .flat_map(|&(a, b)| [(a - delay).abs(), (b - delay).abs()])
             .fold(f64::INFINITY, f64::min);
         prop_assert!(distance < 1e-6 * delay, "{:?} {} {}", near, delay, most);
+    }
+
+    #[test]
+    fn law_maximum_stiffness_of_undamped_sides(
+        axis in any_axis(), turns in 0.05f64..6.0, undamped in 0usize..3, light in prop_oneof![Just(0.0), (-8.0f64..-2.0).prop_map(|e| 10f64.powf(e))],
+    ) {
+        let mut axis = axis;
+        axis.coupling_damping = 0.0;
+        for (i, side) in axis.sides.iter_mut().enumerate() {
+            if undamped == i || undamped == 2 {
+                side.damping = 0.0;
+            } else {
+                side.damping = light;
+            }
+        }
+        let [first, second] = axis.sides.map(|side| side.mass / side.ground_stiffness.max(1.0));
+        let delay = (turns * first.min(second).sqrt()).min(50.0);
+        let most = maximum_stiffness(&axis, delay).unwrap();
+        // Below 1e-4 of the elastic terms two crossings lie too close for the count of roots.
+        let resolved = 1e-4 * axis.sides.iter().map(|side| side.ground_stiffness).fold(1.0, f64::max);
+        if most > 1.01 * resolved {
+            prop_assert_eq!(unstable_between(&axis, delay, resolved, most * (1.0 - 1e-6)), None, "{}", most);
+        }
+        if most > 0.0 {
+            prop_assert!(most < resolved || unstable_between(&axis, delay, most * (1.0 + 1e-6), most * 1.001).is_some(), "{}", most);
+        } else {
+            // Unstable from the softest spring on.
+            prop_assert!(unstable_between(&axis, delay, resolved, 10.0 * resolved).is_some());
+        }
     }
 
     #[test]

@@ -262,7 +262,9 @@ fn law_the_sampled_bound_is_the_worst_corner_whatever_is_asked() {
     for (robots, firm, delay, period, computing) in cases {
         let network = Network::new(Delay::each_way(delay).unwrap(), 0.0, 0.0, period, computing).unwrap();
         let bound = |k: f64| {
-            over_operators(robots, firm, k, &network).axes[0].sampled_stiffness_bound.expect("a sample period")
+            over_operators(robots, firm, k, &network).axes[0]
+                .sampled_stiffness_bound
+                .expect("a sample period")
         };
         let least = bound(1.4);
         assert_eq!(least, bound(80.0));

@@ -6,6 +6,7 @@ use super::critical::critical_stiffness;
 use super::crossings::all_crossings;
 use super::curve::{Curvature, Jet, LineFunction, Region, Wanted, solve};
 use super::intervals::{is_stable_without_delay, unstable_roots};
+use super::softest::{crossings_above, undamped_resonances};
 use crate::characteristic::{self, Characteristic, Exponential};
 use crate::error::{InvalidInput, Result};
 use crate::model::{DyadAxis, Side};
@@ -37,27 +38,67 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
     }
     let round_trip = 2.0 * delay;
     let critical = critical_stiffness(axis);
-    let mut low = critical * (1.0 - 1e-9);
-    if critical == 0.0 {
-        low = 1e-9 * stiffness_scale(axis, round_trip);
-        if unstable_roots(axis, low, delay) > 0 {
+    let line = StiffnessLine { axis, round_trip, decay_rate: 0.0 };
+    if critical > 0.0 {
+        let low = critical * (1.0 - 1e-9);
+        return Ok(first_crossing(&line, low, 1e-3 * low));
+    }
+    let scale = stiffness_scale(axis, round_trip);
+    let (resonances, coincident) = undamped_resonances(axis, round_trip);
+    if resonances.is_empty() {
+        let mut low = 1e-9 * scale;
+        if coincident {
+            // Both roots move by a part k here: a count of roots still tells them apart.
+            low = axis.sides.iter().fold(f64::INFINITY, |low, side| {
+                let frequency = (side.ground_stiffness / side.mass).sqrt();
+                low.min(1e-4 * side.ground_stiffness).min(0.1 * side.mass * frequency / round_trip)
+            });
+        } else if !axis.is_free() && axis.coupling_damping == 0.0 {
+            low = low.max(crossings_above(axis, round_trip));
+        }
+        if axis.is_free() && unstable_roots(axis, low, delay) > 0 {
             return Ok(0.0);
         }
+        let stiffness = first_crossing(&line, low, low);
+        // No root crosses between, so that one stiffness speaks for all.
+        return Ok(if unstable_roots(axis, 0.5 * stiffness, delay) > 0 { 0.0 } else { stiffness });
     }
-    let line = StiffnessLine { axis, round_trip, decay_rate: 0.0 };
-    // Every large stiffness is unstable at a positive delay, so that some window holds a crossing; the
-    // windows widen because at a long delay the first crossing lies close above the critical stiffness.
-    let mut width = 1e-3 * low;
+
+    let soft = resonances.iter().map(|resonance| resonance.valid).fold(f64::INFINITY, f64::min);
+    let mut first =
+        resonances.iter().filter_map(|resonance| resonance.first_loss(soft)).fold(f64::INFINITY, f64::min);
+    // All other roots are stable with the softest spring; they are searched for beside the resonances.
+    let mut bands: Vec<(f64, f64)> = resonances.iter().map(|resonance| resonance.band(soft)).collect();
+    bands.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut from = 0.0;
+    let end = highest_frequency(axis, soft).max(bands[bands.len() - 1].1);
+    let softest = crossings_above(axis, round_trip).min(soft);
+    for (start, next) in bands.into_iter().chain(std::iter::once((end, end))) {
+        let high = soft.min(first);
+        if start > from && softest < high {
+            let region = Region { frequency: (from, start), parameter: (softest, high) };
+            first = solve(&line, region, Wanted::Least).first().copied().unwrap_or(first).min(first);
+        }
+        from = from.max(next);
+    }
+    Ok(if first.is_finite() { first } else { first_crossing(&line, soft, soft) })
+}
+
+/// The least stiffness above `low` at which a root crosses, N/m.
+///
+/// Every large stiffness is unstable at a positive delay, so that some window holds a crossing; the
+/// windows widen because at a long delay the first crossing lies close above the critical stiffness.
+fn first_crossing(line: &StiffnessLine, mut low: f64, mut width: f64) -> f64 {
     while low.is_finite() {
         let high = low + width;
         width *= 2.0;
-        let region = Region { frequency: (0.0, highest_frequency(axis, high)), parameter: (low, high) };
-        if let Some(&stiffness) = solve(&line, region, Wanted::Least).first() {
-            return Ok(stiffness);
+        let region = Region { frequency: (0.0, highest_frequency(line.axis, high)), parameter: (low, high) };
+        if let Some(&stiffness) = solve(line, region, Wanted::Least).first() {
+            return stiffness;
         }
         low = high;
     }
-    Ok(f64::INFINITY)
+    f64::INFINITY
 }
 
 /// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is

@@ -20,6 +20,7 @@ mod intervals;
 mod inverse;
 mod paper;
 mod polynomial;
+mod softest;
 pub mod verdicts;
 
 pub use critical::{critical_stiffness, is_delay_independent};
