@@ -248,6 +248,23 @@ fn law_an_undamped_resonance_may_be_lost_just_above_the_softest_spring() {
     }
 }
 
+#[test]
+fn ref_an_undamped_held_side_beside_a_damper_has_a_critical_stiffness() {
+    let held = |kh1, kh2| DyadAxis::with_operators(1.0, 0.0, 2.0, 3.0, kh1, kh2, 4.0).unwrap();
+    let axis = held(50.0, 20.0);
+    let critical = critical_stiffness(&axis);
+    assert!(critical > 1e-3);
+    for i in 1..400 {
+        assert!(crossings(&axis, critical * f64::from(i) / 400.0).unwrap().is_empty());
+    }
+    assert!(!crossings(&axis, critical * (1.0 + 1e-6)).unwrap().is_empty());
+    // Tuned alike and undamped on both sides, the common motion never meets the damper.
+    let alike = DyadAxis::with_operators(1.0, 0.0, 2.0, 0.0, 10.0, 20.0, 4.0).unwrap();
+    assert_eq!(critical_stiffness(&alike), 0.0);
+    let refused = decay_stiffness(&alike, 0.1, 0.0).unwrap_err();
+    assert!(refused.to_string().contains("a decay rate above 0 is needed"));
+}
+
 /// The smallest stiffness of a fine grid at which the delay is unstable.
 fn first_unstable(axis: &DyadAxis, delay: f64, up_to: f64, steps: u32) -> Option<f64> {
     (1..=steps)

@@ -152,7 +152,8 @@ const FASTEST_DECAY: f64 = 5.0;
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay or the decay rate is not in range, or their product exceeds 5.
+/// [`InvalidInput`] where the delay or the decay rate is not in range, their product exceeds 5, or the
+/// rate is 0 and an undamped side makes the critical stiffness 0.
 ///
 /// # Examples
 ///
@@ -177,12 +178,23 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
             "Ask for a slower decay: a motion that crosses the network settles in several delays.",
         ));
     }
+    // On the imaginary axis itself nothing crosses below the critical stiffness.
+    let lowest = if decay_rate > 0.0 { 0.0 } else { critical_stiffness(axis) * (1.0 - 1e-9) };
+    if decay_rate == 0.0 && lowest == 0.0 {
+        return Err(InvalidInput::new(
+            "decay_rate",
+            decay_rate,
+            "a decay rate above 0 is needed where an undamped side makes every stiffness critical",
+            "Ask for a small decay rate, or for the maximum stiffness at this delay.",
+        ));
+    }
     let round_trip = 2.0 * delay;
-    let bound = stiffness_limit(axis, delay, decay_rate);
+    let bound = stiffness_limit(axis, delay, decay_rate).max(2.0 * lowest);
     let limit = bound.min(quantity::STIFFNESS.maximum());
     let line = StiffnessLine { axis, round_trip, decay_rate };
     let highest = frequency_bound(axis, limit, round_trip, decay_rate);
-    let region = Region { frequency: (1e-9 * highest, highest), parameter: (1e-12 * limit, limit) };
+    let region =
+        Region { frequency: (1e-9 * highest, highest), parameter: (lowest.max(1e-12 * limit), limit) };
     let mut changes = solve(&line, region, Wanted::All);
     changes.extend(real_changes(axis, round_trip, decay_rate).into_iter().filter(|&k| k > 0.0 && k < limit));
     changes.sort_by(f64::total_cmp);

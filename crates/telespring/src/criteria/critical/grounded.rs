@@ -11,16 +11,19 @@ const RESOLUTION: f64 = 1e-9;
 type Tensor = [[f64; 4]; 5];
 
 pub(super) fn critical(axis: &DyadAxis) -> f64 {
-    let Some(lowest) = stable_below(axis) else { return 0.0 };
+    let bound = stable_below(axis);
+    // An undamped side still meets the coupling damper: only a soft spring's limit is left to decide.
+    let softest = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
+    let Some(lowest) = bound.or(softest) else { return 0.0 };
     let mut best = scan(axis, lowest);
     // Each round either proves that F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
     for _ in 0..64 {
         match negative_point(axis, lowest, best.stiffness * (1.0 - RESOLUTION), best.squared_frequency) {
-            None => return best.stiffness,
+            None => break,
             Some(squared_frequency) => best = descend(axis, squared_frequency, best),
         }
     }
-    best.stiffness
+    if bound.is_none() && best.stiffness < 1e3 * lowest { 0.0 } else { best.stiffness }
 }
 
 /// A point on the curve F = 0.
@@ -40,6 +43,12 @@ fn stable_below(axis: &DyadAxis) -> Option<f64> {
         bound.min(half + (2.0 * half * side.ground_stiffness).sqrt())
     });
     (bound > 0.0).then_some(bound)
+}
+
+/// A stiffness typical of the sides on their own, N/m.
+fn stiffness_scale(axis: &DyadAxis) -> f64 {
+    let loss = |damping: f64, mass: f64| (damping + axis.coupling_damping).powi(2) / mass;
+    axis.sides.iter().map(|side| side.ground_stiffness + loss(side.damping, side.mass)).sum()
 }
 
 /// A first point of the curve: the least stiffness over a grid of frequencies about the resonances.
