@@ -215,15 +215,3 @@ fn ref_multiple_roots_of_a_system_count_each_time() {
         assert!((Complex64::new(root.re, root.im.abs()) - w).norm() < 1e-12, "{root} for {w}");
     }
 }
-
-/// χ = (s + 1)²(s² + 2s + 2) − (s + 1)² = (s + 1)⁴.
-#[test]
-fn ref_a_root_of_fourth_order_is_listed_four_times() {
-    let axis = telespring::DyadAxis::with_operators(1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0).unwrap();
-    let delay = telespring::Delay::each_way(0.0).unwrap();
-    let found = telespring::spectrum::characteristic_roots(&axis, 1.0, &delay, 8).unwrap();
-    assert!(found.certificate.is_complete());
-    assert_eq!(found.roots.len(), 4);
-    // A root of fourth order is known to the fourth root of rounding.
-    assert!(found.roots.iter().all(|root| (root + 1.0).norm() < 1e-3));
-}

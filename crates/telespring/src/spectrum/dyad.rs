@@ -408,9 +408,6 @@ impl Search<'_> {
                 self.keep_pair(centre, half);
             }
         }
-        if self.right_of(f64::NEG_INFINITY) < degree {
-            self.repeat(&starts[zeros..]);
-        }
         let found = self.right_of(f64::NEG_INFINITY);
         let certificate = if found == degree {
             Certificate::Complete
@@ -418,22 +415,6 @@ impl Search<'_> {
             Certificate::Failed { counted: degree, found }
         };
         self.finish(count, f64::NEG_INFINITY, certificate)
-    }
-
-    /// Lists a real root of higher order as often as iterates gather about it.
-    fn repeat(&mut self, iterates: &[Complex64]) {
-        let about =
-            |s: Complex64| iterates.iter().filter(|other| (*other - s).norm() < 1e-2 * s.norm()).count();
-        for known in self.known.clone().into_iter().filter(|known| known.weight == 1) {
-            let listed: usize = self
-                .known
-                .iter()
-                .filter(|other| (other.s - known.s).norm() < 1e-2 * known.s.norm())
-                .map(|other| other.weight)
-                .sum();
-            let missing = about(known.s).saturating_sub(listed);
-            self.known.extend(std::iter::repeat_n(known, missing));
-        }
     }
 
     fn finish(mut self, count: usize, depth: f64, certificate: Certificate) -> Found {
