@@ -104,7 +104,7 @@ def test_law_without_delay_the_roots_are_those_of_the_ode(case: Case, k: float) 
         np.polynomial.Polynomial([k + kh2, b2 + c, m2]),
     )
     polynomial = one * two - np.polynomial.Polynomial([k, c]) ** 2
-    true = polynomial.roots()
+    true = np.asarray(polynomial.roots(), dtype=np.complex128)
     apart = np.abs(true[:, None] - true) + np.eye(len(true))
     assume(apart.min() > 1e-3)  # a crowd of roots is known to the root of rounding, and its status says so
     ours = ts.certified_roots(case.dyad(), k, 0.0).roots
