@@ -54,9 +54,6 @@ impl std::fmt::Display for Stop {
     }
 }
 
-/// How many steps are allowed where the caller has no better idea.
-pub const DEFAULT_STEPS: usize = 1_000_000;
-
 /// The share of |f| that a step may use up; the rest covers rounding.
 const SHARE: f64 = 0.9;
 
