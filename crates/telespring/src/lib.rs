@@ -10,6 +10,8 @@
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | the dyad in time: exact for the linear model, adaptive for any right-hand side |
+//! | [`session`] | one side of a live coupling: bytes and time in, force and bytes out |
+//! | [`rig`] | the virtual laboratory that drives two sessions in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
 //! | [`quantity`] | the quantities that enter, with their units and ranges |
 //! | [`error`] | what is refused at the door, and how it is told |
@@ -26,6 +28,8 @@ pub mod error;
 pub mod model;
 pub mod quantity;
 pub mod response;
+pub mod rig;
+pub mod session;
 pub mod spectrum;
 pub mod study;
 
