@@ -71,7 +71,8 @@ pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(
 /// An angular frequency in rad/s.
 pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
 /// A probability.
-pub const PROBABILITY: Quantity = Quantity::new("a probability", "(no unit)", 0.0, 1.0, Some(("%", 1e-2)));
+pub const PROBABILITY: Quantity =
+    Quantity::new("a probability", "(a share of 1)", 0.0, 1.0, Some(("%", 1e-2)));
 
 impl Quantity {
     const fn new(

@@ -75,7 +75,21 @@ impl Laboratory {
         }
         self.target.check().map_err(|refusal| refusal.within("task"))?;
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
-        self.network.check().map_err(|refusal| refusal.within("laboratory"))
+        self.network.check().map_err(|refusal| refusal.within("laboratory"))?;
+        let period = self.controller.sample_period;
+        for (index, side) in self.sides.iter().enumerate() {
+            if let Agent::Blurred { spots, .. } = side.agent
+                && spots.lifetime < period
+            {
+                return Err(InvalidInput::new(
+                    format!("agent{}.spot_lifetime", index + 1),
+                    spots.lifetime,
+                    format!("a spot lives for one sample period at least, here {period} s"),
+                    "Give a lifetime in s, such as 0.2.",
+                ));
+            }
+        }
+        Ok(())
     }
 }
 

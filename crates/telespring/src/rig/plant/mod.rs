@@ -32,6 +32,12 @@ impl RelaxingForce {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
+
+    /// Its mean over `span` s, N per axis: held that long, it has the same impulse.
+    pub fn mean(&self, span: f64) -> [f64; 2] {
+        let (rest, _) = lumped::averages(span / self.time_constant);
+        [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
+    }
 }
 
 /// A handle in the hands of an arm.
