@@ -85,7 +85,8 @@ impl Cloud {
             // renewal j comes at j·L/N: spot N−1 is the oldest at the start
             let next = self.renewals + 1;
             let birth = self.scale.lifetime * (next as f64 / count as f64);
-            if birth > time {
+            // a birth at a tick belongs to that tick, though the products round apart
+            if birth > time * (1.0 + 4.0 * f64::EPSILON) {
                 break;
             }
             let oldest = (count - 1 - self.renewals % count) as usize;
