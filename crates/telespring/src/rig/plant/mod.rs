@@ -1,0 +1,3 @@
+//! What the forces move: a robot's handle with the arm that holds it.
+
+pub mod two_link;
