@@ -495,6 +495,26 @@ mod sticking {
         assert!(stuck > 10 && slipping > 10, "{stuck} {slipping}");
     }
 
+    proptest! {
+        // one axis nearly at rest beside a fast one: its velocity dips through zero and back inside a span
+        #[test]
+        fn law_a_dip_through_zero_inside_a_span_is_seen(
+            arm in arms(), slow in 0.0..0.02, fast in -0.8..0.8, push in vectors(4.0),
+        ) {
+            let start = TwoLinkPlant::new(ROUGH, arm, [0.0, -0.02]).unwrap().with_velocity([slow, fast]);
+            let (mut whole, mut cut) = (start.clone(), start);
+            let torque = whole.torque_for([0.0; 2]);
+            if whole.advance_by_torque(push, torque, 0.1).is_err() { return Ok(()) }
+            for _ in 0..1000 {
+                cut.advance_by_torque(push, torque, 1e-4).unwrap();
+            }
+            for axis in 0..2 {
+                let off = (whole.position()[axis] - cut.position()[axis]).abs();
+                prop_assert!(off < 1e-10, "{off:e}");
+            }
+        }
+    }
+
     #[test]
     fn law_a_stuck_axis_is_set_loose_by_the_other_ones_motion() {
         // y is pushed close to its level; then x is thrown, and the arm's coupling breaks y loose
