@@ -10,6 +10,7 @@ mod dde;
 mod delay_system;
 mod errors;
 mod model;
+mod plant;
 mod response;
 mod rig;
 mod simulation;
@@ -33,6 +34,8 @@ mod _core {
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,

@@ -106,7 +106,7 @@ impl Cloud {
 #[derive(Debug, Clone)]
 pub(crate) enum Mover {
     Skilled { stiffness: f64, damping: f64 },
-    Blurred { stiffness: f64, cloud: Cloud },
+    Blurred { stiffness: f64, cloud: Box<Cloud> },
     External,
 }
 
@@ -115,7 +115,8 @@ impl Mover {
         match *agent {
             Agent::Skilled { stiffness, damping } => Self::Skilled { stiffness, damping },
             Agent::Blurred { stiffness, spots } => {
-                Self::Blurred { stiffness, cloud: Cloud::new(spots, generator(seed, Stream::Agent(side))) }
+                let cloud = Box::new(Cloud::new(spots, generator(seed, Stream::Agent(side))));
+                Self::Blurred { stiffness, cloud }
             }
             Agent::External => Self::External,
         }
