@@ -245,7 +245,9 @@ fn offsets(spots: Spots, tick: usize, seeds: u64) -> Vec<f64> {
     laboratory.sides[1].agent = Agent::Blurred { stiffness: 120.0, spots };
     laboratory.controller.sample_period = 0.01;
     laboratory.check().unwrap();
-    let schedule = Schedule { ticks: tick, stride: tick.max(1) };
+    // the shortest trial has the tick at its start alone
+    let schedule = Schedule::new((tick as f64 * 0.01).max(1e-6), 100.0, 0.01).unwrap();
+    assert_eq!(schedule.ticks(), tick);
     (0..seeds)
         .flat_map(|seed| {
             let trial = Trial { laboratory: &laboratory, coupling: None, seed, schedule };
