@@ -26,6 +26,7 @@ __all__ = [
     "DdeSolution",
     "DelaySystem",
     "Dyad",
+    "Laboratory",
     "Network",
     "Operator",
     "OperatorRange",
@@ -53,6 +54,7 @@ __all__ = [
     "stability_map",
     "stable_delays",
     "transfer_matrix",
+    "trial_seed",
     "unstable_root_count",
     "verdicts",
 ]
@@ -208,6 +210,34 @@ class DelaySystem:
     def __ne__(self, value: object, /) -> bool: ...
     def __getnewargs__(self) -> tuple[FloatArray, list[tuple[float, FloatArray]]]: ...
 
+@final
+class Laboratory:
+    @staticmethod
+    def paper() -> Laboratory: ...
+    def run(
+        self,
+        stiffness: float | None,
+        delay: Delay,
+        seed: int,
+        duration: float,
+        record_rate: float,
+        agents: Sequence[Callable[[float, FloatArray, FloatArray, FloatArray], ArrayLike] | None]
+        | None = None,
+        target: FloatArray | None = None,
+        coupling_damping: float = 0.0,
+    ) -> dict[str, Any]: ...
+    def run_many(
+        self,
+        stiffness: Sequence[float] | FloatArray,
+        delay: Sequence[float] | FloatArray,
+        seed: Sequence[int] | NDArray[np.uint64],
+        duration: float,
+        record_rate: float,
+        coupling_damping: float = 0.0,
+    ) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+
 def hman() -> Dyad: ...
 def critical_stiffness(axes: Axes, paper: bool) -> FloatArray: ...
 def maximum_delay(axes: Axes, k: FloatArray, paper: bool) -> FloatArray: ...
@@ -266,6 +296,7 @@ def solve_dde(
     span: tuple[float, float],
     options: OptionValues,
 ) -> DdeSolution: ...
+def trial_seed(seed: int, condition: int, trial: int) -> int: ...
 def simulate(
     dyad: Dyad,
     stiffness: float,

@@ -42,6 +42,37 @@ pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None)
 pub const RATE: Quantity = Quantity::new("a rate", "Hz", 1e-6, 1e9, Some(("kHz", 1e3)));
 /// A decay rate in 1/s.
 pub const DECAY_RATE: Quantity = Quantity::new("a decay rate", "1/s", 0.0, 1e6, None);
+/// The period of a controller, s.
+pub const SAMPLE_PERIOD: Quantity = Quantity::new("a sample period", "s", 1e-6, 1.0, Some(("ms", 1e-3)));
+/// A Coulomb friction in N.
+pub const COULOMB: Quantity = Quantity::new("a Coulomb friction", "N", 0.0, 1e6, None);
+/// A force in N.
+pub const FORCE: Quantity = Quantity::new("a force", "N", -1e9, 1e9, None);
+/// A place on an axis, m.
+pub const PLACE: Quantity = Quantity::new("a position", "m", -10.0, 10.0, Some(("mm", 1e-3)));
+/// The amplitude of a movement, m.
+pub const AMPLITUDE: Quantity = Quantity::new("an amplitude", "m", 0.0, 10.0, Some(("mm", 1e-3)));
+/// The length of a link, m.
+pub const LENGTH: Quantity = Quantity::new("a length", "m", 1e-3, 10.0, Some(("mm", 1e-3)));
+/// A distance along a link, m.
+pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
+/// A step of a position sensor, m.
+pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0, 0.1, Some(("µm", 1e-6)));
+/// A moment of inertia in kg·m².
+pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e4, None);
+/// The viscous damping of a joint in N·m·s/rad.
+pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e6, None);
+/// A largest torque in N·m.
+pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, 1e6, None);
+/// A spread of velocities, m/s.
+pub const SPEED: Quantity = Quantity::new("a spread of velocities", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
+/// How long a spot lives, s.
+pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(("ms", 1e-3)));
+/// An angular frequency in rad/s.
+pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
+/// A probability.
+pub const PROBABILITY: Quantity =
+    Quantity::new("a probability", "(a share of 1)", 0.0, 1.0, Some(("%", 1e-2)));
 
 impl Quantity {
     const fn new(

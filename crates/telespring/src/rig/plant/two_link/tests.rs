@@ -2,11 +2,11 @@
 
 use proptest::prelude::*;
 
-use super::super::super::{Elbow, Handle, TwoLinkArm};
 use super::dynamics::Rig;
 use super::friction::{Contact, contacts, motion};
 use super::kinematics::{Pose, dot};
 use super::{OutOfReach, TwoLinkPlant};
+use crate::rig::{Elbow, Handle, TwoLinkArm};
 
 const ROBOT: Handle = Handle { mass: [0.8334, 0.7257], damping: [7.7257, 6.1], coulomb: [0.0; 2] };
 const BARE: Handle = Handle { mass: [0.8334, 0.7257], damping: [0.0; 2], coulomb: [0.0; 2] };
