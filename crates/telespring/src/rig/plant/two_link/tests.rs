@@ -496,10 +496,10 @@ mod sticking {
     }
 
     proptest! {
-        // one axis nearly at rest beside a fast one: its velocity dips through zero and back inside a span
+        // one axis nearly at rest beside a fast one: it stops, sticks, is pulled loose
         #[test]
-        fn law_a_dip_through_zero_inside_a_span_is_seen(
-            arm in arms(), slow in 0.0..0.02, fast in -0.8..0.8, push in vectors(4.0),
+        fn law_one_long_span_or_a_thousand_short_ones(
+            arm in arms(), slow in 0.0..0.005, fast in -0.8..0.8, push in vectors(4.0),
         ) {
             let start = TwoLinkPlant::new(ROUGH, arm, [0.0, -0.02]).unwrap().with_velocity([slow, fast]);
             let (mut whole, mut cut) = (start.clone(), start);
@@ -509,9 +509,36 @@ mod sticking {
                 cut.advance_by_torque(push, torque, 1e-4).unwrap();
             }
             for axis in 0..2 {
+                // steps to 1e-11 m/s for 0.1 s, and what is said at `first_event`
                 let off = (whole.position()[axis] - cut.position()[axis]).abs();
                 prop_assert!(off < 1e-10, "{off:e}");
             }
+        }
+    }
+
+    #[test]
+    fn pin_an_axis_lets_go_once() {
+        // rounding once left this axis neither stuck nor slipping, 64 events long, and then without friction
+        let arm = TwoLinkArm {
+            link_length: [0.2858603128552258, 0.3382086894070268],
+            link_mass: [0.6798471584607139, 1.7185036906929754],
+            link_centre: [0.27674258926155854, 0.09636874918354299],
+            link_inertia: [0.015539699401390957, 0.004168340283901343],
+            joint_damping: [0.49187688115810807, 0.11034691414591413],
+            rotor_inertia: [0.03784721404518464, 0.02202679163485342],
+            ..ARM
+        };
+        let velocity = [0.012155072679212817, -0.26738566729188323];
+        let push = [-3.415366572224291, 1.9254393295320968];
+        let mut whole = TwoLinkPlant::new(ROUGH, arm, [0.0, -0.02]).unwrap().with_velocity(velocity);
+        let mut cut = whole.clone();
+        whole.advance_by_torque(push, [0.0; 2], 0.1).unwrap();
+        for _ in 0..1000 {
+            cut.advance_by_torque(push, [0.0; 2], 1e-4).unwrap();
+        }
+        for axis in 0..2 {
+            // it was 5e-10
+            assert!((whole.position()[axis] - cut.position()[axis]).abs() < 1e-11);
         }
     }
 
