@@ -5,9 +5,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use telespring::InvalidInput;
-use telespring::quantity::{DAMPING, MASS, SPAN};
-use telespring::rig::plant::two_link::TwoLinkPlant;
-use telespring::rig::{Elbow, Handle, TwoLinkArm};
+use telespring::quantity::SAMPLE_PERIOD;
+use telespring::rig::plant::Plant;
+use telespring::rig::{Arm, Elbow, Handle, TwoLinkArm};
 
 use crate::arguments::Number;
 use crate::errors::Outcome;
@@ -86,40 +86,36 @@ fn handle_of(dict: &Bound<'_, PyDict>) -> Outcome<Handle> {
         coulomb: table.pair("coulomb", Some([0.0; 2]))?,
     };
     table.end()?;
-    for axis in 0..2 {
-        MASS.check(&format!("handle.mass[{axis}]"), handle.mass[axis])?;
-        DAMPING.check(&format!("handle.damping[{axis}]"), handle.damping[axis])?;
-        let coulomb = handle.coulomb[axis];
-        if !(0.0..=1e6).contains(&coulomb) {
-            return Err(InvalidInput::new(
-                format!("handle.coulomb[{axis}]"),
-                coulomb,
-                "a friction must be a number from 0 to 1e6 N",
-                "Check the sign and the unit: N is expected.",
-            )
-            .into());
-        }
-    }
+    handle.check().map_err(|refusal| refusal.within("handle"))?;
     Ok(handle)
 }
 
-fn two_link_of(dict: &Bound<'_, PyDict>) -> Outcome<TwoLinkArm> {
+fn arm_of(dict: &Bound<'_, PyDict>) -> Outcome<Arm> {
     let mut table = Table::new("arm", dict);
-    table.text("kind", &["two-link"])?;
-    let elbow = table.text("elbow", &["left", "right"])?;
-    let arm = TwoLinkArm {
-        base: table.pair("base", None)?,
-        elbow: if elbow.as_deref() == Some("left") { Elbow::Left } else { Elbow::Right },
-        link_length: table.pair("link_length", None)?,
-        link_mass: table.pair("link_mass", None)?,
-        link_centre: table.pair("link_centre", None)?,
-        link_inertia: table.pair("link_inertia", None)?,
-        joint_damping: table.pair("joint_damping", None)?,
-        rotor_inertia: table.pair("rotor_inertia", None)?,
-        torque_limit: table.pair("torque_limit", Some([f64::INFINITY; 2]))?,
+    let arm = match table.text("kind", &["massless", "lumped", "two-link"])?.as_deref() {
+        Some("two-link") => {
+            let elbow = table.text("elbow", &["left", "right"])?;
+            Arm::TwoLink(TwoLinkArm {
+                base: table.pair("base", None)?,
+                elbow: if elbow.as_deref() == Some("left") { Elbow::Left } else { Elbow::Right },
+                link_length: table.pair("link_length", None)?,
+                link_mass: table.pair("link_mass", None)?,
+                link_centre: table.pair("link_centre", None)?,
+                link_inertia: table.pair("link_inertia", None)?,
+                joint_damping: table.pair("joint_damping", Some([0.0; 2]))?,
+                rotor_inertia: table.pair("rotor_inertia", Some([0.0; 2]))?,
+                torque_limit: table.pair("torque_limit", Some([f64::INFINITY; 2]))?,
+            })
+        }
+        Some("lumped") => Arm::Lumped {
+            mass: table.pair("mass", Some([0.0; 2]))?,
+            damping: table.pair("damping", Some([0.0; 2]))?,
+        },
+        _ => Arm::Lumped { mass: [0.0; 2], damping: [0.0; 2] },
     };
     table.end()?;
-    Ok(arm.checked().map_err(|refusal| refusal.within("arm"))?)
+    arm.check().map_err(|refusal| refusal.within("arm"))?;
+    Ok(arm)
 }
 
 /// Any array_like of rows (x, y), refused by its name.
@@ -157,7 +153,7 @@ struct Record {
     out_of_reach: bool,
 }
 
-/// Position, velocity and the force at the handle of one robot in a two-link arm, all forces held.
+/// Position, velocity and the force at the handle of one robot in an arm, all forces held.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "tests name them")]
 #[pyo3(signature = (handle, arm, hand_force, robot_force, sample_period, position0, velocity0=[0.0, 0.0]))]
@@ -171,9 +167,9 @@ pub fn simulate_handle<'py>(
     position0: [f64; 2],
     velocity0: [f64; 2],
 ) -> Outcome<Bound<'py, PyDict>> {
-    let (handle, arm) = (handle_of(handle)?, two_link_of(arm)?);
+    let (handle, arm) = (handle_of(handle)?, arm_of(arm)?);
     let (hand, robot) = (rows("hand_force", hand_force)?, rows("robot_force", robot_force)?);
-    let period = SPAN.check("sample_period", sample_period.named("sample_period")?)?;
+    let period = SAMPLE_PERIOD.check("sample_period", sample_period.named("sample_period")?)?;
     if hand.len() != robot.len() || hand.is_empty() {
         return Err(InvalidInput::new(
             "robot_force",
@@ -183,14 +179,7 @@ pub fn simulate_handle<'py>(
         )
         .into());
     }
-    let plant = TwoLinkPlant::new(handle, arm, position0).map_err(|outside| {
-        InvalidInput::new(
-            "position0",
-            format!("{position0:?}"),
-            outside.to_string(),
-            "Start within the reach, or move the arm's base.",
-        )
-    })?;
+    let plant = Plant::new(handle, &arm, position0).map_err(|refusal| refusal.within("arm"))?;
     let record = py.detach(|| run(plant.with_velocity(velocity0), &hand, &robot, period));
     let out = PyDict::new(py);
     let ended_at = if record.out_of_reach { period * (record.position.len() - 1) as f64 } else { f64::NAN };
@@ -199,20 +188,24 @@ pub fn simulate_handle<'py>(
     out.set_item("position", columns(py, record.position)?)?;
     out.set_item("velocity", columns(py, record.velocity)?)?;
     out.set_item("handle_force", columns(py, record.handle_force)?)?;
-    out.set_item("torque", columns(py, record.torque)?)?;
+    if matches!(arm, Arm::TwoLink(_)) {
+        out.set_item("torque", columns(py, record.torque)?)?;
+    }
     Ok(out)
 }
 
-fn run(mut plant: TwoLinkPlant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> Record {
+fn run(mut plant: Plant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> Record {
     let mut record = Record::default();
-    let keep = |plant: &TwoLinkPlant, tick: usize, record: &mut Record| {
+    let keep = |plant: &Plant, tick: usize, record: &mut Record| {
         record.position.push(plant.position());
         record.velocity.push(plant.velocity());
         record.handle_force.push(plant.handle_force(robot[tick], hand[tick]));
     };
     for tick in 0..hand.len() {
         keep(&plant, tick, &mut record);
-        record.torque.push(plant.torque_for(hand[tick]));
+        if let Plant::TwoLink(arm) = &plant {
+            record.torque.push(arm.torque_for(hand[tick]));
+        }
         if plant.advance(robot[tick], hand[tick], period).is_err() {
             record.out_of_reach = true;
             return record;
@@ -225,28 +218,35 @@ fn run(mut plant: TwoLinkPlant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f
 
 type Matrices<'py> = Bound<'py, PyArray3<f64>>;
 
-/// Mass and damping matrices that the handle feels of a two-link arm at each position.
+/// Mass and damping matrices that the handle feels of an arm at each position.
 #[pyfunction]
 pub fn arm_operator<'py>(
     py: Python<'py>,
     arm: &Bound<'py, PyDict>,
     positions: &Bound<'py, PyAny>,
 ) -> Outcome<(Matrices<'py>, Matrices<'py>)> {
-    let arm = two_link_of(arm)?;
+    let arm = arm_of(arm)?;
     let positions = rows("positions", positions)?;
     let (mut mass, mut damping) = (Vec::new(), Vec::new());
     for (index, position) in positions.iter().enumerate() {
-        let (m, d) = arm.operator_at(*position).map_err(|outside| {
-            InvalidInput::new(
-                format!("positions[{index}]"),
-                format!("{position:?}"),
-                outside.to_string(),
-                "Keep to positions within the reach, or move the arm's base.",
-            )
-        })?;
+        let (m, d) = match &arm {
+            Arm::Lumped { mass, damping } => (diagonal(*mass), diagonal(*damping)),
+            Arm::TwoLink(arm) => arm.operator_at(*position).map_err(|outside| {
+                InvalidInput::new(
+                    format!("positions[{index}]"),
+                    format!("{position:?}"),
+                    outside.to_string(),
+                    "Keep to positions within the reach, or move the arm's base.",
+                )
+            })?,
+        };
         mass.extend(m.into_iter().flatten());
         damping.extend(d.into_iter().flatten());
     }
     let shape = [positions.len(), 2, 2];
     Ok((mass.into_pyarray(py).reshape(shape)?, damping.into_pyarray(py).reshape(shape)?))
+}
+
+fn diagonal([x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    [[x, 0.0], [0.0, y]]
 }

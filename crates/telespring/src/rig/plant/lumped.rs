@@ -192,6 +192,15 @@ impl LumpedPlant {
         Self { axes: [axis(0), axis(1)] }
     }
 
+    /// The same at `velocity`, m/s.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
+        for (axis, velocity) in self.axes.iter_mut().zip(velocity) {
+            axis.velocity = velocity;
+        }
+        self
+    }
+
     /// Where the handle is, m.
     pub fn position(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.position)

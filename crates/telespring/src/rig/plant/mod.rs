@@ -1,13 +1,21 @@
 //! What moves: a robot's handle with the arm that holds it.
 
 mod lumped;
-pub mod two_link;
+mod two_link;
 
 pub use lumped::LumpedPlant;
-pub use two_link::{OutOfReach, TwoLinkPlant};
+pub use two_link::{SMALLEST_ELBOW_SINE, TwoLinkPlant};
 
 use super::{Arm, Handle};
 use crate::error::{InvalidInput, Result};
+
+/// An arm cannot reach the handle's position.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("the arm cannot reach x = {} m, y = {} m", .position[0], .position[1])]
+pub struct OutOfReach {
+    /// Where it should be, or where it was last in reach, m.
+    pub position: [f64; 2],
+}
 
 /// A force that goes from one value to another as e^(−t/τ), as behind an actuator of first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +47,7 @@ impl RelaxingForce {
 pub enum Plant {
     /// An arm that is the same in every pose.
     Lumped(LumpedPlant),
-    /// Two links.
+    /// Two links in the plane, whose mass and damping change with the pose.
     TwoLink(TwoLinkPlant),
 }
 
@@ -55,14 +63,16 @@ impl Plant {
                 Ok(Self::Lumped(LumpedPlant::new(handle, mass, damping, position)))
             }
             Arm::TwoLink(arm) => {
-                TwoLinkPlant::new(handle, arm, position).map(Self::TwoLink).map_err(|unreached| {
+                let plant = TwoLinkPlant::new(handle, arm, position).map_err(|outside| {
                     InvalidInput::new(
                         "base",
                         format!("{:?}", arm.base),
-                        format!("the arm has to reach the start of the task: {unreached}"),
-                        "Move the base, or give the links other lengths.",
+                        format!("{outside} where the handle starts"),
+                        "Move the base so that its distance from there is between the difference and the sum of \
+                         the links' lengths, with room to both.",
                     )
-                })
+                })?;
+                Ok(Self::TwoLink(plant))
             }
         }
     }
@@ -83,9 +93,17 @@ impl Plant {
         }
     }
 
-    /// Moves on by `span` s while the robot's force on the handle and what the agent commands (N per axis)
-    /// are held: of a lumped arm the force on the hand, of two links the torques that this force asks for
-    /// in the pose at the start.
+    /// The same at `velocity`, m/s.
+    #[must_use]
+    pub fn with_velocity(self, velocity: [f64; 2]) -> Self {
+        match self {
+            Self::Lumped(plant) => Self::Lumped(plant.with_velocity(velocity)),
+            Self::TwoLink(plant) => Self::TwoLink(plant.with_velocity(velocity)),
+        }
+    }
+
+    /// Moves on by `span` s while the robot's force on the handle and the agent's force on the arm's hand
+    /// (N per axis) are held.
     ///
     /// # Errors
     ///
@@ -97,10 +115,12 @@ impl Plant {
         span: f64,
     ) -> std::result::Result<(), OutOfReach> {
         match self {
-            Self::Lumped(plant) => plant.advance(robot_force, hand_force, span),
-            Self::TwoLink(plant) => plant.advance(robot_force, hand_force, span)?,
+            Self::Lumped(plant) => {
+                plant.advance(robot_force, hand_force, span);
+                Ok(())
+            }
+            Self::TwoLink(plant) => plant.advance(robot_force, hand_force, span),
         }
-        Ok(())
     }
 
     /// As [`Plant::advance`] while the robot's force relaxes: exact where the plant is linear, elsewhere
@@ -116,10 +136,12 @@ impl Plant {
         span: f64,
     ) -> std::result::Result<(), OutOfReach> {
         match self {
-            Self::Lumped(plant) => plant.advance_relaxing(robot_force, hand_force, span),
-            Self::TwoLink(plant) => plant.advance(robot_force.mean(span), hand_force, span)?,
+            Self::Lumped(plant) => {
+                plant.advance_relaxing(robot_force, hand_force, span);
+                Ok(())
+            }
+            Self::TwoLink(plant) => plant.advance(robot_force.mean(span), hand_force, span),
         }
-        Ok(())
     }
 
     /// The force of the arm on the handle under these forces, N per axis.

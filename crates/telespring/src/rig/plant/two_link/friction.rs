@@ -2,6 +2,16 @@
 
 use super::dynamics::Balance;
 
+/// An axis lets go at this part of the level above it: the force that is then left over starts it without
+/// doubt, where one of rounding's size could as well leave it stuck, again and again.
+const EXCESS: f64 = 1e-12;
+
+/// By how much the force that would hold an axis is too large for it to stick, N; at most 0 where it does.
+#[inline]
+pub(super) fn excess(friction: f64, level: f64) -> f64 {
+    friction.abs() - (1.0 + EXCESS) * level
+}
+
 /// What friction does on one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contact {
@@ -86,7 +96,7 @@ pub(super) fn contacts(balance: &Balance, velocity: [f64; 2], level: [f64; 2]) -
         let violation = (0..2)
             .filter(|&axis| velocity[axis] == 0.0)
             .map(|axis| match contact[axis] {
-                Contact::Stuck => found.friction[axis].abs() - level[axis],
+                Contact::Stuck => excess(found.friction[axis], level[axis]),
                 slipping => -slipping.direction() * found.acceleration[axis] * inertia[axis],
             })
             .fold(0.0, f64::max);

@@ -17,21 +17,10 @@ mod tests;
 use self::dynamics::Rig;
 use self::kinematics::Pose;
 use self::stepping::{Held, State};
-use super::super::{Handle, TwoLinkArm};
+use super::OutOfReach;
+use crate::rig::{Handle, TwoLinkArm};
 
 pub use self::kinematics::SMALLEST_ELBOW_SINE;
-
-/// The handle is where the arm does not reach, or only by a pose too near to straight or folded.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "the handle at ({x} m, {y} m) is out of the arm's reach, or held with its elbow within 5.7° of straight or folded",
-    x = .position[0],
-    y = .position[1]
-)]
-pub struct OutOfReach {
-    /// Position of the handle, m.
-    pub position: [f64; 2],
-}
 
 /// One robot in one arm, in motion.
 ///
@@ -40,14 +29,14 @@ pub struct OutOfReach {
 /// A push of 1 N away from the shoulder for 10 ms:
 ///
 /// ```
-/// use telespring::rig::{Handle, TwoLinkArm, plant::two_link::TwoLinkPlant};
+/// use telespring::rig::{Handle, TwoLinkArm, plant::TwoLinkPlant};
 /// let handle = Handle { mass: [0.8, 0.7], damping: [7.0, 6.0], coulomb: [0.0, 0.0] };
 /// let mut plant = TwoLinkPlant::new(handle, TwoLinkArm::HEBI_X8, [0.0, 0.0])?;
 /// for _ in 0..10 {
 ///     plant.advance([0.0, 0.0], [0.0, 1.0], 1e-3)?;
 /// }
 /// assert!(plant.velocity()[1] > 0.0);
-/// # Ok::<(), telespring::rig::plant::two_link::OutOfReach>(())
+/// # Ok::<(), telespring::rig::OutOfReach>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoLinkPlant {
