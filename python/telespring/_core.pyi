@@ -27,6 +27,7 @@ __all__ = [
     "DelaySystem",
     "Dyad",
     "Experiment",
+    "Laboratory",
     "Network",
     "Operator",
     "OperatorRange",
@@ -53,6 +54,7 @@ __all__ = [
     "stability_map",
     "stable_delays",
     "transfer_matrix",
+    "trial_seed",
     "unstable_root_count",
     "verdicts",
 ]
@@ -234,6 +236,10 @@ class Experiment:
     def task(self) -> dict[str, Any]: ...
     @property
     def arms(self) -> list[dict[str, Any]]: ...
+    @property
+    def coupling_damping(self) -> float: ...
+    @property
+    def laboratory(self) -> Laboratory: ...
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Callable[[Study, str], Any], tuple[Study, str]]: ...
@@ -254,6 +260,34 @@ class DelaySystem:
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __getnewargs__(self) -> tuple[FloatArray, list[tuple[float, FloatArray]]]: ...
+
+@final
+class Laboratory:
+    @staticmethod
+    def paper() -> Laboratory: ...
+    def run(
+        self,
+        stiffness: float | None,
+        delay: Delay,
+        seed: int,
+        duration: float,
+        record_rate: float,
+        agents: Sequence[Callable[[float, FloatArray, FloatArray, FloatArray], ArrayLike] | None]
+        | None = None,
+        target: FloatArray | None = None,
+        coupling_damping: float = 0.0,
+    ) -> dict[str, Any]: ...
+    def run_many(
+        self,
+        stiffness: Sequence[float] | FloatArray,
+        delay: Sequence[float] | FloatArray,
+        seed: Sequence[int] | NDArray[np.uint64],
+        duration: float,
+        record_rate: float,
+        coupling_damping: float = 0.0,
+    ) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
 
 def hman() -> Dyad: ...
 def critical_stiffness(axes: Axes, paper: bool) -> FloatArray: ...
@@ -313,6 +347,7 @@ def solve_dde(
     span: tuple[float, float],
     options: OptionValues,
 ) -> DdeSolution: ...
+def trial_seed(seed: int, condition: int, trial: int) -> int: ...
 def simulate(
     dyad: Dyad,
     stiffness: float,

@@ -7,6 +7,7 @@ use telespring::rig::{Arm, Elbow, Protocol};
 use telespring::study::{AgentChoice, OptionValue, PythonObject, Task};
 
 use crate::errors::Outcome;
+use crate::rig::Laboratory;
 use crate::study::Study;
 
 /// How far a robot's identified parameters may be off, per axis.
@@ -170,6 +171,20 @@ impl Experiment {
     #[getter]
     fn arms<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.study.0.setup().arms.iter().map(|each| arm(py, each)).collect()
+    }
+
+    /// The damper beside the spring, N·s/m.
+    #[getter]
+    fn coupling_damping(&self) -> f64 {
+        self.study.0.coupling().damping
+    }
+
+    /// The virtual laboratory: robots, arms, agents, target, controllers and network.
+    ///
+    /// An agent of Python is to be given to its `run`, and so is a target of Python.
+    #[getter]
+    fn laboratory(&self) -> Outcome<Laboratory> {
+        Ok(Laboratory(self.study.0.laboratory()?))
     }
 
     fn __repr__(&self) -> String {

@@ -12,6 +12,7 @@ mod errors;
 mod experiment;
 mod model;
 mod response;
+mod rig;
 mod simulation;
 mod spectrum;
 mod study;
@@ -40,6 +41,8 @@ mod _core {
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
         transfer_matrix,
     };
+    #[pymodule_export]
+    use crate::rig::{Laboratory, trial_seed};
     #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]
