@@ -9,6 +9,7 @@ mod criteria;
 mod dde;
 mod delay_system;
 mod errors;
+mod experiment;
 mod model;
 mod plant;
 mod response;
@@ -32,6 +33,8 @@ mod _core {
     use crate::dde::{DdeSolution, solve_dde};
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
+    #[pymodule_export]
+    use crate::experiment::{Experiment, Uncertainty};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]

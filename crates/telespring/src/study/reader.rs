@@ -4,72 +4,17 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{InvalidInput, Result};
-use crate::quantity::Quantity;
 
-/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
-/// ignored silently.
-pub(super) const SECTIONS: [(&str, &[&str]); 7] = [
-    ("robot1", &["name", "axes", "mass", "damping"]),
-    ("robot2", &["name", "axes", "mass", "damping"]),
-    ("operator1", &["mass", "damping", "stiffness"]),
-    ("operator2", &["mass", "damping", "stiffness"]),
-    ("coupling", &["stiffness", "damping"]),
-    ("network", &["delay", "jitter", "max_gap"]),
-    ("controller", &["sample_period", "computing_time"]),
-];
+use super::entry::Entry;
+use super::keys::{Keys, REHEARSAL, SECTIONS, as_written, nearest};
 
 /// A study of more text than this is a slip (the wrong file), not a study.
 const LONGEST: usize = 1 << 20;
 
-/// One number, or the two ends of a range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Span {
-    pub low: f64,
-    pub high: f64,
-}
-
-/// A value per axis, or one for all of them.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum PerAxis {
-    Every(Span),
-    Each(Vec<Span>),
-}
-
-impl PerAxis {
-    /// The number of axes it prescribes, if it does.
-    pub fn count(&self) -> Option<usize> {
-        match self {
-            Self::Every(_) => None,
-            Self::Each(values) => Some(values.len()),
-        }
-    }
-
-    /// One value for each of `count` axes; a list must have that length.
-    pub fn spread(&self, count: usize) -> Vec<Span> {
-        match self {
-            Self::Every(value) => vec![*value; count],
-            Self::Each(values) => values.clone(),
-        }
-    }
-}
-
 /// The text with its table, to look things up with their lines.
 pub(super) struct Reader<'a> {
-    text: &'a str,
+    pub(super) text: &'a str,
     table: DeTable<'a>,
-}
-
-/// A key as TOML writes it: quoted where it is not bare.
-fn as_written(key: &str) -> String {
-    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
-}
-
-/// A value with its dotted field.
-pub(super) struct Entry<'r, 'a> {
-    reader: &'r Reader<'a>,
-    pub field: String,
-    value: &'r Spanned<DeValue<'a>>,
 }
 
 /// The value as a person would recognise it in the file, cut short.
@@ -79,42 +24,6 @@ fn shown(text: &str, span: std::ops::Range<usize>) -> String {
     let line = raw.lines().next().unwrap_or("");
     let short: String = line.chars().take(LONGEST_SHOWN).collect();
     if short.len() < raw.len() { format!("{short} …") } else { short }
-}
-
-/// The number of insertions, deletions, substitutions between two words, letter case aside.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) =
-        (a.to_lowercase().chars().collect(), b.to_lowercase().chars().collect());
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// The allowed word that was most likely meant.
-fn nearest<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
-    // Longer words than any key are not slips of the finger.
-    if word.chars().count() > 40 {
-        return None;
-    }
-    let lower = word.to_lowercase();
-    let extended = allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower));
-    let close = || {
-        allowed
-            .iter()
-            .map(|key| (distance(word, key), *key))
-            .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
-            .min_by_key(|&(distance, _)| distance)
-            .map(|(_, key)| key)
-    };
-    if word.is_empty() { None } else { close().or_else(|| extended.copied()) }
 }
 
 impl<'a> Reader<'a> {
@@ -154,7 +63,7 @@ impl<'a> Reader<'a> {
         for (key, value) in &self.table {
             let name = key.get_ref().as_ref();
             let line = line_of(self.text, key.span().start);
-            let Some((_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
+            let Some(&(_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
                 if name == "name" {
                     continue;
                 }
@@ -168,25 +77,86 @@ impl<'a> Reader<'a> {
                 return Err(self.refuse(
                     name,
                     value,
-                    format!("[{name}] is a section with the keys {}", keys.join(", ")),
+                    format!("[{name}] is a section with the keys {}", keys.all().join(", ")),
                     format!("Write [{name}] on a line of its own and its keys below."),
                 ));
             };
-            for (key, value) in section {
-                let word = key.get_ref().as_ref();
-                if !keys.contains(&word) {
-                    let line = line_of(self.text, key.span().start);
-                    let allowed = format!("[{name}] has the keys {}", keys.join(", "));
-                    let field = format!("{name}.{}", as_written(word));
-                    return Err(self.unknown(&field, word, value, line, allowed, keys, Some(name)));
-                }
-            }
+            self.check_section(name, section, keys)?;
         }
         Ok(())
     }
 
+    fn check_section(&self, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
+        if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
+            entry.choice(kinds)?;
+        }
+        let (known, kind) = keys.of(section);
+        for (key, value) in section {
+            let word = key.get_ref().as_ref();
+            if known.contains(&word) {
+                continue;
+            }
+            let line = line_of(self.text, key.span().start);
+            let allowed = match kind {
+                Some(kind) => format!("[{name}] of kind \"{kind}\" has the keys {}", known.join(", ")),
+                None => format!("[{name}] has the keys {}", known.join(", ")),
+            };
+            let field = format!("{name}.{}", as_written(word));
+            let mut refusal = self.unknown(&field, word, value, line, allowed, known, Some(name));
+            if let Some(other) = keys.kind_with(word) {
+                refusal.remedy = format!(
+                    "It belongs to kind = \"{other}\": name that kind, or remove the key. See line {line}."
+                );
+            }
+            return Err(refusal);
+        }
+        Ok(())
+    }
+
+    /// Whether the study has this section.
+    pub fn has(&self, section: &str) -> bool {
+        self.table.contains_key(section)
+    }
+
+    /// The kind of a section that comes in several; the first of them where none is named.
+    pub fn kind(&self, section: &str) -> Result<&'static str> {
+        let kinds = SECTIONS.iter().find(|(name, _)| *name == section).map(|(_, keys)| keys.kinds());
+        let kinds = kinds.unwrap_or_default();
+        match self.get(section, "kind") {
+            Some(entry) => entry.choice(&kinds),
+            None => Ok(kinds.first().copied().unwrap_or_default()),
+        }
+    }
+
+    /// A refusal of a whole section.
+    pub fn refuse_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
+        let line = self.table.get(section).map_or(1, |value| line_of(self.text, value.span().start));
+        InvalidInput::new(section, "a section", allowed, format!("{remedy} See line {line}."))
+    }
+
+    /// The first section that only a rehearsal needs.
+    pub fn rehearsal_section(&self) -> Option<&'static str> {
+        REHEARSAL.into_iter().find(|name| self.table.contains_key(*name))
+    }
+
+    /// A refusal by its dotted field, put to the line of that key, or of its section.
+    pub fn locate(&self, mut error: InvalidInput) -> InvalidInput {
+        let mut parts = error.field.splitn(2, '.');
+        let section = parts.next().unwrap_or_default();
+        let key: String =
+            parts.next().unwrap_or_default().chars().take_while(|c| !matches!(c, '[' | '.')).collect();
+        let place = self.table.get(section).map(|value| {
+            let key = value.get_ref().as_table().and_then(|table| table.get(key.as_str()));
+            key.unwrap_or(value).span().start
+        });
+        if let Some(start) = place {
+            error.remedy = format!("{} See line {}.", error.remedy, line_of(self.text, start));
+        }
+        error
+    }
+
     #[expect(clippy::too_many_arguments, reason = "one message, told from two places")]
-    fn unknown(
+    pub fn unknown(
         &self,
         field: &str,
         word: &str,
@@ -198,7 +168,7 @@ impl<'a> Reader<'a> {
     ) -> InvalidInput {
         let home = SECTIONS
             .iter()
-            .find(|(name, keys)| Some(*name) != section && keys.contains(&word))
+            .find(|(name, keys)| Some(*name) != section && keys.all().contains(&word) && word != "kind")
             .map(|(name, _)| format!("It belongs under [{name}]."));
         let remedy = home
             .or_else(|| nearest(word, keys).map(|key| format!("Did you mean \"{key}\"?")))
@@ -209,7 +179,7 @@ impl<'a> Reader<'a> {
         InvalidInput::new(field, shown, allowed, format!("{remedy} See line {line}."))
     }
 
-    fn refuse(
+    pub fn refuse(
         &self,
         field: &str,
         value: &Spanned<DeValue<'_>>,
@@ -267,118 +237,6 @@ impl<'a> Reader<'a> {
 }
 
 /// The line of a byte, counted from 1.
-fn line_of(text: &str, byte: usize) -> usize {
+pub(super) fn line_of(text: &str, byte: usize) -> usize {
     1 + text.as_bytes().iter().take(byte).filter(|&&byte| byte == b'\n').count()
-}
-
-impl<'r, 'a> Entry<'r, 'a> {
-    /// A refusal of this entry.
-    pub fn refuse(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
-        self.reader.refuse(&self.field, self.value, allowed, remedy)
-    }
-
-    /// The line of a refusal that something else made about this entry.
-    pub fn place(&self, mut error: InvalidInput) -> InvalidInput {
-        let line = line_of(self.reader.text, self.value.span().start);
-        error.remedy = format!("{} See line {line}.", error.remedy);
-        error
-    }
-
-    /// A string.
-    pub fn text(&self) -> Result<String> {
-        match self.value.get_ref() {
-            DeValue::String(text) => Ok(text.clone().into_owned()),
-            _ => Err(self.refuse("a text in quotes is needed", "Put it in quotes.")),
-        }
-    }
-
-    /// A list of strings.
-    pub fn texts(&self) -> Result<Vec<String>> {
-        let Some(items) = self.value.get_ref().as_array() else {
-            return Err(
-                self.refuse("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
-            );
-        };
-        items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item).text()).collect()
-    }
-
-    fn item(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
-        Entry { reader: self.reader, field: format!("{}{suffix}", self.field), value }
-    }
-
-    /// A table with exactly these two keys, such as min and max; `None` where it is not a table.
-    pub fn pair(&self, keys: [&str; 2]) -> Result<Option<[Self; 2]>> {
-        let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
-        for (key, value) in table {
-            let word = key.get_ref().as_ref();
-            if !keys.contains(&word) {
-                let line = line_of(self.reader.text, key.span().start);
-                let allowed = format!("this has the keys {} and {}", keys[0], keys[1]);
-                let field = format!("{}.{}", self.field, as_written(word));
-                return Err(self.reader.unknown(&field, word, value, line, allowed, &keys, Some("")));
-            }
-        }
-        let part = |key: &str| match table.get(key) {
-            Some(value) => Ok(self.item(format!(".{key}"), value)),
-            None => Err(self.refuse(
-                format!("both {} and {} are needed", keys[0], keys[1]),
-                format!("Add {key} = …, or give one number."),
-            )),
-        };
-        Ok(Some([part(keys[0])?, part(keys[1])?]))
-    }
-
-    /// A number in the range of a quantity.
-    pub fn number(&self, quantity: Quantity, kinds: &str) -> Result<f64> {
-        let value = match self.value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-            DeValue::Integer(integer) => {
-                let (digits, radix) = (integer.as_str(), integer.radix());
-                i128::from_str_radix(digits, radix)
-                    .ok()
-                    .map(|value| value as f64)
-                    .or_else(|| digits.parse().ok())
-            }
-            _ => None,
-        };
-        let Some(value) = value else {
-            return Err(self.refuse(format!("{kinds} is needed"), "Write numbers without quotes and units."));
-        };
-        quantity.check(&self.field, value).map_err(|error| self.place(error))
-    }
-
-    /// A number, or with `ranges` also {min = …, max = …}.
-    fn span(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
-        if ranges && let Some([low, high]) = self.pair(["min", "max"])? {
-            let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
-            if from > to {
-                return Err(self.refuse("min must not exceed max", "Exchange the two."));
-            }
-            return Ok(Span { low: from, high: to });
-        }
-        let value = self.number(quantity, kinds)?;
-        Ok(Span { low: value, high: value })
-    }
-
-    /// A number, a list of them, one per axis, and with `ranges` {min = …, max = …} for any number.
-    pub fn per_axis(&self, quantity: Quantity, ranges: bool) -> Result<PerAxis> {
-        let kinds = if ranges {
-            "a number, a range {min = …, max = …} or a list of these, one per axis,"
-        } else {
-            "a number or a list of numbers, one per axis,"
-        };
-        let Some(items) = self.value.get_ref().as_array() else {
-            return Ok(PerAxis::Every(self.span(quantity, ranges, kinds)?));
-        };
-        if items.is_empty() {
-            return Err(self.refuse(format!("{kinds} is needed"), "Give one value per axis."));
-        }
-        let kind = if ranges { "a number or a range {min = …, max = …}" } else { "a number" };
-        items
-            .iter()
-            .enumerate()
-            .map(|(i, item)| self.item(format!("[{i}]"), item).span(quantity, ranges, kind))
-            .collect::<Result<_>>()
-            .map(PerAxis::Each)
-    }
 }
