@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,6 +54,8 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
+
+__version__: Final[str]
 
 @final
 class Robot:

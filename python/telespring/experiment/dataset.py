@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +15,7 @@ import xarray as xr
 from telespring.experiment.folder import RehearsalFolder
 from telespring.experiment.identity import Identity
 from telespring.experiment.records import Record
-from telespring.experiment.rehearsal import sample_count
-from telespring.experiment.schedule import Trial, condition_labels
+from telespring.experiment.schedule import Trial, condition_labels, sample_count
 from telespring.experiment.signals import SIGNALS, STATUSES, TARGET, unpack
 from telespring.files import replacing
 
@@ -23,6 +23,15 @@ if TYPE_CHECKING:
     from telespring._core import Experiment
 
 __all__ = ["write_dataset"]
+
+#: What a study that does not mention its laboratory has.
+_PERFECT = {
+    "computing_tick": False,
+    "actuator_lag": 0.0,
+    "encoder_resolution": 0.0,
+    "jitter": 0.0,
+    "loss": 0.0,
+}
 
 _PLACE = ("condition", "trial")
 _DIMENSIONS = ("condition", "trial", "time", "robot", "axis")
@@ -164,6 +173,7 @@ def _described(units: str, long_name: str, **more: Any) -> dict[str, Any]:
 
 def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
     """Everything that the dataset was made from; no time stamps, so that the same study gives the same."""
+    study = tomllib.loads(identity.study)
     return identity.to_attributes() | {
         "duration": experiment.duration,
         "discard": experiment.discard,
@@ -175,6 +185,9 @@ def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
         "agents": _json(experiment.agents),
         "arms": _json(experiment.arms),
         "task": _json(experiment.task),
+        "robots": _json([study["robot1"], study["robot2"]]),
+        "coupling_damping": float(study["coupling"].get("damping", 0.0)),
+        "laboratory": _json(_PERFECT | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}),
     }
 
 

@@ -114,8 +114,8 @@ class Programs:
         )
         return first, second
 
-    def positions(self, duration: float, sample_period: float) -> FloatArray | None:
-        """Ask the target's function where the target is at every tick of the controllers.
+    def positions(self, ticks: int, sample_period: float) -> FloatArray | None:
+        """Ask the target's function where the target is at every tick of the controllers, or return None.
 
         Raises
         ------
@@ -124,9 +124,7 @@ class Programs:
         """
         if self.target is None:
             return None
-        # one more than whole ticks fit in: the last step of the controllers may end behind the trial
-        times = np.arange(int(np.ceil(duration / sample_period - 1e-9)) + 1) * sample_period
-        return _positions(self.target, times)
+        return _positions(self.target, np.arange(ticks + 1) * sample_period)
 
 
 def programs_of(experiment: Experiment, folder: Path | None) -> Programs:
@@ -156,7 +154,8 @@ def programs_of(experiment: Experiment, folder: Path | None) -> Programs:
             found.append(None)
     target = None
     if experiment.task["kind"] == "python":
-        target = _find("task.function", experiment.task["function"], {}, folder, loaded)
+        options = dict(experiment.task.get("options") or {})
+        target = _find("task.function", experiment.task["function"], options, folder, loaded)
     return Programs((found[0], found[1]), target)
 
 
@@ -168,15 +167,13 @@ def _find(
     loaded: dict[str, ModuleType],
 ) -> Program:
     name, _, attribute = reference.partition(":")
-    if not name or not attribute.isidentifier():
-        raise InvalidInput(
-            field, reference, 'a name like "module:name" is needed', 'Write it as "my_agents:Tremor".'
-        )
     if name not in loaded:
         loaded[name] = _module(field, reference, name, folder)
     module = loaded[name]
     file = None if module.__file__ is None else Path(module.__file__)
-    thing = getattr(module, attribute, None)
+    thing: Any = module
+    for part in attribute.split("."):
+        thing = getattr(thing, part, None)
     if not callable(thing):
         raise InvalidInput(
             field,
@@ -309,7 +306,7 @@ def _force(program: Program, seed: int, stop: Event) -> Force:
 
 def _positions(program: Program, times: FloatArray) -> FloatArray:
     try:
-        given = program.thing(times.copy())
+        given = program.thing(times.copy(), **program.options)
     except Exception as trouble:
         raise program.failed(
             f"a target must not raise, and it raised {_told(trouble, program.file)}"

@@ -20,7 +20,7 @@ from telespring.experiment.identity import SCHEMA, VERSION, Identity
 from telespring.experiment.lock import locked
 from telespring.experiment.programs import ProgramFailed, Programs, programs_of
 from telespring.experiment.records import Record
-from telespring.experiment.schedule import Trial, condition_labels, schedule
+from telespring.experiment.schedule import Trial, condition_labels, sample_count, schedule, tick_count
 from telespring.experiment.signals import SIGNALS, TARGET, pack
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from telespring._core import Experiment
 
-__all__ = ["Outcome", "rehearse", "run_protocol", "sample_count"]
+__all__ = ["Outcome", "rehearse", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -155,7 +155,7 @@ def run_protocol(
         _tidy_if_free(home)
         return Outcome(home.dataset, len(trials), len(trials))
 
-    target = programs.positions(experiment.duration, experiment.sample_period)
+    target = programs.positions(tick_count(experiment), experiment.sample_period)
     with locked(home.path):
         if fresh:
             home.empty()
@@ -167,7 +167,7 @@ def run_protocol(
         if progress is not None:
             progress(done, len(trials))
         missing = [trial for trial in trials if trial not in finished]
-        results = _run(experiment, missing, programs, target, identity.fingerprint, threads)
+        results = _run(study, experiment, missing, programs, target, identity.fingerprint, threads)
         # closed at once when something goes wrong here, so that no trial runs on
         with closing(results):
             for trial, record in results:
@@ -181,12 +181,6 @@ def run_protocol(
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
-
-
-def sample_count(experiment: Experiment) -> int:
-    """Return how many rows a whole trial has, the first at t = 0."""
-    # The margin keeps a last row that rounding of duration times rate would lose.
-    return math.floor(experiment.duration * experiment.record_rate + 1e-6) + 1
 
 
 def _experiment(study: Study) -> Experiment:
@@ -221,6 +215,7 @@ def _tidy_if_free(home: RehearsalFolder) -> None:
 
 
 def _run(
+    study: Study,
     experiment: Experiment,
     trials: list[Trial],
     programs: Programs,
@@ -244,6 +239,7 @@ def _run(
                 experiment.record_rate,
                 agents=programs.forces(trial.seed, stop),
                 target=target,
+                coupling_damping=study.coupling.damping,
             )
         except ProgramFailed as failed:
             place = f"{failed.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}"

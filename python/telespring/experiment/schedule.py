@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,7 +14,7 @@ from telespring import _core
 if TYPE_CHECKING:
     from telespring._core import Experiment
 
-__all__ = ["Trial", "condition_labels", "schedule"]
+__all__ = ["Trial", "condition_labels", "sample_count", "schedule", "tick_count"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,19 @@ def schedule(experiment: Experiment) -> list[Trial]:
 
 def _lot(seed: int, condition: int, trial: int) -> bytes:
     return hashlib.blake2b(f"order {seed} {condition} {trial}".encode(), digest_size=16).digest()
+
+
+def tick_count(experiment: Experiment) -> int:
+    """Return how many periods of the controllers a trial has."""
+    # 0.29 s at 1 kHz has 290, though the quotient rounds to 289.999...
+    exact = experiment.duration / experiment.sample_period
+    return math.floor(exact * (1.0 + 4.0 * sys.float_info.epsilon))
+
+
+def sample_count(experiment: Experiment) -> int:
+    """Return how many rows are kept of a completed trial, the first at t = 0."""
+    stride = round(1.0 / (experiment.record_rate * experiment.sample_period))
+    return tick_count(experiment) // stride + 1
 
 
 def condition_labels(conditions: Sequence[tuple[float | None, float]]) -> list[str]:
