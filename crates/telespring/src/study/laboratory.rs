@@ -111,9 +111,9 @@ pub(super) fn setup(reader: &Reader<'_>) -> Result<Setup> {
         computing_tick: reader
             .get("laboratory", "computing_tick")
             .map_or(Ok(false), |entry| entry.boolean())?,
-        actuator_lag: number("actuator_lag", quantity::SHORT_SPAN)?,
+        actuator_lag: number("actuator_lag", quantity::SPAN)?,
         encoder_resolution: number("encoder_resolution", quantity::RESOLUTION)?,
-        jitter: number("jitter", quantity::SHORT_SPAN)?,
+        jitter: number("jitter", quantity::SPAN)?,
         loss: number("loss", quantity::PROBABILITY)?,
     })
 }
@@ -135,17 +135,17 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
             };
             let elbow = reader.need(section, "elbow", "elbow = \"left\"")?.choice(&["left", "right"])?;
             let arm = TwoLinkArm {
-                base: need("base", "[0.0, -0.5] (m)", quantity::POSITION)?,
+                base: need("base", "[0.0, -0.5] (m)", quantity::PLACE)?,
                 elbow: if elbow == "left" { Elbow::Left } else { Elbow::Right },
-                link_length: need("link_length", "[0.3, 0.3] (m)", quantity::LINK_LENGTH)?,
+                link_length: need("link_length", "[0.3, 0.3] (m)", quantity::LENGTH)?,
                 link_mass: need("link_mass", "[1.0, 0.8] (kg)", quantity::ADDED_MASS)?,
-                link_centre: need("link_centre", "[0.15, 0.15] (m)", quantity::DISTANCE)?,
+                link_centre: need("link_centre", "[0.15, 0.15] (m)", quantity::OFFSET)?,
                 link_inertia: need("link_inertia", "[0.008, 0.006] (kg·m²)", quantity::INERTIA)?,
                 joint_damping: pair("joint_damping", quantity::JOINT_DAMPING)?,
                 rotor_inertia: pair("rotor_inertia", quantity::INERTIA)?,
                 torque_limit: reader
                     .get(section, "torque_limit")
-                    .map_or(Ok([f64::INFINITY; 2]), |entry| entry.two(quantity::TORQUE_LIMIT, true))?,
+                    .map_or(Ok([f64::INFINITY; 2]), |entry| entry.two(quantity::TORQUE, true))?,
             };
             Ok(Arm::TwoLink(arm))
         }
@@ -170,12 +170,11 @@ fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<Age
         "blurred" => AgentChoice::Blurred {
             stiffness: stiffness()?,
             spots: Spots {
-                count: reader
-                    .get(section, "spots")
-                    .map_or(Ok(SPOTS.count as i64), |entry| entry.whole("the number of spots", 1, 1000))?
-                    as usize,
+                count: reader.get(section, "spots").map_or(Ok(SPOTS.count as i64), |entry| {
+                    entry.whole("the number of spots", 1, Spots::MOST as i64)
+                })? as usize,
                 velocity: or(reader, section, "spot_velocity", quantity::SPEED, SPOTS.velocity)?,
-                lifetime: or(reader, section, "spot_lifetime", quantity::SPOT_LIFETIME, SPOTS.lifetime)?,
+                lifetime: or(reader, section, "spot_lifetime", quantity::LIFETIME, SPOTS.lifetime)?,
             },
         },
         _ => AgentChoice::Python(python(reader, section, "class", "agents:Patient")?),
@@ -190,7 +189,7 @@ fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     Ok(Task::FigureEight {
         amplitude: reader
             .get("task", "amplitude")
-            .map_or(Ok(amplitude), |entry| Ok(entry.two(quantity::DISTANCE, false)?.map(|v| v + 0.0)))?,
+            .map_or(Ok(amplitude), |entry| Ok(entry.two(quantity::AMPLITUDE, false)?.map(|v| v + 0.0)))?,
         angular_frequency: or(
             reader,
             "task",

@@ -240,8 +240,8 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the robots have other axes than x and y, the coupling has a damper, or
-    /// the sample period is no good, by its dotted field.
+    /// [`InvalidInput`] where the robots have other axes than x and y or the sample period is no good, by
+    /// its dotted field.
     ///
     /// # Examples
     ///
@@ -252,15 +252,6 @@ impl Study {
     /// ```
     pub fn laboratory(&self) -> Result<rig::Laboratory> {
         self.require_plane()?;
-        let damping = self.dyad.coupling_damping();
-        if damping != 0.0 {
-            return Err(InvalidInput::new(
-                "coupling.damping",
-                format!("{damping:?}"),
-                "the laboratory couples the robots by a spring without a damper",
-                "Set it to 0 to rehearse the study.",
-            ));
-        }
         let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Side {
             handle: rig::Handle {
@@ -338,7 +329,11 @@ impl Study {
                 "Remove the section, or give both robots these axes.",
             ));
         }
-        self.laboratory().map_err(|error| reader.locate(error))?;
+        let laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
+        // a target of Python has no samples yet
+        if matches!(laboratory.target, rig::Target::FigureEight { .. }) {
+            laboratory.check().map_err(|error| reader.locate(error))?;
+        }
         self.protocol().map_err(|error| reader.locate(error))?;
         Ok(())
     }
@@ -401,7 +396,7 @@ fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorR
 
 fn network(reader: &Reader<'_>) -> Result<Network> {
     let entry = reader.need("network", "delay", "delay = 0.05 (s, one way)")?;
-    let delay = match entry.pair(["forward", "backward"])? {
+    let delay = match entry.pair(["forward", "backward"], "or give one number")? {
         Some([forward, backward]) => Delay::new(
             forward.number(quantity::DELAY, "a number")?,
             backward.number(quantity::DELAY, "a number")?,

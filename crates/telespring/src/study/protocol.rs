@@ -8,7 +8,7 @@ use crate::criteria::{critical_stiffness, maximum_delay};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
-use crate::rig::Protocol;
+use crate::rig::{Protocol, Schedule};
 
 /// The conditions as the study says them.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,44 +99,28 @@ impl ProtocolChoice {
 
         let rate = 1.0 / sample_period;
         let spans = match task {
-            Task::FigureEight { angular_frequency, .. } => PERIODS.map(|count| {
-                let ticks = (count * TAU / angular_frequency * rate).round();
-                ticks / rate
-            }),
-            Task::Python(_) => WITHOUT_PERIOD,
+            // without a frequency the target stands still
+            Task::FigureEight { angular_frequency, .. } if *angular_frequency > 0.0 => {
+                PERIODS.map(|count| (count * TAU / angular_frequency * rate).round() / rate)
+            }
+            _ => WITHOUT_PERIOD,
         };
         let [duration, discard] = [self.duration.unwrap_or(spans[0]), self.discard.unwrap_or(spans[1])];
         quantity::TRIAL_DURATION.check("protocol.duration", duration)?;
-        if discard.is_nan() || discard < 0.0 || discard >= duration {
+        if discard >= duration {
+            let unless_given = if self.discard.is_none() { " (unless given)" } else { "" };
             return Err(InvalidInput::new(
                 "protocol.discard",
-                format!("{discard:?}"),
+                format!("{discard:?}{unless_given}"),
                 format!("what is left out must be shorter than the trial of {duration:?} s"),
-                "Give a longer duration, or discard less.",
-            ));
-        }
-        if duration < sample_period {
-            return Err(InvalidInput::new(
-                "protocol.duration",
-                format!("{duration:?}"),
-                format!("a trial lasts one sample period of {sample_period:?} s or more"),
-                "Give a longer duration.",
+                "Name a longer duration, or a shorter part to discard.",
             ));
         }
         // The rate of the controllers itself, or half of it, a third, …: about 100 Hz unless given.
         let record_rate = self.record_rate.unwrap_or_else(|| rate / (rate / 100.0 - 1e-9).ceil().max(1.0));
-        let every = rate / record_rate;
-        if every.round() < 1.0 || (every - every.round()).abs() > 1e-6 * every {
-            return Err(InvalidInput::new(
-                "protocol.record_rate",
-                format!("{record_rate:?}"),
-                format!(
-                    "samples are kept at every tick, every second, third, … of the controllers' {rate} Hz"
-                ),
-                format!("Give {rate} divided by a whole number."),
-            ));
-        }
-        let rows = conditions.len() as f64 * self.trials as f64 * (duration * record_rate + 1.0);
+        let schedule = Schedule::new(duration, record_rate, sample_period)
+            .map_err(|refusal| refusal.within("protocol"))?;
+        let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
         if rows > MOST_ROWS {
             return Err(InvalidInput::new(
                 "protocol.trials",
@@ -246,7 +230,7 @@ fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
     }
     let mut listed: Vec<(f64, f64)> = Vec::new();
     for each in entry.items("conditions")? {
-        let Some([stiffness, delay]) = each.pair(["stiffness", "delay"])? else {
+        let Some([stiffness, delay]) = each.pair(["stiffness", "delay"], "")? else {
             return Err(each.refuse(
                 "a condition has a stiffness and a delay",
                 "Write it such as {stiffness = 71.0, delay = 0.05} (N/m and s).",

@@ -329,12 +329,12 @@ impl<'r, 'a> Entry<'r, 'a> {
             DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok(),
             _ => None,
         };
-        value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
-            self.refuse(
-                format!("{what} must be a whole number from {least} to {most}"),
-                "Write it without a decimal point, quotes and units.",
-            )
-        })
+        let remedy = match value {
+            Some(value) if (least..=most).contains(&value) => return Ok(value),
+            Some(_) => "Choose a number in that range.",
+            None => "Write it without a decimal point, quotes and units.",
+        };
+        Err(self.refuse(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
 
     /// The items of a list.
@@ -397,8 +397,9 @@ impl<'r, 'a> Entry<'r, 'a> {
         Entry { reader: self.reader, field: format!("{}{suffix}", self.field), value }
     }
 
-    /// A table with exactly these two keys, such as min and max; `None` where it is not a table.
-    pub fn pair(&self, keys: [&str; 2]) -> Result<Option<[Self; 2]>> {
+    /// A table with exactly these two keys, such as min and max; `None` where it is not a table. `instead`
+    /// is what else could stand there.
+    pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
         let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
         for (key, value) in table {
             let word = key.get_ref().as_ref();
@@ -413,7 +414,11 @@ impl<'r, 'a> Entry<'r, 'a> {
             Some(value) => Ok(self.item(format!(".{key}"), value)),
             None => Err(self.refuse(
                 format!("both {} and {} are needed", keys[0], keys[1]),
-                format!("Add {key} = …, or give one number."),
+                if instead.is_empty() {
+                    format!("Add {key} = ….")
+                } else {
+                    format!("Add {key} = …, {instead}.")
+                },
             )),
         };
         Ok(Some([part(keys[0])?, part(keys[1])?]))
@@ -440,7 +445,7 @@ impl<'r, 'a> Entry<'r, 'a> {
 
     /// A number, or with `ranges` also {min = …, max = …}.
     fn span(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
-        if ranges && let Some([low, high]) = self.pair(["min", "max"])? {
+        if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
                 return Err(self.refuse("min must not exceed max", "Exchange the two."));

@@ -41,7 +41,7 @@ pub(super) fn robot(reader: &Reader<'_>, section: &str) -> Result<(Robot, RobotS
     }
     let robot = Robot::new(lows(&masses, count), lows(&dampings, count), axes)
         .map_err(|error| reader.place(section, error))?;
-    let coulomb = zero_or_each(reader, section, "coulomb", quantity::COULOMB_FRICTION, count)?;
+    let coulomb = zero_or_each(reader, section, "coulomb", quantity::COULOMB, count)?;
     Ok((robot, RobotSection { name, coulomb, uncertainty: uncertainty(reader, section, count)? }))
 }
 
