@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+Vector = NDArray[np.float64]
+
 
 class Tremor:
     """A spring to the target with a tremor beside it: a narrow band of noise around one frequency.
@@ -29,16 +31,14 @@ class Tremor:
         self.phase = random.uniform(0, 2 * np.pi, size=(8, 2))  # rad
         self.each = amplitude * np.sqrt(2 / 8)  # N
 
-    def __call__(
-        self, time: float, position: NDArray[np.float64], velocity: NDArray[np.float64], target: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def __call__(self, time: float, position: Vector, velocity: Vector, target: Vector) -> Vector:
         """Return the force, N, at a tick of the controllers: s, m, m/s and m are given."""
         del velocity  # this hand has no damping
         tremor = self.each * np.sin(self.rate * time + self.phase).sum(axis=0)
         return self.stiffness * (target - position) + tremor
 
 
-def circle(times: NDArray[np.float64], radius: float, period: float) -> NDArray[np.float64]:
+def circle(times: Vector, radius: float, period: float) -> Vector:
     """Return the target's positions, m, at all ticks of a trial, s."""
     angle = 2 * np.pi * times / period
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

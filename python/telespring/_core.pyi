@@ -34,6 +34,7 @@ __all__ = [
     "Robot",
     "Study",
     "Uncertainty",
+    "__version__",
     "characteristic_roots",
     "critical_stiffness",
     "crossings",

@@ -23,13 +23,11 @@ __all__ = ["rehearse"]
 def rehearse(
     study: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[STUDY.toml]", help="Laboratory and protocol; the paper's own unless given."
-        ),
+        typer.Argument(metavar="[STUDY.toml]", help="Laboratory and protocol; the paper's own unless given."),
     ] = None,
-    out: Annotated[
-        Path, typer.Option(help="Folder for the trials and in the end for rehearsal.nc.")
-    ] = Path("out/rehearsal"),
+    out: Annotated[Path, typer.Option(help="Folder for the trials and in the end for rehearsal.nc.")] = Path(
+        "out/rehearsal"
+    ),
     workers: Annotated[
         int | None, typer.Option(help="Trials that run at the same time; all cores unless given.")
     ] = None,
@@ -64,7 +62,8 @@ def rehearse(
                 finished, trials = done, total
                 bar.update(task, completed=done, total=total)
 
-            outcome = run_protocol(Study.paper() if study is None else study, out, progress, workers, fresh=fresh)
+            asked = Study.paper() if study is None else study
+            outcome = run_protocol(asked, out, progress, workers, fresh=fresh)
     except KeyboardInterrupt:
         console.print(f"Stopped. {_kept(finished, trials)}", markup=False)
         raise typer.Exit(130) from None
@@ -108,7 +107,6 @@ def _tell(console: Console, outcome: Outcome, seconds: float) -> None:
         console.print(f"{length}; {ran} run in {seconds:.1f} s{before}", markup=False)
     for value, meaning in enumerate(meanings):
         if value and status[value]:
-            console.print(
-                f"  {status[value]} of {outcome.trials} ended early: {meaning.replace('_', ' ')}", markup=False
-            )
+            told = f"  {status[value]} of {outcome.trials} ended early: {meaning.replace('_', ' ')}"
+            console.print(told, markup=False)
     console.print(f"Dataset: {outcome.dataset}", markup=False)

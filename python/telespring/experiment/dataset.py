@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,8 +61,8 @@ def write_dataset(
     """
     records = _Records(home, trials)
     with replacing(home.dataset) as beside:
-        small = _labels_and_outcomes(identity, experiment, trials, records)
-        none_missing = dict.fromkeys(("time", "delay", TARGET.name), {"_FillValue": None})
+        small = _labels_and_outcomes(identity, experiment, records)
+        none_missing = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
         small.to_netcdf(beside, engine="h5netcdf", encoding=none_missing)
         count = sample_count(experiment)
         _declare_signals(beside, count)
@@ -80,7 +81,7 @@ class _Records:
         self._home = home
         self._trials = sorted(trials, key=lambda trial: (trial.condition, trial.trial))
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[tuple[Trial, Record]]:
         for trial in self._trials:
             record = self._home.record(trial)
             if record is None:
@@ -92,9 +93,7 @@ class _Records:
             yield trial, record
 
 
-def _labels_and_outcomes(
-    identity: Identity, experiment: Experiment, trials: list[Trial], records: _Records
-) -> xr.Dataset:
+def _labels_and_outcomes(identity: Identity, experiment: Experiment, records: _Records) -> xr.Dataset:
     """Make the dataset without its signals."""
     conditions = experiment.conditions
     shape = (len(conditions), experiment.trials)
@@ -174,6 +173,7 @@ def _described(units: str, long_name: str, **more: Any) -> dict[str, Any]:
 def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
     """Everything that the dataset was made from; no time stamps, so that the same study gives the same."""
     study = tomllib.loads(identity.study)
+    laboratory = _PERFECT | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}
     return identity.to_attributes() | {
         "duration": experiment.duration,
         "discard": experiment.discard,
@@ -187,7 +187,7 @@ def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
         "task": _json(experiment.task),
         "robots": _json([study["robot1"], study["robot2"]]),
         "coupling_damping": float(study["coupling"].get("damping", 0.0)),
-        "laboratory": _json(_PERFECT | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}),
+        "laboratory": _json(laboratory),
     }
 
 

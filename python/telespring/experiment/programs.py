@@ -35,6 +35,14 @@ _FASTEST_TARGET = 10.0
 _FARTHEST_TARGET = 10.0
 
 
+#: How the laboratory calls them, by the first letters of the field that names them.
+_CALLED = {
+    "agen": "An agent is called as agent(time, position, velocity, target) in s, m, m/s and m, and returns "
+    "its force (x, y) in N.",
+    "task": "A target is called as target(times) in s, and returns positions of shape (n, 2) in m.",
+}
+
+
 class Stopped(Exception):
     """A trial that was given up because the rehearsal is stopped."""
 
@@ -72,15 +80,13 @@ class Program:
         text = self.file.read_bytes() if self.file is not None else b""
         return {"name": self.reference, "sha256": hashlib.sha256(text).hexdigest()}
 
-    def failed(self, what: str, where: str = "") -> ProgramFailed:
+    def failed(self, what: str) -> ProgramFailed:
         """Return the refusal that tells what went wrong."""
         return ProgramFailed(
             self.field,
             self.reference,
-            f"{what}{where}",
-            f"Mend it in {self.file.name if self.file else 'its module'}. An agent is called as "
-            "agent(time, position, velocity, target) and returns its force (x, y) in N, a target as "
-            "target(times) and returns positions (n, 2) in m.",
+            what,
+            f"Mend it in {self.file.name if self.file else 'its module'}. {_CALLED[self.field[:4]]}",
         )
 
 
@@ -124,7 +130,7 @@ class Programs:
         """
         if self.target is None:
             return None
-        return _positions(self.target, np.arange(ticks + 1) * sample_period)
+        return _positions(self.target, sample_period * np.arange(ticks + 1, dtype=np.float64))
 
 
 def programs_of(experiment: Experiment, folder: Path | None) -> Programs:
@@ -281,14 +287,17 @@ def _force(program: Program, seed: int, stop: Event) -> Force:
             f"the class must accept {options} by name, and it raised {_told(trouble, program.file)}"
         ) from trouble
 
-    def force(time: float, position: FloatArray, velocity: FloatArray, target: FloatArray) -> tuple[float, float]:
+    def force(
+        time: float, position: FloatArray, velocity: FloatArray, target: FloatArray
+    ) -> tuple[float, float]:
         if stop.is_set():
             raise Stopped
         try:
             given = agent(time, position, velocity, target)
         except Exception as trouble:
+            raised = _told(trouble, program.file)
             raise program.failed(
-                f"an agent must not raise, and it raised {_told(trouble, program.file)}", f" at t = {time:.6g} s"
+                f"an agent must not raise, and it raised {raised} at t = {time:.6g} s"
             ) from trouble
         try:
             x, y = map(float, given)
@@ -296,8 +305,8 @@ def _force(program: Program, seed: int, stop: Event) -> Force:
             x = y = np.nan
         if not (np.isfinite(x) and np.isfinite(y)):
             raise program.failed(
-                f"an agent must return its force as two finite numbers (x, y) in N, and it returned {given!r}",
-                f" at t = {time:.6g} s",
+                "an agent must return its force as two finite numbers (x, y) in N, and it returned "
+                f"{given!r} at t = {time:.6g} s"
             )
         return x, y
 
@@ -338,5 +347,3 @@ def _positions(program: Program, times: FloatArray) -> FloatArray:
             f"{speed[fast[0]]:.4g} m/s at t = {times[fast[0]]:.6g} s (a jump, or millimetres?)"
         )
     return found
-
-

@@ -60,7 +60,7 @@ def rehearse(
     *,
     fresh: bool = False,
 ) -> xr.Dataset:
-    """Run a study's whole protocol on the virtual laboratory and return it as one dataset.
+    r"""Run a study's whole protocol on the virtual laboratory and return it as one dataset.
 
     Finished trials are kept in `folder`. Called again after it was stopped, by Ctrl-C, by an error or
     by the death of the process, it goes on from there; called again after the end, it returns the dataset.
@@ -106,7 +106,7 @@ def rehearse(
     >>> import telespring as ts
     >>> study = ts.Study.from_toml(
     ...     ts.Study.paper().to_toml().split("[protocol]")[0]
-    ...     + "[protocol]\\nstiffness = [35.6]\\ndelay = [0.167]\\ntrials = 2\\nduration = 2.5\\ndiscard = 0.5"
+    ...     + "[protocol]\nstiffness = [35.6]\ndelay = [0.167]\ntrials = 2\nduration = 2.5\ndiscard = 0.5"
     ... )
     >>> trials = ts.rehearse(study, tempfile.mkdtemp())
     >>> trials.condition.values.tolist()
