@@ -54,6 +54,7 @@ def rehearse(
             TimeRemainingColumn(),
             console=console,
             transient=True,
+            disable=not console.is_terminal,
         ) as bar:
             task = bar.add_task("trials", total=None)
 

@@ -87,8 +87,10 @@ class RehearsalFolder:
                 found = Identity.from_json(self._plan.read_text(encoding="utf-8"))
             except ValueError:
                 found = None
-            self._own(found)
-        else:
+            if found is None or any(self._trials.glob("*.trial")):
+                self._own(found)
+        # A plan of which nothing was finished binds nobody: an agent that failed at once may be mended.
+        if not any(self._trials.glob("*.trial")):
             write_whole(self._plan, self._identity.to_json())
         self._trials.mkdir(exist_ok=True)
         self._remove_unfinished()
