@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Final, Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,7 @@ __all__ = [
     "Robot",
     "Study",
     "Uncertainty",
+    "__version__",
     "arm_operator",
     "characteristic_roots",
     "critical_stiffness",
@@ -60,6 +61,8 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
+
+__version__: Final[str]
 
 @final
 class Robot:

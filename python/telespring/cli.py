@@ -1,4 +1,4 @@
-"""The commands `telespring decide`, `telespring simulate` and `telespring study`.
+"""The commands `telespring decide`, `telespring simulate`, `telespring study` and `telespring rehearse`.
 
 Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
 file that could not be read or written; 130 after Ctrl-C.
@@ -23,6 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 
 import telespring as ts
+from telespring.commands.rehearse import rehearse
 from telespring.files import replacing, write_whole
 from telespring.terminal import decision_screen, digits_down, refusal_screen
 
@@ -251,6 +252,9 @@ def _refusals() -> Iterator[None]:
     except KeyboardInterrupt:
         print("Stopped; nothing half-written was left behind.", file=sys.stderr)
         raise typer.Exit(130) from None
+
+
+app.command()(_refusals()(rehearse))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

@@ -24,6 +24,10 @@ use pyo3::prelude::*;
 /// The compiled core of `telespring`; use the functions of `telespring` itself.
 #[pymodule]
 mod _core {
+    /// Version of the core.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name for it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::criteria::{
         critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
