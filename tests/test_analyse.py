@@ -180,7 +180,7 @@ def test_law_the_command_prints_table_one_and_writes_everything(made: xr.Dataset
 
 
 def test_law_recorded_trials_give_the_same_table(made: xr.Dataset, tmp_path: Path) -> None:
-    made.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    made.isel(trial=slice(0, 4)).to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
     common = ("--json", "--no-figures", "--out", tmp_path / "out")
     first = run("analyse", tmp_path / "run.nc", "--export", tmp_path / "lab", *common)
     assert first.exit_code == 0, first.output
@@ -193,7 +193,7 @@ def test_law_recorded_trials_give_the_same_table(made: xr.Dataset, tmp_path: Pat
 def test_law_a_study_gives_the_target_and_what_to_discard(
     made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    trials = made.copy()
+    trials = made.isel(trial=slice(0, 4)).copy()
     del trials.attrs["discard"]
     write_recorded(trials, tmp_path / "lab")
     for file in (tmp_path / "lab").glob("*M-*.csv"):
@@ -211,7 +211,7 @@ def test_law_a_study_gives_the_target_and_what_to_discard(
     numbers = json.loads(found.stdout)
     assert numbers["analysed"]["discard"] == 0.5
     # a tracking error that is the same at every time does not change with what is discarded
-    assert numbers["table1"][2]["te2_mean"] == pytest.approx(analyse_trials(made)["table1"][2]["te2_mean"])
+    assert numbers["table1"][2]["te2_mean"] == pytest.approx(analyse_trials(trials)["table1"][2]["te2_mean"])
 
 
 def test_law_the_example_can_be_analysed_as_it_is(tmp_path: Path) -> None:

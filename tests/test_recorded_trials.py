@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import xarray as xr
 import telespring as ts
 from made_trials import figure_eight, offsets, small
 from telespring.analysis import measure, read_recorded, target_of, write_recorded, write_template
-from telespring.analysis.columns import columns_of
+from telespring.analysis.columns import INDEX_OPTIONAL, INDEX_REQUIRED, TARGET, TIME, columns_of
 
 TASK = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
 
@@ -253,3 +254,11 @@ def test_law_what_is_written_is_a_csv_that_others_read(tmp_path: Path) -> None:
         .startswith("time_s,target_x_m,target_y_m,")
     )
     assert isinstance(read_recorded(folder), xr.Dataset)
+
+
+def test_law_the_document_names_every_column(root: Path) -> None:
+    text = (root / "docs" / "recorded-trials.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([A-Za-z0-9_]+)`", text))
+    assert {*INDEX_REQUIRED, *INDEX_OPTIONAL, TIME, *TARGET, *columns_of("position")} <= named
+    for quantity in ("coupling_force", "agent_force", "velocity"):
+        assert f"`{columns_of(quantity)[0]}`" in text
