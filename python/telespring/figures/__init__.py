@@ -4,6 +4,7 @@ Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none 
 computes stability. `to_svg` makes the text that stands in the report.
 """
 
+from telespring.figures.arms import ArmsPanel, arms_figure
 from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
@@ -11,12 +12,14 @@ from telespring.figures.responses import ResponsePanel, response_figure
 from telespring.figures.style import to_svg
 
 __all__ = [
+    "ArmsPanel",
     "FrequencyCurve",
     "FrequencyFamily",
     "MapAxis",
     "MapColumn",
     "NyquistPanel",
     "ResponsePanel",
+    "arms_figure",
     "frequency_figure",
     "nyquist_figure",
     "region_map",
