@@ -133,7 +133,7 @@ def simulate(
     """
     period = setup.sample_period
     ticks = round(duration / period)
-    time = period * np.arange(ticks + 1)
+    time = np.asarray(period * np.arange(ticks + 1), dtype=np.float64)
     target = figure_eight(time)
     position = np.empty((trials, ticks + 1, 2, 2))
     velocity = np.zeros((trials, ticks + 1, 2, 2))

@@ -62,11 +62,11 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         delay = np.linspace(0.0, longest, 1201)
         for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
-            stiffness = np.array([column.stiffness for column in panel.held])
+            stiffness = np.array([each.stiffness for each in panel.held])
             stable = np.zeros((delay.size, stiffness.size), dtype=bool)
-            for at, each in enumerate(panel.held):
+            for column, each in enumerate(panel.held):
                 for start, end in each.stable:
-                    stable[(delay >= start) & (delay < end), at] = True
+                    stable[(delay >= start) & (delay < end), column] = True
             axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[_STABLE])
             axes.contour(
                 stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2
