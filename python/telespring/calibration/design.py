@@ -1,8 +1,9 @@
-"""Where the laboratory is run: evenly over the unknowns first, then where the published table could be met."""
+"""Where the laboratory is run: evenly over the unknowns first, then where the table could be met."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -23,7 +24,7 @@ _NEIGHBOURHOOD = 0.15
 Laboratory = Callable[[FloatArray], FloatArray]
 
 
-def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Surrogate:
+def explore(laboratory: Laboratory, likelihoods: Sequence[Likelihood], sizes: Sizes) -> Surrogate:
     """Run the laboratory at a design of points and build the surrogate through them.
 
     A quarter of the points has no arm mass on top: there both variants are the same model.
@@ -32,8 +33,8 @@ def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Sur
     ----------
     laboratory
         Runs many points; all with the same random numbers, so that the surrogate is smooth.
-    likelihood
-        Tells where more points are worth their time.
+    likelihoods
+        Tell where more points are worth their time: where the first one is high, and around every optimum.
     sizes
         How many points.
 
@@ -43,17 +44,18 @@ def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Sur
         Through all of them.
     """
     even, plausible, near = sizes
+    likelihood = likelihoods[0]
     points = _spread(even, 1)
     surrogate = Surrogate(points, laboratory(points))
     offered = _spread(16 * max(plausible, 64), 2)
     deviance = likelihood.deviance(surrogate(offered))
-    inside = offered[deviance <= deviance.min() + 1.5 * threshold(likelihood.mean.size, len(NAMES))]
+    inside = offered[deviance <= deviance.min() + threshold(len(likelihood.mean), len(NAMES))]
     if len(inside) < plausible:
         inside = offered[np.argsort(deviance, kind="stable")[:plausible]]
     surrogate = _with(surrogate, inside[:plausible], laboratory)
-    for number, variant in enumerate(VARIANTS):
+    for number, (variant, each) in enumerate(product(VARIANTS, likelihoods)):
         free = free_of(variant)
-        best, _ = optimum(surrogate, likelihood, free)
+        best, _ = optimum(surrogate, each, free)
         around = best + 2 * _NEIGHBOURHOOD * (_spread(near, 3 + number, every=0) - 0.5)
         around = np.clip(around, 0.0, 1.0)
         fixed = [i for i in range(len(NAMES)) if i not in free]
@@ -66,7 +68,8 @@ def _spread(count: int, seed: int, every: int = 4) -> FloatArray:
     """Give Sobol's points over the unit cube, every so many of them moved to no arm mass."""
     from scipy.stats import qmc
 
-    points = qmc.Sobol(len(NAMES), seed=seed).random(count)
+    # Sobol's points come in powers of two
+    points = qmc.Sobol(len(NAMES), seed=seed).random_base2(max(count - 1, 1).bit_length())[:count]
     if every:
         points[::every, 0] = 0.0
     return np.asarray(points)

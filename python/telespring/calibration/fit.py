@@ -20,7 +20,7 @@ __all__ = ["Fit", "PairMap", "Profile", "fit", "optimum"]
 #: The laboratory's own mean errors (condition, robot), m, at a point in units of the upper bounds.
 Confirm = Callable[[FloatArray], FloatArray]
 
-_PROFILE_POINTS = 33
+_PROFILE_POINTS = 25
 _PAIR_POINTS = 15
 #: How often the surrogate is brought through the laboratory's own errors at its optimum, at most.
 _CONFIRMATIONS = 4
@@ -162,7 +162,7 @@ def fit(surrogate: Surrogate, likelihood: Likelihood, variant: Variant, confirm:
         point, value = optimum(surrogate, likelihood, free)
         if np.max(np.abs(point - before)) < 0.005:
             break
-    limit = threshold(likelihood.mean.size, len(free))
+    limit = threshold(len(likelihood.mean), len(free))
     profiles = _profiles(surrogate, likelihood, free, point, value, limit)
     return Fit(
         variant=variant,

@@ -74,19 +74,33 @@ class Likelihood:
         return np.asarray(total)
 
 
-def threshold(cells: int, unknowns: int, level: float = 0.95) -> float:
+def threshold(conditions: int, unknowns: int, level: float = 0.95) -> float:
     """Give the rise of the deviance up to which a value lies inside its profile interval.
 
-    For a linear model with one unknown variance the likelihood ratio is a function of Student's t, and
-    this is exact: n log(1 + t²/ν). Here the misfit has two variances, which costs one degree of freedom
-    more. Chi-squared's 3.84, right for many cells, would be too short for ten.
+    For a linear model with one unknown variance the likelihood ratio of one unknown is a function of
+    Student's t, and the interval n log(1 + t²/ν) is exact. Here n is the number of conditions, and all
+    unknowns but the disturbance, which mostly sets the difference, take their degree of freedom from the
+    means; for the disturbance the same limit is on the safe side. Chi-squared's 3.84, right for many
+    conditions, would be far too short for five.
+
+    Parameters
+    ----------
+    conditions, unknowns
+        How many are fitted, and by how many.
+    level
+        Of the interval.
+
+    Returns
+    -------
+    float
+        Rise of the deviance.
 
     Examples
     --------
-    >>> round(threshold(10, 4), 2), round(threshold(10_000, 4), 2)
-    (8.43, 3.84)
+    >>> round(threshold(5, 3), 2), round(threshold(5, 4), 2), round(threshold(10_000, 4), 2)
+    (7.38, 11.65, 3.84)
     """
     from scipy.stats import t
 
-    freedom = cells - unknowns - 1
-    return float(cells * math.log1p(float(t.ppf(0.5 + level / 2, freedom)) ** 2 / freedom))
+    freedom = conditions - (unknowns - 1)
+    return float(conditions * math.log1p(float(t.ppf(0.5 + level / 2, freedom)) ** 2 / freedom))

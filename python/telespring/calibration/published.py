@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["TABLE_I", "TRIALS", "PublishedRow", "label"]
+from telespring.analysis import condition_label
+
+__all__ = ["TABLE_I", "TRIALS", "PublishedRow"]
 
 #: Repetitions of each condition (Section IV-D).
 TRIALS = 20
@@ -24,7 +27,7 @@ class PublishedRow:
     mean, standard_deviation
         Of the tracking error over the trials, m.
     arrow
-        "greater" or "less" where the error differs from TE2 in the unconnected mode at p < 0.05, else "".
+        "↑" or "↓" where the error is greater or less than TE2 in the unconnected mode at p < 0.05, else "".
     """
 
     stiffness: float | None
@@ -36,18 +39,7 @@ class PublishedRow:
     @property
     def label(self) -> str:
         """The paper's name of the condition, as CM-142-84."""
-        return label(self.stiffness, self.delay)
-
-
-def label(stiffness: float | None, delay: float) -> str:
-    """Name a condition as the paper does.
-
-    Examples
-    --------
-    >>> label(None, 0.0), label(142.0, 0.084)
-    ('UM', 'CM-142-84')
-    """
-    return "UM" if stiffness is None else f"CM-{stiffness:.0f}-{1e3 * delay:.0f}"
+        return condition_label(math.nan if self.stiffness is None else self.stiffness, self.delay)
 
 
 def _row(
@@ -65,21 +57,21 @@ def _row(
 
 #: All 17 conditions as printed.
 TABLE_I: Sequence[PublishedRow] = (
-    _row(None, 0.0, (34.83, 2.72, "less"), (38.75, 1.69, "")),
-    _row(18.0, 0.0, (33.24, 0.69, "less"), (38.45, 1.36, "")),
-    _row(18.0, 84.0, (32.63, 0.56, "less"), (39.36, 1.8, "")),
-    _row(18.0, 167.0, (32.72, 0.37, "less"), (39.3, 2.33, "")),
-    _row(18.0, 334.0, (32.11, 0.71, "less"), (37.9, 2.12, "")),
-    _row(36.0, 0.0, (33.01, 0.38, "less"), (38.25, 1.67, "")),
-    _row(36.0, 84.0, (32.99, 0.59, "less"), (38.23, 1.62, "")),
-    _row(36.0, 167.0, (33.19, 0.61, "less"), (39.03, 2.11, "")),
-    _row(36.0, 334.0, (32.69, 0.62, "less"), (39.1, 2.83, "")),
-    _row(71.0, 0.0, (33.06, 0.33, "less"), (38.17, 1.72, "")),
-    _row(71.0, 84.0, (34.45, 1.16, "less"), (38.93, 2.12, "")),
-    _row(71.0, 167.0, (36.53, 0.69, "less"), (40.04, 2.08, "greater")),
-    _row(71.0, 334.0, (36.84, 1.1, "less"), (40.27, 2.19, "greater")),
-    _row(142.0, 0.0, (33.88, 0.73, "less"), (37.75, 2.15, "less")),
-    _row(142.0, 84.0, (39.19, 0.66, "greater"), (40.11, 0.96, "greater")),
-    _row(142.0, 167.0, (43.28, 0.8, "greater"), (43.65, 1.36, "greater")),
-    _row(142.0, 334.0, (43.84, 0.98, "greater"), (45.45, 1.11, "greater")),
+    _row(None, 0.0, (34.83, 2.72, "↓"), (38.75, 1.69, "")),
+    _row(18.0, 0.0, (33.24, 0.69, "↓"), (38.45, 1.36, "")),
+    _row(18.0, 84.0, (32.63, 0.56, "↓"), (39.36, 1.8, "")),
+    _row(18.0, 167.0, (32.72, 0.37, "↓"), (39.3, 2.33, "")),
+    _row(18.0, 334.0, (32.11, 0.71, "↓"), (37.9, 2.12, "")),
+    _row(36.0, 0.0, (33.01, 0.38, "↓"), (38.25, 1.67, "")),
+    _row(36.0, 84.0, (32.99, 0.59, "↓"), (38.23, 1.62, "")),
+    _row(36.0, 167.0, (33.19, 0.61, "↓"), (39.03, 2.11, "")),
+    _row(36.0, 334.0, (32.69, 0.62, "↓"), (39.1, 2.83, "")),
+    _row(71.0, 0.0, (33.06, 0.33, "↓"), (38.17, 1.72, "")),
+    _row(71.0, 84.0, (34.45, 1.16, "↓"), (38.93, 2.12, "")),
+    _row(71.0, 167.0, (36.53, 0.69, "↓"), (40.04, 2.08, "↑")),
+    _row(71.0, 334.0, (36.84, 1.1, "↓"), (40.27, 2.19, "↑")),
+    _row(142.0, 0.0, (33.88, 0.73, "↓"), (37.75, 2.15, "↓")),
+    _row(142.0, 84.0, (39.19, 0.66, "↑"), (40.11, 0.96, "↑")),
+    _row(142.0, 167.0, (43.28, 0.8, "↑"), (43.65, 1.36, "↑")),
+    _row(142.0, 334.0, (43.84, 0.98, "↑"), (45.45, 1.11, "↑")),
 )

@@ -5,6 +5,15 @@ computes stability. `to_svg` makes the text that stands in the report.
 """
 
 from telespring.figures.arms import ArmsPanel, arms_figure
+from telespring.figures.calibration import (
+    CellSeries,
+    PairPanel,
+    ProfileCurve,
+    ProfilePanel,
+    cells_figure,
+    pairs_figure,
+    profiles_figure,
+)
 from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
@@ -13,15 +22,22 @@ from telespring.figures.style import to_svg
 
 __all__ = [
     "ArmsPanel",
+    "CellSeries",
     "FrequencyCurve",
     "FrequencyFamily",
     "MapAxis",
     "MapColumn",
     "NyquistPanel",
+    "PairPanel",
+    "ProfileCurve",
+    "ProfilePanel",
     "ResponsePanel",
     "arms_figure",
+    "cells_figure",
     "frequency_figure",
     "nyquist_figure",
+    "pairs_figure",
+    "profiles_figure",
     "region_map",
     "response_figure",
     "tier_map",
