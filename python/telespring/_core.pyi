@@ -34,6 +34,7 @@ __all__ = [
     "Robot",
     "Study",
     "Uncertainty",
+    "arm_operator",
     "characteristic_roots",
     "critical_stiffness",
     "crossings",
@@ -49,6 +50,7 @@ __all__ = [
     "open_loop",
     "partner_response",
     "simulate",
+    "simulate_handle",
     "solve_dde",
     "spectral_abscissa",
     "stability_map",
@@ -358,3 +360,13 @@ def simulate(
     history: list[list[Any]] | None,
     velocities: bool,
 ) -> tuple[FloatArray, FloatArray | None, list[float | None], list[list[float]], list[list[float]]]: ...
+def simulate_handle(
+    handle: dict[str, Any],
+    arm: dict[str, Any],
+    hand_force: ArrayLike,
+    robot_force: ArrayLike,
+    sample_period: float,
+    position0: Sequence[float],
+    velocity0: Sequence[float] = ...,
+) -> dict[str, Any]: ...
+def arm_operator(arm: dict[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

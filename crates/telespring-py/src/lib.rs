@@ -11,6 +11,7 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod model;
+mod plant;
 mod response;
 mod rig;
 mod simulation;
@@ -36,6 +37,8 @@ mod _core {
     use crate::experiment::{Experiment, Uncertainty};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,

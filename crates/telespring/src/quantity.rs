@@ -121,7 +121,8 @@ impl Quantity {
     fn refusal(&self, field: &str, value: f64) -> InvalidInput {
         let remedy = match self.slip {
             Some((unit, factor))
-                if value > self.maximum && (self.minimum..=self.maximum).contains(&(value * factor)) =>
+                if (value > self.maximum || self.minimum < 0.0)
+                    && (self.minimum..=self.maximum).contains(&(value * factor)) =>
             {
                 format!(
                     "Everything is in SI units: if {value} was meant in {unit}, write {}.",

@@ -375,7 +375,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                     } else {
                         "a list of two numbers is needed"
                     },
-                    "Write it such as [0.0, 0.0].",
+                    "Write it such as [1.0, 2.0].",
                 ));
             }
         }
