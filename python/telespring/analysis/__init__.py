@@ -1,9 +1,9 @@
 """Measure and compare the trials of an experiment, rehearsed or recorded, as the paper's section V does."""
 
-from telespring.analysis.measures import measure
+from telespring.analysis.measures import measure, measure_trials
 from telespring.analysis.recorded import read_recorded, target_of
 from telespring.analysis.recording import write_recorded, write_template
-from telespring.analysis.results import analyse_trials
+from telespring.analysis.results import analyse_taken, analyse_trials
 from telespring.analysis.statistics import (
     Comparison,
     GroupTest,
@@ -19,6 +19,7 @@ __all__ = [
     "Comparison",
     "GroupTest",
     "Trials",
+    "analyse_taken",
     "analyse_trials",
     "compare",
     "compare_pairs",
@@ -26,6 +27,7 @@ __all__ = [
     "holm",
     "kruskal_wallis",
     "measure",
+    "measure_trials",
     "read_recorded",
     "superiority_interval",
     "take_trials",

@@ -59,15 +59,13 @@ def draw_trajectories(trials: Trials) -> Figure:
     return trajectory_figure(alone, grid)
 
 
-def draw_errors(trials: Trials, numbers: Mapping[str, Any]) -> Figure:
+def draw_errors(numbers: Mapping[str, Any]) -> Figure:
     """Draw Fig. 8 of an experiment.
 
     Parameters
     ----------
-    trials
-        The experiment.
     numbers
-        Its analysis, as `telespring.analysis.analyse_trials` gives it.
+        The experiment's analysis, as `telespring.analysis.analyse_trials` gives it.
 
     Returns
     -------

@@ -157,9 +157,15 @@ def _lag(trials: Trials) -> tuple[FloatArray, FloatArray]:
     # Far from zero, sums of squares would lose the target's own motion.
     known = known - known.mean(axis=2, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):
-        # (condition, trial, shift, axis): sums over the window of the target shifted
-        total = _shifted_sums(weight, known, longest)
-        spread = _shifted_sums(weight, known**2, longest) - total**2 / count[..., None, None]
+        # (condition, trial, shift, axis): sums over the window of the target shifted, which are the
+        # same for all trials that share target and window.
+        alike = window[count > 0]
+        shared = bool(np.all(alike == alike[0]))
+        once, samples = (
+            (alike[0][None, None, :, None].astype(float), count.max()) if shared else (weight, count)
+        )
+        total = _shifted_sums(once, known, longest)
+        spread = _shifted_sums(once, known**2, longest) - total**2 / np.asarray(samples)[..., None, None]
         spread = np.asarray(spread.sum(axis=-1))
         correlation = np.empty((*shape, spread.shape[-1]))
         for robot in range(2):

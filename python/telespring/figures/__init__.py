@@ -1,4 +1,4 @@
-"""The figures of the paper's sections II to IV-A, drawn from numbers that somebody else computed.
+"""The figures of the paper, drawn from numbers that somebody else computed.
 
 Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none touches pyplot or
 computes stability. `to_svg` makes the text that stands in the report.
@@ -19,10 +19,12 @@ from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.figures.responses import ResponsePanel, response_figure
 from telespring.figures.style import to_svg
+from telespring.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
 
 __all__ = [
     "ArmsPanel",
     "CellSeries",
+    "ErrorGroup",
     "FrequencyCurve",
     "FrequencyFamily",
     "MapAxis",
@@ -32,8 +34,10 @@ __all__ = [
     "ProfileCurve",
     "ProfilePanel",
     "ResponsePanel",
+    "TrialPanel",
     "arms_figure",
     "cells_figure",
+    "error_figure",
     "frequency_figure",
     "nyquist_figure",
     "pairs_figure",
@@ -42,4 +46,5 @@ __all__ = [
     "response_figure",
     "tier_map",
     "to_svg",
+    "trajectory_figure",
 ]

@@ -22,9 +22,11 @@ _ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
 #: A trajectory is drawn with at most so many points; more cannot be told apart in a panel this small.
 _POINTS = 600
 #: Dots per inch of the trajectories, which stand in the SVG as pictures: as paths they would be 20 MB.
-_DOTS = 240
+_DOTS = 180
 #: A panel shows at most so many times the target's extent; what runs away leaves it.
-_WIDEST = 2.0
+_WIDEST = 1.6
+#: Room in inch: at the figure's edges, above each row of panels, and beside each pair.
+_LEFT, _RIGHT, _TOP, _BOTTOM, _ABOVE, _BESIDE = 0.52, 0.05, 0.22, 0.36, 0.19, 0.16
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,6 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
         motion that leaves the panel says so.
     """
     columns = max([len(row) for row in grid], default=0) + (alone is not None)
-    rows = max(1, len(grid))
     placed: dict[tuple[int, int], TrialPanel] = {}
     if alone is not None:
         placed[0, 0] = alone
@@ -100,44 +101,54 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
             if panel is not None:
                 placed[row, column + (alone is not None)] = panel
     reach = _reach(list(placed.values()))
-    height = (FULL_WIDTH / max(2, columns)) * 0.5 * reach[1] / reach[0] + 0.32
+    # All panels have the proportions of what they show, so their places are computed, in inch.
+    cell = min(2.4, (FULL_WIDTH - _LEFT - _RIGHT) / max(1, columns))
+    width = 0.5 * (cell - _BESIDE)
+    height = min(3.0, width * reach[1] / reach[0])
+    rows = max(1, len(grid))
+    total = _TOP + rows * (height + _ABOVE) + _BOTTOM
     with styled():
-        figure = Figure(figsize=(FULL_WIDTH, min(1.9, height) * rows + 0.55), layout="constrained", dpi=_DOTS)
-        figure.get_layout_engine().set(w_pad=0.01, h_pad=0.02, wspace=0.0, hspace=0.0)  # type: ignore[union-attr, call-arg]
-        outer = figure.add_gridspec(rows, max(1, columns), wspace=0.06, hspace=0.04)
+        figure = Figure(figsize=(FULL_WIDTH, total), dpi=_DOTS)
         for (row, column), panel in placed.items():
-            inner = outer[row, column].subgridspec(1, 2, wspace=0.0)
-            pair = [figure.add_subplot(inner[0, robot]) for robot in range(2)]
-            below = (row + 1, column) in placed
-            for robot, axes in enumerate(pair):
+            bottom = _BOTTOM + (rows - 1 - row) * (height + _ABOVE)
+            for robot in range(2):
+                left = _LEFT + column * cell + robot * (width + 0.4 * _BESIDE)
+                place = (left / FULL_WIDTH, bottom / total, width / FULL_WIDTH, height / total)
+                axes = figure.add_axes(place)
                 _paths(axes, panel, robot, reach)
-                axes.tick_params(labelbottom=not below, labelleft=column == 0 and robot == 0, length=1.5)
-            pair[0].set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
-            if panel.note:
-                pair[1].set_title(panel.note, loc="right", pad=2.5, fontsize=6.0, color="#A03000")
+                axes.tick_params(
+                    labelbottom=(row + 1, column) not in placed,
+                    labelleft=robot == 0 and (row, column - 1) not in placed,
+                )
+                if robot == 0:
+                    axes.set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
+                elif panel.note:
+                    _remark(axes, 0.985, panel.note, "top", "#A03000")
         handles = [
             *(
-                Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side})")
+                Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side} of each pair)")
                 for robot, side in ((0, "left"), (1, "right"))
             ),
-            Line2D([], [], color="black", linewidth=0.8, linestyle=(0.0, (3.0, 1.5)), label="target"),
+            Line2D([], [], color="black", linewidth=0.6, label="target"),
         ]
-        figure.legend(handles=handles, loc="outside upper center", ncols=3)
-        figure.supxlabel("Position x, mm", fontsize=7.5)
-        figure.supylabel("Position y, mm", fontsize=7.5)
+        figure.legend(handles=handles, loc="upper center", ncols=3, borderaxespad=0.2)
+        figure.supxlabel("Position x, mm", fontsize=7.5, y=0.05 / total, va="bottom")
+        figure.supylabel("Position y, mm", fontsize=7.5, x=0.05 / FULL_WIDTH, ha="left")
     return figure
 
 
 def _reach(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
-    """Half the width and height of every panel, mm."""
+    """Give half the width and height of every panel, mm."""
     goal = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
     goal = np.maximum(goal, 0.25 * goal.max())
-    moved = np.zeros(2)
+    moved = goal
     for panel in panels:
-        finite = panel.position[np.isfinite(panel.position).all(axis=-1)]
-        if len(finite):
-            moved = np.maximum(moved, 1e3 * np.quantile(np.abs(finite), 0.995, axis=0))
-    return np.asarray(1.08 * np.clip(moved, goal, _WIDEST * goal))
+        there = np.isfinite(panel.position).all(axis=-1).any(axis=(1, 2))
+        if there.any():
+            # Most trials count, so that a few that run away do not make the others small.
+            farthest = np.nanmax(np.abs(panel.position[there]), axis=(1, 2))
+            moved = np.maximum(moved, 1e3 * np.quantile(farthest, 0.8, axis=0))
+    return np.asarray(1.08 * np.minimum(moved, _WIDEST * goal))
 
 
 def _paths(axes: Axes, panel: TrialPanel, robot: int, reach: NDArray[np.float64]) -> None:
@@ -153,31 +164,33 @@ def _paths(axes: Axes, panel: TrialPanel, robot: int, reach: NDArray[np.float64]
     goal = 1e3 * panel.target[:: max(1, stride // 2)]
     axes.add_collection(
         LineCollection(
-            [goal[np.isfinite(goal).all(axis=-1)]],
-            colors="black",
-            linewidths=0.5,
-            linestyles=[(0.0, (4.0, 2.0))],
-            rasterized=True,
+            [goal[np.isfinite(goal).all(axis=-1)]], colors="black", linewidths=0.45, rasterized=True
         ),
         autolim=False,
     )
-    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
-    axes.set_xticks([0.0], minor=False)
-    step = 10.0 ** math.floor(math.log10(max(reach[0], 1e-9)))
-    edge = step * math.floor(0.8 * reach[0] / step)
+    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]))
+    step = 10.0 ** math.floor(math.log10(reach[0]))
+    edge = step * math.floor(0.85 * reach[0] / step)
     axes.set_xticks([-edge, 0.0, edge] if edge else [0.0], [f"{-edge:g}", "", f"{edge:g}"] if edge else ["0"])
     axes.locator_params(axis="y", nbins=5)
-    axes.tick_params(labelsize=5.6, pad=1.5)
-    if any(np.any(np.abs(path) > reach) for path in lines):
-        axes.text(
-            0.5,
-            0.015,
-            "leaves the panel",
-            transform=axes.transAxes,
-            ha="center",
-            fontsize=4.6,
-            color="#303030",
-        )
+    axes.tick_params(labelsize=5.4, pad=1.5, length=1.5)
+    if any(np.any(np.abs(path) > 1.1 * reach) for path in lines):
+        _remark(axes, 0.015, "leaves the panel", "bottom", "#303030")
+
+
+def _remark(axes: Axes, height: float, words: str, anchor: str, colour: str) -> None:
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
+    axes.text(
+        0.5,
+        height,
+        words,
+        transform=axes.transAxes,
+        ha="center",
+        va=anchor,
+        fontsize=4.8,
+        color=colour,
+        bbox=box,
+    )
 
 
 def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_name: str = "UM") -> Figure:
