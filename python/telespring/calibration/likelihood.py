@@ -5,7 +5,7 @@ other in the same direction. A single misfit common to all ten cells, independen
 therefore count the same miss twice and would buy a better average with the difference between the two
 agents, the only thing that tells the disturbance. The likelihood takes each condition's two cells apart into
 the mean of both errors and half their difference, both Gaussian, each with a misfit of its own size that is
-not known and is profiled out; neither is taken smaller than the sampling error of the published means.
+not known and is profiled out; neither is taken smaller than the sampling error of the means.
 
 The published standard deviations enter as that sampling error only. They are no further data: TE1 scatters
 between trials (by 2.7 mm in the unconnected mode) from sources that the laboratory does not have - its
@@ -35,8 +35,10 @@ class Likelihood:
     mean
         (condition, robot), m.
     sampling_variance
-        Of a condition's mean of both errors, averaged over the conditions, m²; half the difference has
-        the same, for the trials of both robots are taken as uncorrelated: the paper does not say.
+        Of the difference between a measured and a simulated mean of both errors, m², where that is largest;
+        half the difference of both errors has the same, for the trials of both robots are taken as
+        uncorrelated: the paper does not say. As many trials are simulated as were measured, and they
+        scatter alike.
     together
         False for the plain alternative: one misfit, independent from cell to cell.
     """
@@ -50,7 +52,7 @@ class Likelihood:
         """Take the means and their sampling error from rows of the table."""
         deviation = np.array([row.standard_deviation for row in rows])
         # of (TE1 + TE2)/2 and of (TE2 - TE1)/2
-        variance = float(np.mean(np.sum(deviation**2, axis=1) / 4 / TRIALS))
+        variance = 2 * float(np.max(np.sum(deviation**2, axis=1) / 4 / TRIALS))
         return cls(np.array([row.mean for row in rows]), variance, together)
 
     def components(self, simulated: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -98,7 +100,7 @@ def threshold(conditions: int, unknowns: int, level: float = 0.95) -> float:
     Examples
     --------
     >>> round(threshold(5, 3), 2), round(threshold(5, 4), 2), round(threshold(10_000, 4), 2)
-    (7.38, 11.65, 3.84)
+    (7.38, 11.64, 3.84)
     """
     from scipy.stats import t
 
