@@ -158,7 +158,7 @@ def test_law_known_unknowns_are_recovered(variant: Variant, truth: tuple[float, 
     def run(points: FloatArray) -> FloatArray:
         return np.array([rig.errors(conditions, 3, point * HIGH).mean(axis=1) for point in points])
 
-    surrogate = explore(run, [likelihood], SIZES)
+    surrogate = explore(run, likelihood, SIZES)
     found = fit(
         surrogate, likelihood, variant, lambda point: rig.errors(conditions, 20, point * HIGH).mean(axis=1)
     )
@@ -184,7 +184,7 @@ def test_law_the_rigs_own_unknowns_are_recovered() -> None:
     def run(points: FloatArray) -> FloatArray:
         return np.array([rig.errors(conditions, 2, point * HIGH).mean(axis=1) for point in points])
 
-    surrogate = explore(run, [likelihood], (48, 24, 12))
+    surrogate = explore(run, likelihood, (48, 24, 12))
     found = fit(
         surrogate, likelihood, "inside", lambda point: rig.errors(conditions, 20, point * HIGH).mean(axis=1)
     )

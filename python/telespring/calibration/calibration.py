@@ -13,19 +13,19 @@ from telespring._types import FloatArray
 from telespring.axes import finite_or_none
 from telespring.calibration.comparison import Prediction, Score, null_prediction, predict, score
 from telespring.calibration.design import Sizes, explore
-from telespring.calibration.fit import Fit, fit, optimum
+from telespring.calibration.fit import Fit, fit
 from telespring.calibration.likelihood import Likelihood
 from telespring.calibration.published import TABLE_I, TRIALS, PublishedRow
 from telespring.calibration.simulator import RigSimulator
 from telespring.calibration.surrogate import CAP, Surrogate
-from telespring.calibration.unknowns import HIGH, NAMES, VARIANTS, free_of
+from telespring.calibration.unknowns import HIGH, VARIANTS
 from telespring.calibration.words import statements
 
 __all__ = ["Calibration", "SurrogateError", "calibrate"]
 
 #: The stiffness whose conditions are fitted beside the unconnected mode, N/m.
 _FITTED_STIFFNESS = 142.0
-_SIZES: Sizes = (96, 48, 20)
+_SIZES: Sizes = (96, 64, 32)
 _DESIGN_TRIALS = 3
 
 
@@ -76,9 +76,6 @@ class Calibration:
         Places of the fitted rows in it, and of all others.
     fits
         One per variant.
-    plain
-        Per variant what the plain likelihood - one misfit, independent from cell to cell - would fit, on
-        the surrogate; SI units.
     predictions
         Of the study as it is ("ideal") and at both optima, over all rows.
     scores
@@ -95,7 +92,6 @@ class Calibration:
     fitted: tuple[int, ...]
     held_out: tuple[int, ...]
     fits: dict[str, Fit]
-    plain: dict[str, dict[str, float]]
     predictions: dict[str, Prediction]
     scores: dict[str, dict[str, Score]]
     surrogate: SurrogateError
@@ -118,7 +114,6 @@ class Calibration:
             "fits": {
                 name: {
                     **found.numbers(),
-                    "with_plain_likelihood": self.plain[name],
                     "residuals": [
                         {
                             "condition": self.published[i].label,
@@ -237,7 +232,6 @@ def calibrate(
     conditions = {i: (row.stiffness, row.delay) for i, row in enumerate(table)}
     fitted_conditions = {i: conditions[i] for i in fitted}
     likelihood = Likelihood.of([table[i] for i in fitted])
-    plain = Likelihood.of([table[i] for i in fitted], together=False)
 
     def design_run(points: FloatArray) -> FloatArray:
         return np.array(
@@ -248,22 +242,16 @@ def calibrate(
         return _mean(rig.errors(fitted_conditions, trials, point * HIGH))
 
     tell("design of the calibration")
-    surrogate = explore(design_run, (likelihood, plain), sizes)
+    surrogate = explore(design_run, likelihood, sizes)
     fits: dict[str, Fit] = {}
-    plainly: dict[str, dict[str, float]] = {}
     for variant in VARIANTS:
         tell(f"fit, the arm's inertia {variant}{' Table III' if variant == 'inside' else ''}")
         fits[variant] = fit(surrogate, likelihood, variant, confirm)
-        free = free_of(variant)
-        best, _ = optimum(surrogate, plain, free)
-        plainly[variant] = {NAMES[i]: float(best[i] * HIGH[i]) for i in free}
     tell("prediction of the conditions held out")
     predictions = {"ideal": predict(rig.errors(conditions, trials), table)}
     for name, found in fits.items():
         predictions[name] = predict(rig.errors(conditions, trials, found.point * HIGH), table)
-    return _finish(
-        table, fitted, held_out, fits, plainly, predictions, _accuracy(surrogate, design_trials), trials
-    )
+    return _finish(table, fitted, held_out, fits, predictions, _accuracy(surrogate, design_trials), trials)
 
 
 def _finish(
@@ -271,7 +259,6 @@ def _finish(
     fitted: tuple[int, ...],
     held_out: tuple[int, ...],
     fits: dict[str, Fit],
-    plain: dict[str, dict[str, float]],
     predictions: dict[str, Prediction],
     surrogate: SurrogateError,
     trials: int,
@@ -288,10 +275,8 @@ def _finish(
         }
         for name, each in candidates.items()
     }
-    words = statements(table, fitted, held_out, fits, plain, predictions, scores)
-    return Calibration(
-        table, fitted, held_out, fits, plain, predictions, scores, surrogate, trials, tuple(words)
-    )
+    words = statements(table, fitted, held_out, fits, predictions, scores)
+    return Calibration(table, fitted, held_out, fits, predictions, scores, surrogate, trials, tuple(words))
 
 
 def _mean(errors: FloatArray) -> FloatArray:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import product
+from collections.abc import Callable
 
 import numpy as np
 
@@ -24,7 +23,7 @@ _NEIGHBOURHOOD = 0.15
 Laboratory = Callable[[FloatArray], FloatArray]
 
 
-def explore(laboratory: Laboratory, likelihoods: Sequence[Likelihood], sizes: Sizes) -> Surrogate:
+def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Surrogate:
     """Run the laboratory at a design of points and build the surrogate through them.
 
     A quarter of the points has no arm mass on top: there both variants are the same model.
@@ -33,8 +32,8 @@ def explore(laboratory: Laboratory, likelihoods: Sequence[Likelihood], sizes: Si
     ----------
     laboratory
         Runs many points; all with the same random numbers, so that the surrogate is smooth.
-    likelihoods
-        Tell where more points are worth their time: where the first one is high, and around every optimum.
+    likelihood
+        Tells where more points are worth their time: where it is high, and around both optima.
     sizes
         How many points.
 
@@ -44,7 +43,6 @@ def explore(laboratory: Laboratory, likelihoods: Sequence[Likelihood], sizes: Si
         Through all of them.
     """
     even, plausible, near = sizes
-    likelihood = likelihoods[0]
     points = _spread(even, 1)
     surrogate = Surrogate(points, laboratory(points))
     offered = _spread(16 * max(plausible, 64), 2)
@@ -53,9 +51,9 @@ def explore(laboratory: Laboratory, likelihoods: Sequence[Likelihood], sizes: Si
     if len(inside) < plausible:
         inside = offered[np.argsort(deviance, kind="stable")[:plausible]]
     surrogate = _with(surrogate, inside[:plausible], laboratory)
-    for number, (variant, each) in enumerate(product(VARIANTS, likelihoods)):
+    for number, variant in enumerate(VARIANTS):
         free = free_of(variant)
-        best, _ = optimum(surrogate, each, free)
+        best, _ = optimum(surrogate, likelihood, free)
         around = best + 2 * _NEIGHBOURHOOD * (_spread(near, 3 + number, every=0) - 0.5)
         around = np.clip(around, 0.0, 1.0)
         fixed = [i for i in range(len(NAMES)) if i not in free]

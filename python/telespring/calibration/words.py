@@ -32,7 +32,6 @@ def statements(
     fitted: Sequence[int],
     held_out: Sequence[int],
     fits: Mapping[str, Fit],
-    plain: Mapping[str, Mapping[str, float]],
     predictions: Mapping[str, Prediction],
     scores: Mapping[str, Mapping[str, Score]],
 ) -> list[str]:
@@ -44,8 +43,8 @@ def statements(
         The published rows.
     fitted, held_out
         Their places.
-    fits, plain
-        Per variant, also by the plain likelihood.
+    fits
+        Per variant.
     predictions, scores
         By laboratory.
 
@@ -63,12 +62,6 @@ def statements(
     ]
     for name, found in fits.items():
         said += _of_fit(name, found, table, fitted)
-        moved = abs(plain[name]["spot_velocity"] - found.values["spot_velocity"]) > 0.1
-        said.append(
-            f"With {_TITLES[name]} and a misfit independent from cell to cell the fit would be "
-            f"{_listed(plain[name])}"
-            + (": the choice of the likelihood decides about the disturbance." if moved else ".")
-        )
     said += _of_variants(fits)
     # one model need not be described twice
     same = len({tuple(np.round(found.point, 2)) for found in fits.values()}) == 1
