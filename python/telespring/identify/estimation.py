@@ -424,7 +424,7 @@ def _identify_axis(
         condition_number=float(np.linalg.cond(regressor)),
         r_squared=1.0 - squares / variation if variation > 0.0 else 0.0,
         relative_force_error=math.sqrt(squares / float((force**2).sum())) if force.any() else math.inf,
-        time_shift=_time_shift(signals, index, regressor, estimates[0].value),
+        time_shift=_time_shift(signals, index, regressor, fit),
         signals_index=index,
         estimated_force=force - fit.residual,
         residual=fit.residual,
@@ -439,17 +439,19 @@ def _scaled_condition(columns: FloatArray) -> float:
     return float(np.linalg.cond(columns / np.where(size > 0.0, size, 1.0))) if size.all() else math.inf
 
 
-def _time_shift(signals: Signals, index: int, regressor: FloatArray, mass: float) -> Estimate | None:
+def _time_shift(
+    signals: Signals, index: int, regressor: FloatArray, fit: regression.Fit
+) -> Estimate | None:
     """Find by how much the force lags the position: F(t − τ) has a part −τ m times the jerk."""
-    columns = np.column_stack([regressor, signals.jerk[index]])
-    if mass <= 0.0 or not _scaled_condition(columns) < _TELLS_APART:
+    jerk = signals.jerk[index]
+    if not _scaled_condition(np.column_stack([regressor, jerk])) < _TELLS_APART:
         return None
-    fit = regression.robust_least_squares(columns, signals.force[index])
-    if fit.estimate[0] <= 0.0:
+    more = regression.with_column(fit, regressor, jerk, signals.force[index])
+    mass = float(more.estimate[0])
+    if mass <= 0.0:
         return None
-    shift = -float(fit.estimate[-1]) / float(fit.estimate[0])
-    error = float(fit.standard_error[-1]) / float(fit.estimate[0])
-    half = float(fit.half_width()[-1]) / float(fit.estimate[0])
+    shift, error = -float(more.estimate[-1]) / mass, float(more.standard_error[-1]) / mass
+    half = float(more.half_width()[-1]) / mass
     return Estimate(shift, error, (shift - half, shift + half))
 
 
@@ -458,12 +460,11 @@ def _cross_inertia(
 ) -> CrossInertia:
     from scipy import stats
 
-    columns = np.column_stack(
-        [_regressor(signals, mine.signals_index, coulomb, offset), signals.acceleration[other.signals_index]]
-    )
-    if not _scaled_condition(columns) < _TELLS_APART:
+    regressor = _regressor(signals, mine.signals_index, coulomb, offset)
+    acceleration = signals.acceleration[other.signals_index]
+    if not _scaled_condition(np.column_stack([regressor, acceleration])) < _TELLS_APART:
         return CrossInertia(mine.axis, other.axis, None, significant=False)
-    fit = regression.robust_least_squares(columns, signals.force[mine.signals_index])
+    fit = regression.with_column(mine.fit, regressor, acceleration, signals.force[mine.signals_index])
     value, error = float(fit.estimate[-1]), float(fit.standard_error[-1])
     half = float(fit.half_width()[-1])
     quantile = float(stats.t.ppf(1.0 - 0.5 * _SIGNIFICANCE, fit.degrees_of_freedom))
@@ -498,7 +499,7 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
                 "force. Are position and force columns of the same axis, and is friction or an offset missing?"
             )
         shift = axis.time_shift
-        if shift is not None and axis.r_squared >= 0.8 and shift.interval[0] * shift.interval[1] > 0.0:
+        if shift is not None and axis.r_squared >= 0.8 and abs(shift.value) > 4.0 * shift.standard_error:
             # A shift τ of the force moves the mass by τ b (and the damping by less).
             error = abs(shift.value * axis.damping.value)
             half = 0.5 * (axis.mass.interval[1] - axis.mass.interval[0])

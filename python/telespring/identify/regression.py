@@ -1,12 +1,19 @@
 """Linear regression whose intervals hold although neighbouring residuals are alike.
 
 Filtered signals have correlated residuals, and textbook intervals are then too narrow. Here the covariance
-is Newey and West's [1]_, by statsmodels, on samples thinned out to a little more than twice the cut-off.
+is Newey and West's [1]_, by statsmodels, on samples thinned out to a little more than twice the cut-off; each
+residual is divided by one minus its leverage [2]_, since a fit comes closest to the samples that weigh most,
+and the quantile is that for a bandwidth which is a fixed share of the samples [3]_. Without these two, nominal
+95 % intervals hold the truth in 93 % of logs of four periods of the paper's movement.
 
 References
 ----------
 .. [1] W. K. Newey, K. D. West, "A simple, positive semi-definite, heteroskedasticity and autocorrelation
    consistent covariance matrix", Econometrica 55 (1987) 703-708.
+.. [2] J. G. MacKinnon, H. White, "Some heteroskedasticity-consistent covariance matrix estimators with
+   improved finite sample properties", Journal of Econometrics 29 (1985) 305-325.
+.. [3] N. M. Kiefer, T. J. Vogelsang, "A new asymptotic theory for heteroskedasticity-autocorrelation robust
+   tests", Econometric Theory 21 (2005) 1130-1164: the Bartlett kernel's 97.5 % quantile.
 """
 
 from __future__ import annotations
@@ -29,6 +36,7 @@ __all__ = [
     "paper_least_squares",
     "paper_reweightings",
     "robust_least_squares",
+    "with_column",
 ]
 
 #: ε of the paper's weights 1/(r² + ε): the relative accuracy of floating-point numbers.
@@ -77,11 +85,16 @@ class Fit:
         """Of the coefficients."""
         return np.sqrt(np.diag(self.covariance))
 
-    def half_width(self, level: float = 0.95) -> FloatArray:
-        """Half of the confidence intervals' widths at that level."""
+    def half_width(self) -> FloatArray:
+        """Half of the 95 % confidence intervals' widths."""
         from scipy import stats
 
-        return np.asarray(stats.t.ppf(0.5 + 0.5 * level, self.degrees_of_freedom) * self.standard_error)
+        quantile = float(stats.t.ppf(0.975, self.degrees_of_freedom))
+        if self.lags is not None:
+            share = (self.lags + 1) / self.residual.size
+            widened = 1.96 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
+            quantile *= widened / 1.96
+        return np.asarray(quantile * self.standard_error)
 
 
 def newey_west_lags(samples: int) -> int:
@@ -146,13 +159,14 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     Returns
     -------
     Fit
-        Coefficients and covariance; those of ordinary least squares where the residuals are rounding only.
+        Coefficients and covariance; those of ordinary least squares where no residual is large.
     """
     import statsmodels.api as sm
 
     plain = least_squares(regressor, force)
-    size = float(np.abs(force).max())
-    if float(np.median(np.abs(plain.residual))) <= 1e-12 * size:
+    scale = float(sm.robust.scale.mad(plain.residual, center=0))
+    # Residuals of rounding only have no scale; and where none is large, this is Hampel's answer already.
+    if scale <= 1e-12 * float(np.abs(force).max()) or np.abs(plain.residual).max() <= _HAMPEL[0] * scale:
         return plain
     with warnings.catch_warnings():
         # What it warns of is in the result.
@@ -176,18 +190,52 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     )
 
 
+def with_column(fit: Fit, regressor: FloatArray, column: FloatArray, force: FloatArray) -> Fit:
+    """Fit once more with one more column, every sample keeping the weight it has in `fit`.
+
+    Parameters
+    ----------
+    fit
+        The fit without the column.
+    regressor
+        Its regressor.
+    column
+        What is added to it as the last column.
+    force
+        N, one per sample.
+
+    Returns
+    -------
+    Fit
+        With one coefficient more, and a covariance for correlated residuals.
+    """
+    columns = np.column_stack([regressor, column])
+    weights = fit.weights
+    root = np.sqrt(weights)
+    estimate = np.linalg.lstsq(columns * root[:, None], force * root, rcond=None)[0]
+    residual = force - columns @ estimate
+    lags = newey_west_lags(force.size)
+    return Fit(
+        estimate=estimate,
+        covariance=_sandwich(columns, weights * residual, weights, lags),
+        residual=residual,
+        weights=weights,
+        degrees_of_freedom=force.size - estimate.size,
+        lags=lags,
+    )
+
+
 def _sandwich(regressor: FloatArray, score: FloatArray, slope: FloatArray, lags: int) -> FloatArray:
     """Covariance of an M-estimate: `score` is ψ of each residual, `slope` its derivative."""
     from statsmodels.stats.sandwich_covariance import S_hac_simple
 
-    samples, coefficients = regressor.shape
     # Columns in their own size: mass and offset may differ by orders of magnitude.
     size = np.sqrt((regressor**2).mean(axis=0))
     columns = regressor / size
     bread = np.linalg.inv(columns.T @ (slope[:, None] * columns))
-    meat = np.asarray(S_hac_simple(columns * score[:, None], nlags=lags))
-    covariance = samples / (samples - coefficients) * (bread @ meat @ bread)
-    return np.asarray(covariance / np.outer(size, size))
+    leverage = np.clip(np.einsum("ij,jk,ik->i", columns, bread, columns), 0.0, 0.5)
+    meat = np.asarray(S_hac_simple(columns * (score / (1.0 - leverage))[:, None], nlags=lags))
+    return np.asarray(bread @ meat @ bread / np.outer(size, size))
 
 
 @dataclass(frozen=True)

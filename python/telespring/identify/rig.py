@@ -19,8 +19,8 @@ __all__ = ["ARM_DAMPING", "ARM_MASS", "Noise", "RigLog", "rig_log"]
 
 #: The log's rate, Hz.
 RATE = 1000.0
-#: Periods of the movement in a log.
-PERIODS = 3.0
+#: Periods of the movement in a log: 20 s of the paper's.
+PERIODS = 4.0
 #: The arm in whose place a mass and a damping stand, kg and N·s/m: a light arm of two links of 0.3 m with
 #: HEBI-like actuators, seen at its hand.
 ARM_MASS, ARM_DAMPING = 0.5, 1.0
