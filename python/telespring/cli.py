@@ -24,6 +24,7 @@ from rich.markup import escape
 
 import telespring as ts
 from telespring.files import replacing, write_whole
+from telespring.identify.command import identify_command
 from telespring.terminal import decision_screen, digits_down, refusal_screen
 
 if TYPE_CHECKING:
@@ -237,6 +238,9 @@ def _refusals() -> Iterator[None]:
     except KeyboardInterrupt:
         print("Stopped; nothing half-written was left behind.", file=sys.stderr)
         raise typer.Exit(130) from None
+
+
+app.command("identify")(_refusals()(identify_command))
 
 
 def _read(study: Path | None) -> ts.Study:

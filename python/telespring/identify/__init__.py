@@ -12,7 +12,9 @@ from telespring.identify.estimation import (
     identify,
 )
 from telespring.identify.excitation import Excitation, Extremes, design_excitation, paper_excitation
+from telespring.identify.log_files import Log, read_log
 from telespring.identify.regression import Reweighting, paper_reweightings
+from telespring.identify.robot_file import robot_toml, write_robot
 
 __all__ = [
     "AxisIdentification",
@@ -21,9 +23,13 @@ __all__ = [
     "Excitation",
     "Extremes",
     "Identification",
+    "Log",
     "Reweighting",
     "design_excitation",
     "identify",
     "paper_excitation",
     "paper_reweightings",
+    "read_log",
+    "robot_toml",
+    "write_robot",
 ]

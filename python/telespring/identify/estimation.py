@@ -35,7 +35,7 @@ _METHODS = {
 }
 
 #: Axes are told apart from each other up to this condition number (columns of unit length).
-_TELLS_APART = 30.0
+_TELLS_APART = 10.0
 #: Odds that axes without any cross inertia are called coupled: one in a thousand per pair.
 _SIGNIFICANCE = 0.001
 #: A cross inertia of less than this share of the axes' own masses leaves the verdict as it is.
@@ -480,19 +480,19 @@ def _cross_inertia(
 def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]) -> list[str]:
     told = []
     for axis in found:
-        for name in ("mass", "damping"):
-            estimate = getattr(axis, name)
-            low, high = estimate.interval
-            if high <= 0.0:
-                told.append(
-                    f"Axis {axis.axis}: the {name} is negative. Is the sign of the force the robot's own "
-                    "(force and position must count the same direction)?"
-                )
-            elif low <= 0.0:
-                told.append(
-                    f"Axis {axis.axis}: the {name} cannot be told from 0; excite the robot "
-                    f"{'with more acceleration' if name == 'mass' else 'at higher velocity'} or record longer."
-                )
+        uncertain = [name for name in ("mass", "damping") if axis.estimates[name].interval[0] <= 0.0]
+        negative = [name for name in uncertain if axis.estimates[name].interval[1] <= 0.0]
+        if negative:
+            told.append(
+                f"Axis {axis.axis}: {' and '.join(negative)} {'is' if len(negative) == 1 else 'are'} negative. "
+                "Force and position must count the same direction; --force-scale -1 turns the force."
+            )
+        told += [
+            f"Axis {axis.axis}: the {name} cannot be told from 0; excite the robot "
+            f"{'with more acceleration' if name == 'mass' else 'at higher velocity'} or record longer."
+            for name in uncertain
+            if name not in negative
+        ]
         if axis.r_squared < 0.8:
             told.append(
                 f"Axis {axis.axis}: the model explains only {100.0 * max(0.0, axis.r_squared):.0f} % of the "

@@ -212,9 +212,8 @@ def _refuse_stuck(name: str, position: FloatArray, step: float) -> None:
     # Between two samples the robot moves no further than this; a jump beyond it was made unseen.
     usual = float(np.quantile(moves[moves > 0.0], 0.99))
     least = max(3, int(_STUCK / step))
-    for start, length in zip(starts.tolist(), lengths.tolist(), strict=True):
-        if length < least or start == 0:
-            continue
+    for run in np.flatnonzero((lengths >= least) & (starts > 0)):
+        start, length = int(starts[run]), int(lengths[run])
         end = start + length
         before = abs(float(position[start] - position[max(0, start - least)])) / least
         jumps = end < position.size and moves[end - 1] > max(5.0 * usual, 0.2 * length * before)

@@ -34,6 +34,8 @@ _ORDER = 4
 _END_PERIODS = 3.0
 #: Samples kept per period of the cut-off frequency: a little more than the two that lose nothing.
 _KEPT_PER_PERIOD = 2.5
+#: With fewer samples left, intervals would be guesses.
+_LEAST_KEPT = 50
 
 # Central differences of sixth order: at a tenth of the sample rate the first errs by 0.04 %.
 _FIRST = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
@@ -94,9 +96,14 @@ def movement_bandwidth(position: FloatArray, rate: float) -> float:
     >>> 1.9 < movement_bandwidth(0.1 * np.sin(2 * np.pi * 2.0 * time), 1000.0) < 2.7
     True
     """
-    from scipy import signal
+    from scipy import fft, signal
 
-    frequency, power = signal.periodogram(position, rate, window="hann", detrend="linear")
+    samples = position.size
+    length = fft.next_fast_len(samples, real=True)
+    windowed = signal.detrend(position) * signal.get_window("hann", samples)
+    # Only ratios count, so the spectrum may have any scale.
+    power = np.abs(fft.rfft(windowed, length)) ** 2
+    frequency = np.asarray(fft.rfftfreq(length, 1.0 / rate))
     # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its
     # median is ln 2 times the mean of a periodogram's exponential distribution.
     floor = float(np.median(power[power.size // 2 :])) / math.log(2.0)
@@ -167,11 +174,11 @@ def filtered_signals(
         )
     ends = math.ceil(_END_PERIODS * rate / cutoff)
     decimation = max(1, int(rate / (_KEPT_PER_PERIOD * cutoff)))
-    if time.size < 2 * ends + 20 * decimation:
+    if time.size < 2 * ends + _LEAST_KEPT * decimation:
         raise InvalidInput(
             "time",
             f"{time.size} samples, {time.size / rate:.3g} s",
-            f"with a cut-off of {cutoff:.3g} Hz at least {(2 * ends + 20 * decimation) / rate:.3g} s are needed",
+            f"with a cut-off of {cutoff:.3g} Hz at least {(2 * ends + _LEAST_KEPT * decimation) / rate:.3g} s are needed",
             "Record longer, move faster, or give a higher cut-off.",
         )
     sections = signal.butter(_ORDER, cutoff, fs=rate, output="sos")
