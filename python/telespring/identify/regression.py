@@ -234,10 +234,12 @@ def with_column(fit: Fit, regressor: FloatArray, column: FloatArray, force: Floa
     Returns
     -------
     Fit
-        With one coefficient more, and a covariance for correlated residuals.
+        With one coefficient more, and a covariance for correlated residuals; after the paper's method all
+        samples count alike.
     """
     columns = np.column_stack([regressor, column])
-    weights = fit.weights
+    # The paper's weights single out a few samples; nothing else may hang on them.
+    weights = np.ones_like(force) if fit.lags is None else fit.weights
     root = np.sqrt(weights)
     estimate = np.linalg.lstsq(columns * root[:, None], force * root, rcond=None)[0]
     residual = force - columns @ estimate

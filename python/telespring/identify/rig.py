@@ -1,13 +1,13 @@
-"""Logs of the simulated robots: each handle is driven through its arm by a velocity servo.
+"""Logs of the simulated robots: each handle is driven through a two-link arm by a velocity servo.
 
 The servo follows a movement; what is logged is the handle's position by an encoder and the force at the handle
-by a sensor, at 1 kHz, or instead of the latter the force that the arm's joint torques make.
+by a sensor, at 1 kHz, or instead of the latter the force that the arm's joint torques make at its hand.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,17 +15,30 @@ import telespring as ts
 from telespring._types import FloatArray
 from telespring.identify.excitation import Excitation, paper_excitation
 
-__all__ = ["ARM_DAMPING", "ARM_MASS", "Noise", "RigLog", "rig_log"]
+__all__ = ["ARM", "Noise", "RigLog", "rig_log"]
 
-#: The log's rate, Hz.
+#: The log's rate, Hz, and how many times per sample the servo acts: drives run at about 10 kHz.
 RATE = 1000.0
+_ACTS = 10
 #: Periods of the movement in a log: 20 s of the paper's.
 PERIODS = 4.0
-#: The arm in whose place a mass and a damping stand, kg and N·s/m: a light arm of two links of 0.3 m with
-#: HEBI-like actuators, seen at its hand.
-ARM_MASS, ARM_DAMPING = 0.5, 1.0
 #: Gains of the servo: N·s/m on the velocity, N/m on the position, so that it does not drift away.
-_VELOCITY_GAIN, _POSITION_GAIN = 80.0, 200.0
+_SERVO = {"kind": "skilled", "stiffness": 200.0, "damping": 80.0}
+
+#: A two-link arm of HEBI X-series parts, 0.45 m behind the middle of the task; the paper gives no numbers.
+#: The values and where they come from are those of `TwoLinkArm::HEBI_X8` in the core.
+ARM: dict[str, Any] = {
+    "kind": "two-link",
+    "base": [0.0, -0.45],
+    "elbow": "right",
+    "link_length": [0.325, 0.325],
+    "link_mass": [0.882, 0.402],
+    "link_centre": [0.2509, 0.1625],
+    "link_inertia": [0.00986, 0.00362],
+    "joint_damping": [0.5, 0.5],
+    "rotor_inertia": [0.01, 0.01],
+    "torque_limit": [20.0, 20.0],
+}
 
 
 @dataclass(frozen=True)
@@ -50,16 +63,16 @@ class Noise:
 
 @dataclass(frozen=True)
 class RigLog:
-    """One run of a dyad's robots, without noise; arrays have time, robot, axis.
+    """One run of a study's robots, without noise; arrays have time, robot, axis.
 
     Attributes
     ----------
     time
         s, shape (n,).
     position
-        m, shape (n, 2, axes).
+        m, shape (n, 2, 2).
     handle_force, joint_force
-        N, shape (n, 2, axes): what the arm does to the handle, and what its torques make at its hand.
+        N, shape (n, 2, 2): what the arm does to the handle, and what its torques make at its hand.
     """
 
     time: FloatArray
@@ -90,18 +103,27 @@ class RigLog:
         return counts * added.position_step - zero, force + random.normal(0.0, added.force, force.shape)
 
 
-def rig_log(dyad: ts.Dyad, movement: Excitation | None = None, *, periods: float = PERIODS) -> RigLog:
-    """Drive both robots of a dyad on all axes, each axis a quarter of a period after the one before.
+def rig_log(
+    study: ts.Study | None = None,
+    movement: Excitation | None = None,
+    *,
+    arm: dict[str, Any] | None = None,
+    periods: float = PERIODS,
+) -> RigLog:
+    """Drive both robots of a study on both axes, y a quarter of a period after x.
 
     The paper commands the same movement on both axes. Then no log can tell whether one axis feels the
-    other's acceleration; a quarter of a period apart it can.
+    other's acceleration; a quarter of a period apart it can. The noise of the sensors does not enter the
+    servo, so that one run serves any number of noisy logs.
 
     Parameters
     ----------
-    dyad
-        The robots; what holds their handles is left out.
+    study
+        The robots, Coulomb friction included; the paper's unless given.
     movement
         What the servo follows; the paper's unless given.
+    arm
+        Both arms, as in a study file; `ARM` unless given.
     periods
         How many periods are logged.
 
@@ -110,40 +132,47 @@ def rig_log(dyad: ts.Dyad, movement: Excitation | None = None, *, periods: float
     RigLog
         Positions and forces at 1 kHz.
     """
+    from telespring.study_text import with_values
+
     command = movement or paper_excitation()
-    samples = round(periods * command.period * RATE) + 1
-    time = np.arange(samples) / RATE
-    count = len(dyad.axes)
-    arrays = {name: np.empty((samples, 2, count)) for name in ("position", "handle", "joints")}
-    for i in range(count):
-        ahead = time - i * command.period / 4.0
-        wanted = np.stack([command.position(ahead), command.velocity(ahead)])
-        for robot in range(2):
-            mass, damping = float(dyad.robots[robot].mass[i]), float(dyad.robots[robot].damping[i])
-            driven = _drive(mass, damping, wanted)
-            for name, values in zip(arrays, driven, strict=True):
-                arrays[name][:, robot, i] = values
-    return RigLog(time, arrays["position"], arrays["handle"], arrays["joints"])
+    driven = with_values(
+        study or ts.Study.paper(),
+        {
+            "arm1": arm or ARM,
+            "arm2": arm or ARM,
+            "agent1": _SERVO,
+            "agent2": _SERVO,
+            "laboratory": {"sample_period": 1.0 / (_ACTS * RATE)},
+        },
+    )
+    assert driven.experiment is not None  # it has arms, so it has two axes
+    samples = int(periods * command.period * RATE) + 1
+    # One sample more at the end, for the sensor's mean over it.
+    ticks = _ACTS * samples
+    time = np.arange(ticks + 1) / (_ACTS * RATE)
+    target = np.column_stack([command.position(time), command.position(time - 0.25 * command.period)])
+    run = driven.experiment.laboratory.run(
+        None, 0.0, 0, ticks / (_ACTS * RATE), _ACTS * RATE, target=np.ascontiguousarray(target)
+    )
+    # The first tick, at which the servo jumps to its task, has no sample's width before it.
+    at = _ACTS * np.arange(1, samples)
+    return RigLog(
+        time=time[at],
+        position=run["position"][at],
+        handle_force=_over_a_sample(run["handle_force"], at),
+        joint_force=_over_a_sample(run["agent_force"], at),
+    )
 
 
-def _drive(mass: float, damping: float, wanted: FloatArray) -> tuple[list[float], list[float], list[float]]:
-    """Position, handle force and joint force of one axis under the servo, exact between the ticks."""
-    total_mass, total_damping = mass + ARM_MASS, damping + ARM_DAMPING
-    step = 1.0 / RATE
-    rate = total_damping / total_mass
-    decay = math.exp(-rate * step)
-    reach = -math.expm1(-rate * step) / rate
-    push = (step - reach) / total_damping
-    share = mass / total_mass
-    own = damping - share * total_damping
-    x, v, force = float(wanted[0, 0]), 0.0, 0.0
-    position, handle, joints = [], [], []
-    for target, speed in wanted.T.tolist():
-        before = force
-        force = _VELOCITY_GAIN * (speed - v) + _POSITION_GAIN * (target - x)
-        position.append(x)
-        # A sensor sees the mean of what the force was and what it becomes at the tick.
-        handle.append(share * 0.5 * (before + force) + own * v)
-        joints.append(0.5 * (before + force))
-        x, v = x + reach * v + push * force, decay * v + reach / total_mass * force
-    return position, handle, joints
+def _over_a_sample(force: FloatArray, at: np.ndarray[Any, np.dtype[np.int64]]) -> FloatArray:
+    """Give the mean force over one sample's width about each tick, as a sensor does.
+
+    A row holds the force right after its tick, held until the next as far as it comes from the servo. The
+    mean is taken from half a sample before to half a sample after, the two readings of a row (held, or a
+    sample of something smooth) in equal parts.
+    """
+    half = _ACTS // 2
+    sums = np.concatenate([np.zeros((1, *force.shape[1:])), np.cumsum(force, axis=0)])
+    held = sums[at + half] - sums[at - half]
+    later = sums[at + half + 1] - sums[at - half + 1]
+    return np.asarray((held + later) / (2 * _ACTS))
