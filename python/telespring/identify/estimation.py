@@ -499,7 +499,7 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
                 "force. Are position and force columns of the same axis, and is friction or an offset missing?"
             )
         shift = axis.time_shift
-        if shift is not None and axis.r_squared >= 0.8 and abs(shift.value) > 4.0 * shift.standard_error:
+        if shift is not None and axis.r_squared >= 0.99 and abs(shift.value) > 4.0 * shift.standard_error:
             # A shift τ of the force moves the mass by τ b (and the damping by less).
             error = abs(shift.value * axis.damping.value)
             half = 0.5 * (axis.mass.interval[1] - axis.mass.interval[0])

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 import telespring as ts
+from telespring import _core
 from telespring._types import FloatArray
 from telespring.identify.excitation import Excitation, paper_excitation
 
 __all__ = ["ARM", "Noise", "RigLog", "rig_log"]
 
-#: The log's rate, Hz, and how many times per sample the servo acts: drives run at about 10 kHz.
+#: The rate of log and servo, Hz.
 RATE = 1000.0
-_ACTS = 10
 #: Periods of the movement in a log: 20 s of the paper's.
 PERIODS = 4.0
 #: Gains of the servo: N·s/m on the velocity, N/m on the position, so that it does not drift away.
@@ -131,48 +131,66 @@ def rig_log(
     -------
     RigLog
         Positions and forces at 1 kHz.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where the robots have not two axes, or the movement leaves the arm's reach.
     """
     from telespring.study_text import with_values
 
     command = movement or paper_excitation()
+    arms = arm or ARM
     driven = with_values(
         study or ts.Study.paper(),
         {
-            "arm1": arm or ARM,
-            "arm2": arm or ARM,
+            "arm1": arms,
+            "arm2": arms,
             "agent1": _SERVO,
             "agent2": _SERVO,
-            "laboratory": {"sample_period": 1.0 / (_ACTS * RATE)},
+            "laboratory": {"sample_period": 1.0 / RATE},
         },
     )
-    assert driven.experiment is not None  # it has arms, so it has two axes
-    samples = int(periods * command.period * RATE) + 1
-    # One sample more at the end, for the sensor's mean over it.
-    ticks = _ACTS * samples
-    time = np.arange(ticks + 1) / (_ACTS * RATE)
+    if driven.experiment is None:
+        raise ts.InvalidInput(
+            "axes",
+            ", ".join(driven.dyad.axes),
+            "the arms move robots of two axes",
+            "Identify other robots from logs of their own (telespring identify).",
+        )
+    ticks = int(periods * command.period * RATE)
+    time = np.arange(ticks + 1) / RATE
     target = np.column_stack([command.position(time), command.position(time - 0.25 * command.period)])
     run = driven.experiment.laboratory.run(
-        None, 0.0, 0, ticks / (_ACTS * RATE), _ACTS * RATE, target=np.ascontiguousarray(target)
+        None, 0.0, 0, ticks / RATE, RATE, target=np.ascontiguousarray(target)
     )
-    # The first tick, at which the servo jumps to its task, has no sample's width before it.
-    at = _ACTS * np.arange(1, samples)
+    before = np.empty_like(run["handle_force"])
+    for robot in range(2):
+        positions = np.ascontiguousarray(run["position"][:, robot])
+        before[:, robot] = _before_the_tick(
+            run["handle_force"][:, robot],
+            run["agent_force"][:, robot],
+            np.diag(driven.dyad.robots[robot].mass),
+            _core.arm_operator(driven.experiment.arms[robot], positions)[0],
+        )
+    # The first tick, at which the servo jumps to its task, has nothing before it.
     return RigLog(
-        time=time[at],
-        position=run["position"][at],
-        handle_force=_over_a_sample(run["handle_force"], at),
-        joint_force=_over_a_sample(run["agent_force"], at),
+        time=time[1:],
+        position=run["position"][1:],
+        handle_force=0.5 * (before + run["handle_force"])[1:],
+        joint_force=0.5 * (run["agent_force"][1:] + run["agent_force"][:-1]),
     )
 
 
-def _over_a_sample(force: FloatArray, at: np.ndarray[Any, np.dtype[np.int64]]) -> FloatArray:
-    """Give the mean force over one sample's width about each tick, as a sensor does.
+def _before_the_tick(
+    handle_force: FloatArray, hand_force: FloatArray, handle_mass: FloatArray, arm_mass: FloatArray
+) -> FloatArray:
+    """Give the force at the handle just before each tick, which is recorded just after it.
 
-    A row holds the force right after its tick, held until the next as far as it comes from the servo. The
-    mean is taken from half a sample before to half a sample after, the two readings of a row (held, or a
-    sample of something smooth) in equal parts.
+    At a tick only the servo's force jumps. Both masses then share the jump: the handle gets
+    M_h (M_h + M_arm)^-1 of it. A sensor sees the mean of before and after: taking the values after the ticks
+    would make the force half a sample early, and the mass wrong by half a sample times the damping.
     """
-    half = _ACTS // 2
-    sums = np.concatenate([np.zeros((1, *force.shape[1:])), np.cumsum(force, axis=0)])
-    held = sums[at + half] - sums[at - half]
-    later = sums[at + half + 1] - sums[at - half + 1]
-    return np.asarray((held + later) / (2 * _ACTS))
+    jump = np.diff(hand_force, axis=0, prepend=0.0)
+    accelerations = np.linalg.solve(handle_mass + arm_mass, jump[..., None])[..., 0]
+    return np.asarray(handle_force - accelerations @ handle_mass.T)
