@@ -25,7 +25,9 @@ RATE = 1000.0
 MASS, DAMPING, COULOMB, OFFSET = 0.8334, 7.7257, 0.6, -0.3
 
 
-def movement(seconds: float = 20.0, lag: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def movement(
+    seconds: float = 20.0, lag: float = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     time = np.arange(round(seconds * RATE)) / RATE
     command = paper_excitation()
     return time, command.position(time - lag), command.velocity(time - lag), command.acceleration(time - lag)
@@ -182,7 +184,9 @@ def test_cross_the_robust_fit_minimises_hampels_loss() -> None:
     scale = float(sm.robust.scale.mad(fit.residual, center=0))
     norm = sm.robust.norms.Hampel(4.0, 6.0, 9.0)
     found = optimize.minimize(
-        lambda beta: norm.rho((force - regressor @ beta) / scale).sum(), fit.estimate + 0.01, method="Nelder-Mead"
+        lambda beta: norm.rho((force - regressor @ beta) / scale).sum(),
+        fit.estimate + 0.01,
+        method="Nelder-Mead",
     )
     # both stop at about 1e-5 of the parameters
     np.testing.assert_allclose(fit.estimate, found.x, atol=1e-3)

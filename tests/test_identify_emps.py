@@ -89,7 +89,19 @@ def test_law_the_papers_weights_collapse_and_their_intervals_mean_nothing(janot2
 
 
 def test_law_the_command_reads_the_file_and_beware_of_volts(janot2019: dict[str, Any]) -> None:
-    asked = ["identify", str(FILE), "--time", "t", "--position", "qm", "--force", "vir", "--coulomb", "--offset", "--json"]
+    asked = [
+        "identify",
+        str(FILE),
+        "--time",
+        "t",
+        "--position",
+        "qm",
+        "--force",
+        "vir",
+        "--coulomb",
+        "--offset",
+        "--json",
+    ]
     runner = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"})
     volts = json.loads(runner.invoke(cli.app, asked).stdout)
     [warning] = volts["warnings"]

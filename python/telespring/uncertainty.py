@@ -191,7 +191,11 @@ def _deviations(known: RobotUncertainty | None, axis: int) -> tuple[float, float
 
 
 def _axis_draws(
-    random: np.random.Generator, mass: float, damping: float, deviations: tuple[float, float, float], draws: int
+    random: np.random.Generator,
+    mass: float,
+    damping: float,
+    deviations: tuple[float, float, float],
+    draws: int,
 ) -> FloatArray:
     """Draw from the truncated normal by throwing away what is not physical."""
     mass_sd, damping_sd, correlation = deviations
@@ -356,7 +360,10 @@ def delta_method(
     for robot, known in enumerate(uncertainty):
         mass_sd, damping_sd, correlation = _deviations(known, axis)
         block = np.array(
-            [[mass_sd**2, correlation * mass_sd * damping_sd], [correlation * mass_sd * damping_sd, damping_sd**2]]
+            [
+                [mass_sd**2, correlation * mass_sd * damping_sd],
+                [correlation * mass_sd * damping_sd, damping_sd**2],
+            ]
         )
         covariance[2 * robot : 2 * robot + 2, 2 * robot : 2 * robot + 2] = block
     step = 1e-6 * middle

@@ -106,7 +106,9 @@ def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: s
     axes.plot_wireframe(
         v, a, axis.mass.value * a + axis.damping.value * v, color=COLOURS["blue"], linewidth=0.4, alpha=0.7
     )
-    axes.scatter(velocity, acceleration, linear + axis.residual, s=3.0, color=COLOURS["vermilion"], depthshade=False)
+    axes.scatter(
+        velocity, acceleration, linear + axis.residual, s=3.0, color=COLOURS["vermilion"], depthshade=False
+    )
     axes.set_xlabel("velocity (m/s)", labelpad=-6.0)
     axes.set_ylabel("acceleration (m/s²)", labelpad=-6.0)
     axes.set_zlabel("force (N)", labelpad=-8.0)
@@ -143,12 +145,19 @@ def residual_figure(found: Identification) -> Figure:
         letters = iter("abcdefghijklmnopqrstuvwxyz")
         for i, axis in enumerate(found.axes):
             over_time, over_velocity, correlation = grid[i]
-            kept = axis.weights >= 0.5 if axis.fit.lags is not None else np.ones(axis.residual.size, dtype=bool)
+            kept = (
+                axis.weights >= 0.5 if axis.fit.lags is not None else np.ones(axis.residual.size, dtype=bool)
+            )
             velocity = found.signals.velocity[axis.signals_index]
             for axes, abscissa in ((over_time, found.signals.time), (over_velocity, velocity)):
                 axes.axhline(0.0, color=GREY, linewidth=0.5)
                 axes.plot(
-                    abscissa[kept], axis.residual[kept], ".", color=COLOURS["blue"], markersize=2.0, label="counted"
+                    abscissa[kept],
+                    axis.residual[kept],
+                    ".",
+                    color=COLOURS["blue"],
+                    markersize=2.0,
+                    label="counted",
                 )
                 if not kept.all():
                     axes.plot(
@@ -168,7 +177,9 @@ def residual_figure(found: Identification) -> Figure:
             values = [float((centred[lag:] * centred[: centred.size - lag]).sum()) / total for lag in lags]
             bound = 1.96 / np.sqrt(axis.residual.size)
             spacing = float(found.signals.time[1] - found.signals.time[0])
-            correlation.axhspan(-bound, bound, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, label="if independent")
+            correlation.axhspan(
+                -bound, bound, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, label="if independent"
+            )
             correlation.vlines(1e3 * spacing * lags, 0.0, values, color=COLOURS["black"], linewidth=1.0)
             correlation.axhline(0.0, color=GREY, linewidth=0.5)
             correlation.set_ylabel("autocorrelation")

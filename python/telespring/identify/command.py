@@ -29,20 +29,27 @@ def identify_command(
     ] = None,
     force: Annotated[
         list[str] | None,
-        typer.Option("--force", help="Column of a force, N; once per axis, in the same order. [force_x, force_y]"),
+        typer.Option(
+            "--force", help="Column of a force, N; once per axis, in the same order. [force_x, force_y]"
+        ),
     ] = None,
     axis: Annotated[
-        list[str] | None, typer.Option("--axis", help="Name of an axis, in the same order; x, y unless given.")
+        list[str] | None,
+        typer.Option("--axis", help="Name of an axis, in the same order; x, y unless given."),
     ] = None,
     time_scale: Annotated[float, typer.Option(help="Seconds per unit of the time.")] = 1.0,
     position_scale: Annotated[float, typer.Option(help="Metres per unit of the position.")] = 1.0,
-    force_scale: Annotated[float, typer.Option(help="Newtons per unit of the force; −1 turns its sign.")] = 1.0,
+    force_scale: Annotated[
+        float, typer.Option(help="Newtons per unit of the force; −1 turns its sign.")
+    ] = 1.0,
     force_delay: Annotated[float, typer.Option(help="By how much the force's samples are older, s.")] = 0.0,
     start: Annotated[float | None, typer.Option(help="Take samples from this time on, s.")] = None,
     end: Annotated[float | None, typer.Option(help="Take samples up to this time, s.")] = None,
     coulomb: Annotated[bool, typer.Option("--coulomb", help="Estimate Coulomb friction too.")] = False,
     offset: Annotated[bool, typer.Option("--offset", help="Estimate an offset of the force too.")] = False,
-    method: Annotated[str, typer.Option(help="robust, ols, or paper (whose intervals mean nothing).")] = "robust",
+    method: Annotated[
+        str, typer.Option(help="robust, ols, or paper (whose intervals mean nothing).")
+    ] = "robust",
     iterations: Annotated[int, typer.Option(help="Reweightings of the paper's method.")] = 1,
     cutoff: Annotated[
         float | None, typer.Option(help="Cut-off of the filter, Hz; from the movement unless given.")
@@ -50,7 +57,9 @@ def identify_command(
     name: Annotated[str | None, typer.Option(help="The robot's name; the log's unless given.")] = None,
     out: Annotated[Path | None, typer.Option(help="Robot file to write, for decide --robot1.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure to write, .svg, .png or .pdf.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
+    ] = False,
 ) -> None:
     """Identify a robot's mass, damping and friction from a log of positions and forces."""
     from telespring.identify import identify, read_log, write_robot

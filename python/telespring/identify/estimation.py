@@ -306,7 +306,10 @@ def identify(
         times, positions, forces = shifted(times, positions, forces, as_number("force_delay", force_delay))
     if method not in _METHODS:
         raise InvalidInput(
-            "method", repr(method), 'the methods are "robust", "ols" and "paper"', 'Leave it away for "robust".'
+            "method",
+            repr(method),
+            'the methods are "robust", "ols" and "paper"',
+            'Leave it away for "robust".',
         )
     if not 1 <= iterations <= 10_000:
         raise InvalidInput("iterations", str(iterations), "1 to 10000 reweightings are possible", "Give 1.")
@@ -357,7 +360,10 @@ def _axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
     names = [str(name) for name in axes]
     if len(names) != count or len(set(names)) != count:
         raise InvalidInput(
-            "axes", repr(names), f"{count} different names are needed, one per axis", "Leave it away for x, y."
+            "axes",
+            repr(names),
+            f"{count} different names are needed, one per axis",
+            "Leave it away for x, y.",
         )
     return names
 
@@ -439,9 +445,7 @@ def _scaled_condition(columns: FloatArray) -> float:
     return float(np.linalg.cond(columns / np.where(size > 0.0, size, 1.0))) if size.all() else math.inf
 
 
-def _time_shift(
-    signals: Signals, index: int, regressor: FloatArray, fit: regression.Fit
-) -> Estimate | None:
+def _time_shift(signals: Signals, index: int, regressor: FloatArray, fit: regression.Fit) -> Estimate | None:
     """Find by how much the force lags the position: F(t − τ) has a part −τ m times the jerk."""
     jerk = signals.jerk[index]
     if not _scaled_condition(np.column_stack([regressor, jerk])) < _TELLS_APART:

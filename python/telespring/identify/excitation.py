@@ -183,7 +183,9 @@ class Excitation:
         return np.arange(points) * (self.period / points)
 
     def _times(self, factor: float) -> Excitation:
-        return Excitation(factor * np.array(self.cosine), factor * np.array(self.sine), self.angular_frequency)
+        return Excitation(
+            factor * np.array(self.cosine), factor * np.array(self.sine), self.angular_frequency
+        )
 
 
 def _columns(acceleration: FloatArray, velocity: FloatArray, coulomb: bool, offset: bool) -> FloatArray:
@@ -300,7 +302,10 @@ def design_excitation(
     for start in candidates:
         # Without derivatives: the sign of the velocity makes the objective a staircase in places.
         best = minimize(
-            problem.objective, start / np.linalg.norm(start), method="Powell", options={"maxiter": 12, "xtol": 1e-3}
+            problem.objective,
+            start / np.linalg.norm(start),
+            method="Powell",
+            options={"maxiter": 12, "xtol": 1e-3},
         )
         found.append(np.asarray(best.x))
     return problem.fitted(min(found, key=problem.objective))
@@ -309,7 +314,9 @@ def design_excitation(
 def _limit(name: str, value: float, unit: str) -> float:
     number = as_number(name, value)
     if not 0.0 < number < math.inf:
-        raise InvalidInput(name, f"{number:g}", f"a limit must be above 0 {unit}", "Give what the robot may do.")
+        raise InvalidInput(
+            name, f"{number:g}", f"a limit must be above 0 {unit}", "Give what the robot may do."
+        )
     return number
 
 
@@ -334,9 +341,7 @@ class _Problem:
         self._acceleration = np.hstack([-sine * frequency, cosine * frequency])
 
     def objective(self, amplitudes: FloatArray) -> float:
-        p, v, a = (
-            matrix @ amplitudes for matrix in (self._position, self._velocity, self._acceleration)
-        )
+        p, v, a = (matrix @ amplitudes for matrix in (self._position, self._velocity, self._acceleration))
         size = max(
             float(np.abs(values).max()) / limit for values, limit in zip((p, v, a), self.limits, strict=True)
         )
@@ -365,4 +370,3 @@ def _condition(columns: FloatArray) -> float:
     # By the small Gram matrix: ten times as fast as by the columns, and exact enough to compare.
     eigenvalues = np.linalg.eigvalsh(columns.T @ columns)
     return math.sqrt(float(eigenvalues[-1]) / max(float(eigenvalues[0]), 1e-30))
-

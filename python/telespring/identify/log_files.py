@@ -104,11 +104,16 @@ def read_log(
     for option, scale in (("time", time_scale), ("position", position_scale), ("force", force_scale)):
         if not np.isfinite(scale) or scale == 0.0:
             raise InvalidInput(
-                f"{option}_scale", f"{scale:g}", "a scale must be a number other than 0", "Leave it away for 1."
+                f"{option}_scale",
+                f"{scale:g}",
+                "a scale must be a number other than 0",
+                "Leave it away for 1.",
             )
     table = _table(where)
     times = time_scale * _column(where, table, "time", time)
-    positions = position_scale * np.column_stack([_column(where, table, "position", name) for name in position])
+    positions = position_scale * np.column_stack(
+        [_column(where, table, "position", name) for name in position]
+    )
     forces = force_scale * np.column_stack([_column(where, table, "force", name) for name in force])
     keep = np.ones(times.size, dtype=bool)
     # A missing time must be told, not dropped.
@@ -211,7 +216,9 @@ def _mat(path: Path) -> dict[str, FloatArray]:
             "MATLAB files up to version 7.2 are read, and this is a newer one",
             "Save it in MATLAB with save(..., '-v7').",
         ) from None
-    except (ValueError, TypeError) as trouble:
+    except OSError:
+        raise
+    except Exception as trouble:  # whatever its parser stumbles over in a broken file
         raise _unreadable(path, trouble) from None
     columns = {}
     for name, value in content.items():
@@ -238,7 +245,10 @@ def _column(path: Path, table: Mapping[str, FloatArray], option: str, name: str)
         )
     if column.size > 1 and np.isnan(column).all():
         raise InvalidInput(
-            f"--{option}", name, "a column of numbers is needed, and this one holds none", "Name another column."
+            f"--{option}",
+            name,
+            "a column of numbers is needed, and this one holds none",
+            "Name another column.",
         )
     longest = max(values.size for values in table.values())
     if column.size != longest:

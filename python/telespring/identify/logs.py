@@ -68,7 +68,9 @@ def even_times(
         if jitter > 1e-3:
             from scipy.interpolate import CubicSpline
 
-            position, force = (np.asarray(CubicSpline(time, rows, axis=-1)(even)) for rows in (position, force))
+            position, force = (
+                np.asarray(CubicSpline(time, rows, axis=-1)(even)) for rows in (position, force)
+            )
             notes.append(
                 f"Time stamps are uneven by {100.0 * jitter:.2g} % of a step; position and force were interpolated."
             )
@@ -98,7 +100,10 @@ def shifted(
 def _refuse_shapes(time: FloatArray, position: FloatArray, force: FloatArray) -> None:
     if time.ndim != 1 or time.size < 10:
         raise InvalidInput(
-            "time", f"an array of shape {time.shape}", "one time per sample, 10 at least, is needed", "In seconds."
+            "time",
+            f"an array of shape {time.shape}",
+            "one time per sample, 10 at least, is needed",
+            "In seconds.",
         )
     for name, rows in (("position", position), ("force", force)):
         if rows.shape[-1] != time.size:
@@ -243,5 +248,7 @@ def _stuck_force(name: str, force: FloatArray, step: float) -> list[str]:
         return []
     value = float(force[int(starts[longest])])
     if value in (float(force.max()), float(force.min())):
-        return [f"The {name} stays at its limit of {value:.4g} N for {1e3 * duration:.4g} ms: was it saturated?"]
+        return [
+            f"The {name} stays at its limit of {value:.4g} N for {1e3 * duration:.4g} ms: was it saturated?"
+        ]
     return [f"The {name} stays at {value:.4g} N for {1e3 * duration:.4g} ms: was the sensor stuck?"]

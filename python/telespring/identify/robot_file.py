@@ -42,7 +42,9 @@ def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
     for axis in found.axes:
         if axis.mass.value < 1e-4 or axis.damping.value < 0.0:
             wrong, value, unit = (
-                ("mass", axis.mass.value, "kg") if axis.mass.value < 1e-4 else ("damping", axis.damping.value, "N·s/m")
+                ("mass", axis.mass.value, "kg")
+                if axis.mass.value < 1e-4
+                else ("damping", axis.damping.value, "N·s/m")
             )
             raise InvalidInput(
                 f"{wrong} ({axis.axis})",
@@ -67,7 +69,8 @@ def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
         robot["mass_damping_correlation"] = [axis.correlation for axis in found.axes]
     record = {key: value for key, value in found.to_json().items() if value is not None and key != "axes"}
     record["cross_inertias"] = [
-        {key: value for key, value in cross.items() if value is not None} for cross in record["cross_inertias"]
+        {key: value for key, value in cross.items() if value is not None}
+        for cross in record["cross_inertias"]
     ]
     record["condition_number"] = [axis.condition_number for axis in found.axes]
     record["r_squared"] = [axis.r_squared for axis in found.axes]
