@@ -25,6 +25,7 @@ from rich.markup import escape
 import telespring as ts
 from telespring.commands.rehearse import rehearse
 from telespring.files import replacing, write_whole
+from telespring.identify.command import identify_command
 from telespring.terminal import decision_screen, digits_down, refusal_screen
 
 if TYPE_CHECKING:
@@ -116,6 +117,7 @@ def decide(
             operator_ranges=read.operator_ranges,
             horizon=horizon,
             decay_rate=decay_rate,
+            uncertainty=read.uncertainty,
         )
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
@@ -327,6 +329,7 @@ def _refusals() -> Iterator[None]:
 
 
 app.command()(_refusals()(rehearse))
+app.command("identify")(_refusals()(identify_command))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

@@ -13,6 +13,7 @@ import numpy as np
 
 import telespring as ts
 from telespring.axes import Axis, axes_of, finite_or_none, holds
+from telespring.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 
 __all__ = [
     "TIERS",
@@ -284,6 +285,9 @@ class Decision:
         True where operators are ranges: what is then the worst over them is said at `AxisDecision`.
     decay
         The stiffnesses that decay as fast as was asked; None where nothing was asked.
+    uncertainty
+        How well the margins are known and how probable stability is, where the robots' masses and dampings
+        carry errors; None where they do not.
     """
 
     stiffness: float
@@ -301,6 +305,7 @@ class Decision:
     sampled_stable: bool | None
     over_operator_ranges: bool
     decay: Decay | None
+    uncertainty: MarginUncertainty | None
 
     @property
     def mean_delay(self) -> float:
@@ -375,6 +380,7 @@ class Decision:
                 "added_damping": finite_or_none(remedies.added_damping),
             },
             "decay": None if self.decay is None else self.decay.to_json(),
+            "uncertainty": None if self.uncertainty is None else self.uncertainty.to_json(),
         }
 
 
@@ -390,6 +396,7 @@ def decide(
     operator_ranges: tuple[ts.OperatorRange, ts.OperatorRange] | None = None,
     horizon: float | None = None,
     decay_rate: float | None = None,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
 ) -> Decision:
     """Answer for one dyad, stiffness and network.
 
@@ -411,6 +418,8 @@ def decide(
         unless told.
     decay_rate
         Also find the stiffnesses at which every motion decays at least this fast, 1/s.
+    uncertainty
+        Errors of the robots' masses and dampings, as `telespring.Study.uncertainty` gives them.
 
     Returns
     -------
@@ -459,6 +468,9 @@ def decide(
         over_operator_ranges=operator_ranges is not None,
         remedies=_remedies(judged, axes, stiffness, mean),
         decay=None if decay_rate is None else Decay(decay_rate, _decaying(axes, mean, decay_rate)),
+        uncertainty=None
+        if uncertainty == (None, None)
+        else margin_uncertainty(dyad, uncertainty, stiffness, constant),
     )
 
 

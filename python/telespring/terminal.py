@@ -37,6 +37,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
         _axis_table(decision),
         _budget(decision),
         *_decay(decision),
+        *_uncertainty(decision),
         _changes(decision),
     )
 
@@ -323,6 +324,36 @@ def _decay(decision: Decision) -> list[Padding]:
         stiffness += f" ({', '.join(limits)})"
     title = f"Stiffness at which every motion decays at {decay.rate:.4g} 1/s or faster: "
     return [Padding(Text.assemble((title, "bold"), stiffness), (1, 0, 0, 0))]
+
+
+def _uncertainty(decision: Decision) -> list[RenderableType]:
+    """Tell how well the margins are known where the robots are known within their errors only."""
+    known = decision.uncertainty
+    if known is None:
+        return []
+    share, error = 100.0 * known.stable.value, 100.0 * known.stable.standard_error
+    limits = ["continuous controllers"] if decision.sampled_stable is not None else []
+    limits += ["operators in the middle of their ranges"] if decision.over_operator_ranges else []
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    title = Text.assemble(
+        ("As well as the robots are known, ", "bold"),
+        f"this constant delay is stable with probability {share:.{digits}f} % (± {error:.{digits}f} %, "
+        f"{known.stable.draws} draws){''.join(f', {limit}' for limit in limits)}.",
+    )
+    table = Table(box=None, pad_edge=False)
+    for name in ("axis", "kₘ, 95 %", "δₘ, 95 %"):
+        table.add_column(name, justify="left" if name == "axis" else "right", no_wrap=True)
+    for axis in known.axes:
+        low, high = axis.critical_stiffness
+        table.add_row(
+            axis.axis,
+            f"{_digits(low, 0, ROUND_FLOOR)} to {_digits(high, 0, ROUND_CEILING)} N/m",
+            " to ".join(
+                _delay(end, rounding)
+                for end, rounding in zip(axis.maximum_delay, (ROUND_FLOOR, ROUND_CEILING), strict=True)
+            ),
+        )
+    return [Padding(title, (1, 0, 0, 0)), table]
 
 
 def _changes(decision: Decision) -> Padding:

@@ -1,0 +1,283 @@
+"""Estimation and excitation: closed forms, laws and hostile data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+from telespring import InvalidInput
+from telespring._types import FloatArray
+from telespring.identify import (
+    Excitation,
+    design_excitation,
+    identify,
+    paper_excitation,
+    paper_reweightings,
+)
+from telespring.identify.regression import least_squares, robust_least_squares
+from telespring.identify.signals import choose_cutoff
+
+RATE = 1000.0
+MASS, DAMPING, COULOMB, OFFSET = 0.8334, 7.7257, 0.6, -0.3
+
+
+def movement(
+    seconds: float = 20.0, lag: float = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    time = np.arange(round(seconds * RATE)) / RATE
+    command = paper_excitation()
+    return time, command.position(time - lag), command.velocity(time - lag), command.acceleration(time - lag)
+
+
+def noisy_log(seed: int = 4) -> tuple[FloatArray, FloatArray, FloatArray]:
+    time, p, v, a = movement()
+    random = np.random.default_rng(seed)
+    force = MASS * a + DAMPING * v + random.normal(0.0, 0.1, time.size)
+    return time, p + random.normal(0.0, 5e-6, time.size), force
+
+
+# ---- excitation
+
+
+def test_ref_the_papers_series_is_velocity_and_its_integral_and_derivative_are_closed_forms(
+    du2025: dict[str, Any],
+) -> None:
+    command = paper_excitation()
+    amplitudes = du2025["excitation"]
+    assert list(command.cosine) == amplitudes["A"]["values"]
+    assert list(command.sine) == amplitudes["B"]["values"]
+    time = np.linspace(0.0, command.period, 20001)
+    direct = sum(
+        a * np.cos(i * command.angular_frequency * time) + b * np.sin(i * command.angular_frequency * time)
+        for i, (a, b) in enumerate(zip(command.cosine, command.sine, strict=True), start=1)
+    )
+    # rounding of a sum of ten terms
+    np.testing.assert_allclose(command.velocity(time), direct, atol=1e-15)
+    # central differences of step h err by h²/6 times the third derivative: 3e-8 of 2.4 m/s² at h = 0.25 ms
+    np.testing.assert_allclose(np.gradient(command.position(time), time)[1:-1], direct[1:-1], atol=2e-6)
+    np.testing.assert_allclose(np.gradient(direct, time)[1:-1], command.acceleration(time)[1:-1], atol=2e-5)
+    assert abs(command.position(time[:-1]).mean()) < 1e-12
+
+
+def test_ref_the_default_frequency_is_the_lowest_tenth_of_a_hertz_within_the_papers_workspace(
+    du2025: dict[str, Any],
+) -> None:
+    reach = du2025["task"]["B"]["value"]
+    assert paper_excitation().angular_frequency == pytest.approx(2 * math.pi * 0.2)
+    assert paper_excitation().extremes().position <= reach
+    assert paper_excitation(2 * math.pi * 0.1).extremes().position > reach
+
+
+@pytest.mark.parametrize(("coulomb", "offset"), [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize("limits", [(0.1, 0.5, 2.5), (0.05, 1.0, 10.0), (0.3, 0.2, 1.0)])
+def test_law_a_designed_movement_is_within_its_limits_and_no_worse_than_the_papers(
+    limits: tuple[float, float, float], coulomb: bool, offset: bool
+) -> None:
+    designed = design_excitation(*limits, coulomb=coulomb, offset=offset, starts=2)
+    for reached, limit in zip(designed.extremes(), limits, strict=True):
+        # extremes are taken on a fine grid
+        assert reached <= limit * (1 + 1e-5)
+    paper = paper_excitation()
+    size = 1 / max(reached / limit for reached, limit in zip(paper.extremes(), limits, strict=True))
+    scaled = Excitation(size * np.array(paper.cosine), size * np.array(paper.sine))
+    scales = {"velocity_scale": limits[1], "acceleration_scale": limits[2]}
+    for units in ({}, scales):
+        mine = designed.condition_number(coulomb=coulomb, offset=offset, **units)
+        # the designer compares on a coarser grid
+        assert mine <= 1.02 * scaled.condition_number(coulomb=coulomb, offset=offset, **units)
+
+
+def test_law_the_same_seed_designs_the_same_movement() -> None:
+    assert design_excitation(starts=2) == design_excitation(starts=2)
+
+
+def test_law_a_bad_excitation_is_refused_by_name() -> None:
+    with pytest.raises(InvalidInput, match="position_limit"):
+        design_excitation(0.0)
+    with pytest.raises(InvalidInput, match="angular_frequency"):
+        paper_excitation(-1.0)
+    with pytest.raises(InvalidInput, match="cosine, sine"):
+        Excitation([0.1, 0.2], [0.1])
+
+
+# ---- estimation
+
+
+@pytest.mark.parametrize("method", ["robust", "ols", "paper"])
+def test_ref_a_log_without_noise_gives_the_parameters_back(method: Any) -> None:
+    time, p, v, a = movement()
+    force = MASS * a + DAMPING * v + OFFSET
+    [axis] = identify(time, p, force, offset=True, method=method).axes
+    # what the ends of the log leave after the cut: exp(-7.2) of the filter's transient, in a few samples
+    assert axis.mass.value == pytest.approx(MASS, rel=1e-4)
+    assert axis.damping.value == pytest.approx(DAMPING, rel=1e-4)
+    assert axis.offset is not None
+    assert axis.offset.value == pytest.approx(OFFSET, rel=1e-4)
+    assert axis.r_squared == pytest.approx(1.0, abs=1e-6)
+
+
+def test_law_coulomb_friction_is_told_from_viscous() -> None:
+    time, p, v, a = movement()
+    random = np.random.default_rng(2)
+    force = MASS * a + DAMPING * v + COULOMB * np.sign(v) + random.normal(0.0, 0.1, time.size)
+    [axis] = identify(time, p, force, coulomb=True).axes
+    assert axis.coulomb is not None
+    for estimate, truth in ((axis.mass, MASS), (axis.damping, DAMPING), (axis.coulomb, COULOMB)):
+        # five standard errors
+        assert abs(estimate.value - truth) < 5 * estimate.standard_error
+    # without it the friction passes for damping
+    [blind] = identify(time, p, force).axes
+    assert blind.damping.value > DAMPING + 1.0
+
+
+@pytest.mark.parametrize("cutoff", [3.0, 10.0, 30.0])
+def test_law_the_filter_brings_no_bias(cutoff: float) -> None:
+    """Even a cut-off inside the movement's band: position and force lose the same."""
+    time, p, v, a = movement()
+    [axis] = identify(time, p, MASS * a + DAMPING * v, cutoff=cutoff).axes
+    # what the ends of the log leave after the cut: exp(-7.2) of the filter's transient
+    assert axis.mass.value == pytest.approx(MASS, rel=1e-3)
+    assert axis.damping.value == pytest.approx(DAMPING, rel=1e-3)
+
+
+def test_law_the_cutoff_lies_above_the_movement_and_below_the_noise() -> None:
+    time, p, _ = noisy_log()
+    highest = paper_excitation().highest_frequency
+    assert highest < choose_cutoff(p, RATE) < 10 * highest
+    # a faster movement gets a higher one
+    fast = paper_excitation(10 * paper_excitation().angular_frequency).position(time)
+    assert choose_cutoff(fast, RATE) == pytest.approx(10 * choose_cutoff(p, RATE), rel=0.1)
+
+
+def test_law_outliers_move_least_squares_and_not_the_robust_fit() -> None:
+    time, p, force = noisy_log()
+    random = np.random.default_rng(9)
+    bad = force.copy()
+    # ten blows of 0.1 s, 6 N each, always with the movement
+    speed = paper_excitation().velocity(time)
+    for start in random.integers(1000, time.size - 1000, 10):
+        bad[start : start + 100] += 6.0 * np.sign(speed[start : start + 100])
+    clean = identify(time, p, force).axes[0]
+    plain = identify(time, p, bad, method="ols").axes[0]
+    robust = identify(time, p, bad).axes[0]
+    error = clean.damping.standard_error
+    assert abs(plain.damping.value - DAMPING) > 20 * error
+    assert abs(robust.damping.value - DAMPING) < 5 * error
+    assert abs(robust.mass.value - MASS) < 5 * clean.mass.standard_error
+    # it did not retire to a few samples
+    assert 0.7 < np.mean(robust.weights > 0.99) < 1.0
+
+
+def test_cross_the_robust_fit_minimises_hampels_loss() -> None:
+    """Against a general minimiser of the same loss at the same scale (scipy)."""
+    import statsmodels.api as sm
+
+    random = np.random.default_rng(1)
+    regressor = random.normal(size=(300, 2))
+    force = regressor @ [2.0, -1.0] + random.normal(0.0, 0.1, 300)
+    force[:20] += 3.0
+    fit = robust_least_squares(regressor, force)
+    scale = float(sm.robust.scale.mad(fit.residual, center=0))
+    norm = sm.robust.norms.Hampel(4.0, 6.0, 9.0)
+    found = optimize.minimize(
+        lambda beta: norm.rho((force - regressor @ beta) / scale).sum(),
+        fit.estimate + 0.01,
+        method="Nelder-Mead",
+    )
+    # both stop at about 1e-5 of the parameters
+    np.testing.assert_allclose(fit.estimate, found.x, atol=1e-3)
+
+
+def test_cross_the_covariance_of_least_squares_is_statsmodels_hac() -> None:
+    import statsmodels.api as sm
+
+    random = np.random.default_rng(3)
+    regressor = random.normal(size=(4000, 2))
+    force = regressor @ [2.0, -1.0] + random.normal(size=4000)
+    fit = least_squares(regressor, force)
+    theirs = sm.OLS(force, regressor).fit(cov_type="HAC", cov_kwds={"maxlags": fit.lags})
+    # dividing by one minus the leverage, 2/4000 on average, is all that differs
+    np.testing.assert_allclose(fit.standard_error, theirs.bse, rtol=2e-3)
+
+
+def test_law_the_papers_weights_collapse_on_two_samples() -> None:
+    time, p, force = noisy_log()
+    found = identify(time, p, force)
+    signals = found.signals
+    regressor = np.column_stack([signals.acceleration[0], signals.velocity[0]])
+    steps = paper_reweightings(regressor, signals.force[0])
+    losses = [step.log_loss for step in steps]
+    # 1e-6: rounding of a sum of hundreds of logarithms
+    assert all(later <= earlier + 1e-6 for earlier, later in zip(losses, losses[1:], strict=False))
+    assert steps[0].effective_samples == pytest.approx(signals.time.size)
+    assert steps[-1].effective_samples == pytest.approx(2.0, abs=0.05)
+    residual = np.abs(signals.force[0] - regressor @ steps[-1].estimate)
+    # it passes through two samples exactly, and there are hundreds
+    assert np.sum(residual < 1e-7) == 2
+    # an interval of the width of rounding, far from the truth
+    assert abs(steps[-1].estimate[0] - MASS) > 100 * steps[-1].half_width[0]
+
+
+def test_law_a_late_force_is_noticed_and_can_be_corrected() -> None:
+    time, p, v, a = movement()
+    random = np.random.default_rng(5)
+    late = 0.01
+    _, _, v_late, a_late = movement(lag=late)
+    force = MASS * a_late + DAMPING * v_late + random.normal(0.0, 0.1, time.size)
+    found = identify(time, p, force)
+    shift = found.axes[0].time_shift
+    assert shift is not None
+    # first order in the lag
+    assert shift.value == pytest.approx(late, rel=0.1)
+    assert any("--force-delay" in warning for warning in found.warnings)
+    corrected = identify(time, p, force, force_delay=late)
+    assert corrected.warnings == ()
+    assert abs(corrected.axes[0].mass.value - MASS) < 5 * corrected.axes[0].mass.standard_error
+
+
+def two_axes(cross: float, lag: float = 1.25) -> Any:
+    time, p, v, a = movement()
+    _, p2, v2, a2 = movement(lag=lag)
+    random = np.random.default_rng(6)
+    force = np.column_stack([MASS * a + DAMPING * v + cross * a2, 1.2 * a2 + 9.0 * v2 + cross * a])
+    return identify(time, np.column_stack([p, p2]), force + random.normal(0.0, 0.1, force.shape))
+
+
+def test_law_axes_coupled_by_inertia_are_said_to_be_so() -> None:
+    coupled = two_axes(0.1)
+    assert coupled.independent is False
+    for cross in coupled.cross_inertias:
+        assert cross.inertia.interval[0] < 0.1 < cross.inertia.interval[1]
+    assert any("not independent" in warning for warning in coupled.warnings)
+    alone = two_axes(0.0)
+    assert alone.independent is True
+    assert alone.warnings == ()
+    # real, but too little to matter
+    assert two_axes(0.005).independent is True
+
+
+def test_law_axes_that_move_alike_cannot_be_told_apart() -> None:
+    alike = two_axes(0.1, lag=0.0)
+    assert alike.independent is None
+    assert any("cannot be told" in warning for warning in alike.warnings)
+
+
+def test_law_scaling_units_scales_estimates() -> None:
+    time, p, force = noisy_log()
+    one = identify(time, p, force).axes[0]
+    ten = identify(time, p, 10.0 * force).axes[0]
+    # rounding
+    assert ten.mass.value == pytest.approx(10.0 * one.mass.value, rel=1e-9)
+    assert ten.mass.interval == pytest.approx([10.0 * end for end in one.mass.interval], rel=1e-6)
+
+
+def test_law_a_standing_or_single_tone_movement_is_refused_or_told() -> None:
+    time, p, force = noisy_log()
+    with pytest.raises(InvalidInput, match="50 steps of its sensor"):
+        identify(time, np.round(p, 2), force)
+    with pytest.raises(InvalidInput, match="Record longer"):
+        identify(time[:900], p[:900], force[:900], cutoff=5.0)

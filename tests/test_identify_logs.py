@@ -1,0 +1,313 @@
+"""Logs that can be used, logs that cannot, and what the command says and leaves behind."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner, Result
+
+import telespring as ts
+from telespring import InvalidInput, cli
+from telespring.identify import identify, paper_excitation, read_log, robot_toml, write_robot
+from telespring.study_text import with_robot
+
+TRUTH = {"x": (0.8334, 7.7257), "y": (1.0649, 10.1168)}
+
+
+def frame(seconds: float = 12.0, seed: int = 1) -> pd.DataFrame:
+    """Make a clean log of two axes, y a quarter of a period after x."""
+    time = np.arange(round(1000 * seconds)) / 1000.0
+    random = np.random.default_rng(seed)
+    command = paper_excitation()
+    columns = {"time": time}
+    for lag, (axis, (mass, damping)) in zip((0.0, 1.25), TRUTH.items(), strict=True):
+        t = time - lag
+        force = mass * command.acceleration(t) + damping * command.velocity(t)
+        columns[f"position_{axis}"] = np.round(command.position(t) / 2e-5) * 2e-5
+        columns[f"force_{axis}"] = force + random.normal(0.0, 0.1, time.size)
+    return pd.DataFrame(columns)
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner(env={"COLUMNS": "160", "NO_COLOR": "1"}).invoke(
+        cli.app, ["identify", *map(str, arguments)]
+    )
+
+
+def refusal(table: pd.DataFrame) -> InvalidInput:
+    position, force = table[["position_x", "position_y"]], table[["force_x", "force_y"]]
+    with pytest.raises(InvalidInput) as refused:
+        identify(table["time"].to_numpy(), position.to_numpy(), force.to_numpy())
+    return refused.value
+
+
+def warned(table: pd.DataFrame) -> str:
+    position, force = table[["position_x", "position_y"]], table[["force_x", "force_y"]]
+    return " ".join(identify(table["time"].to_numpy(), position.to_numpy(), force.to_numpy()).warnings)
+
+
+# ---- what is wrong with a log
+
+
+def without_rows(table: pd.DataFrame) -> pd.DataFrame:
+    return table.drop(index=range(4000, 4100))
+
+
+def doubled(table: pd.DataFrame) -> pd.DataFrame:
+    return pd.concat([table[:5000], table[4999:]])
+
+
+def turned(table: pd.DataFrame) -> pd.DataFrame:
+    return pd.concat([table[6000:], table[:6000]])
+
+
+def missing(table: pd.DataFrame) -> pd.DataFrame:
+    table.loc[700:720, "force_y"] = np.nan
+    return table
+
+
+def in_milliseconds(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(time=1000 * table["time"])
+
+
+def in_minutes(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(time=table["time"] / 6e4)
+
+
+def in_millimetres(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(position_x=1000 * table["position_x"])
+
+
+def in_millinewtons(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(force_x=1e4 * table["force_x"])
+
+
+def frozen(table: pd.DataFrame) -> pd.DataFrame:
+    table.loc[5000:5300, "position_x"] = table.loc[5000, "position_x"]
+    return table
+
+
+def frozen_to_the_end(table: pd.DataFrame) -> pd.DataFrame:
+    table.loc[5000:, "position_x"] = table.loc[5000, "position_x"]
+    return table
+
+
+def unplugged(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(force_x=0.0)
+
+
+def coarse(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(position_x=table["position_x"].round(2))
+
+
+def short(table: pd.DataFrame) -> pd.DataFrame:
+    return table[:900]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "field", "remedy"),
+    [
+        (without_rows, "time", "--start 4.1 --end 11.999"),
+        (doubled, "time", "Remove doubled samples"),
+        (turned, "time", "one log at a time"),
+        (missing, "force (column 2)", "--start, --end"),
+        (in_milliseconds, "time", "--time-scale 0.001"),
+        (in_minutes, "time", "--time-scale 60"),
+        (in_millimetres, "position", "--position-scale 0.001"),
+        (in_millinewtons, "force", "--force-scale"),
+        (frozen, "position (column 1)", "stuck"),
+        (frozen_to_the_end, "position (column 1)", "stuck"),
+        (unplugged, "force (column 1)", "connected"),
+        (coarse, "position (x)", "Move the robot further"),
+        (short, "time", "Record longer"),
+    ],
+)
+def test_law_a_log_that_cannot_be_used_is_refused_with_the_remedy(
+    spoil: Callable[[pd.DataFrame], pd.DataFrame], field: str, remedy: str
+) -> None:
+    refused = refusal(spoil(frame()))
+    assert refused.field == field
+    assert remedy in refused.remedy
+
+
+def test_law_a_doubtful_log_is_used_with_a_warning() -> None:
+    table = frame()
+    assert warned(table) == ""
+    turned_sign = table.assign(force_x=-table["force_x"])
+    assert "--force-scale -1" in warned(turned_sign)
+    saturated = table.assign(force_x=table["force_x"].clip(upper=1.0))
+    assert "explains only" in warned(
+        table.assign(force_x=table["force_x"].sample(frac=1.0, random_state=1).to_numpy())
+    )
+    saturated.loc[3000:3300, "force_x"] = 1.0
+    assert "saturated" in warned(saturated)
+    same = table.assign(position_y=table["position_x"])
+    assert "named twice" in warned(same)
+
+
+def test_law_jittering_stamps_are_interpolated_and_told() -> None:
+    table = frame()
+    random = np.random.default_rng(8)
+    command = paper_excitation()
+    time = table["time"].to_numpy() + random.uniform(-3e-4, 3e-4, len(table))
+    position = command.position(time)
+    force = 0.8 * command.acceleration(time) + 7.0 * command.velocity(time)
+    found = identify(time, position, force + random.normal(0.0, 0.1, time.size))
+    assert any("uneven" in warning for warning in found.warnings)
+    [axis] = found.axes
+    assert abs(axis.mass.value - 0.8) < 5 * axis.mass.standard_error
+
+
+# ---- files
+
+
+def written(table: pd.DataFrame, path: Path) -> Path:
+    if path.suffix == ".csv":
+        table.to_csv(path, index=False)
+    elif path.suffix == ".parquet":
+        table.to_parquet(path)
+    else:
+        from scipy import io
+
+        io.savemat(path, {name: table[name].to_numpy()[:, None] for name in table})
+    return path
+
+
+@pytest.mark.parametrize("kind", [".csv", ".parquet", ".mat"])
+def test_law_every_kind_of_file_gives_the_same_robot(tmp_path: Path, kind: str) -> None:
+    if kind == ".parquet":
+        pytest.importorskip("pyarrow")
+    table = frame()
+    log = read_log(written(table, tmp_path / f"log{kind}"))
+    np.testing.assert_array_equal(log.time, table["time"])
+    np.testing.assert_array_equal(log.force[:, 1], table["force_y"])
+    assert log.axes == ("x", "y")
+
+
+def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> None:
+    path = tmp_path / "log.parquet"
+    path.write_bytes(b"PAR1")
+    code = (
+        "import sys; sys.modules['pyarrow'] = None\n"
+        "from telespring.identify import read_log\n"
+        f"read_log({str(path)!r})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "pip install 'telespring[parquet]'" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("log.xlsx", b"x", "must end in .csv, .parquet or .mat"),
+        ("log.csv", b"", "cannot be read as one"),
+        ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
+        ("log.mat", b"not matlab", "cannot be read as one"),
+        (
+            "log.csv",
+            b"time,position_x,position_y,force_x,force_y\na,1,1,1,1\nb,1,2,1,1\n",
+            "this one holds none",
+        ),
+    ],
+)
+def test_law_a_file_that_is_no_log_is_refused(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    found = run(path)
+    assert found.exit_code == 2
+    assert words in " ".join(found.stderr.split())
+
+
+def test_law_a_missing_file_is_told_by_its_name(tmp_path: Path) -> None:
+    found = run(tmp_path / "gone.csv")
+    assert found.exit_code == 2
+    assert "gone.csv" in found.stderr
+
+
+# ---- the command
+
+
+def test_law_the_command_prints_per_axis_values_with_intervals(tmp_path: Path) -> None:
+    found = run(written(frame(), tmp_path / "log.csv"), "--json", "--coulomb", "--offset")
+    assert found.exit_code == 0
+    answer = json.loads(found.stdout)
+    assert [axis["axis"] for axis in answer["axes"]] == ["x", "y"]
+    for axis in answer["axes"]:
+        mass, damping = TRUTH[axis["axis"]]
+        # 12 s of noise: 0.002 kg and 0.03 N·s/m beside friction
+        assert axis["mass"] == pytest.approx(mass, abs=0.02)
+        assert axis["damping"] == pytest.approx(damping, abs=0.3)
+        for name in ("mass", "damping", "coulomb", "offset"):
+            low, high = axis[f"{name}_interval"]
+            assert low < axis[name] < high
+        assert axis["condition_number"] > 1
+        assert 0.9 < axis["r_squared"] <= 1
+    assert answer["axes_independent"] is True
+    assert answer["cutoff"] > 1
+
+
+def test_law_columns_axes_and_scales_are_named_by_options(tmp_path: Path) -> None:
+    table = frame().rename(columns={"time": "t_ms", "position_y": "p_mm", "force_y": "f_mN"})
+    table["t_ms"] *= 1000
+    table["p_mm"] *= 1000
+    table["f_mN"] *= 1000
+    options = ["--time", "t_ms", "--position", "p_mm", "--force", "f_mN", "--axis", "up"]
+    scales = ["--time-scale", "0.001", "--position-scale", "0.001", "--force-scale", "0.001"]
+    found = run(written(table, tmp_path / "log.csv"), *options, *scales, "--json")
+    assert found.exit_code == 0, found.stderr
+    [axis] = json.loads(found.stdout)["axes"]
+    assert axis["axis"] == "up"
+    assert axis["mass"] == pytest.approx(TRUTH["y"][0], abs=0.01)
+
+
+def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Path) -> None:
+    log, robot, figure = written(frame(), tmp_path / "log.csv"), tmp_path / "robot.toml", tmp_path / "fit.svg"
+    screen = run(log, "--out", robot, "--figure", figure, "--name", "mine")
+    assert screen.exit_code == 0, screen.stderr
+    assert "Axes are independent" in screen.stdout
+    assert figure.read_text(encoding="utf-8").startswith("<?xml")
+    written_robot = tomllib.loads(robot.read_text(encoding="utf-8"))
+    assert written_robot["robot"]["name"] == "mine"
+    assert written_robot["identification"]["log"] == "log.csv"
+    study = with_robot(ts.Study.paper(), 2, robot)
+    known = study.uncertainty[1]
+    assert known is not None
+    np.testing.assert_array_equal(known.mass_sd, written_robot["robot"]["mass_sd"])
+    found = CliRunner().invoke(
+        cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.1", "--json"]
+    )
+    answer = json.loads(found.stdout)
+    assert answer["uncertainty"]["stable_probability"]["value"] == 1.0
+    low, high = answer["uncertainty"]["axes"][0]["critical_stiffness_interval"]
+    assert low < answer["axes"][0]["critical_stiffness"] < high
+    text = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(
+        cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.167"]
+    )
+    assert "stable with probability" in " ".join(text.stdout.split())
+    # certain robots: nothing is said
+    certain = CliRunner().invoke(cli.app, ["decide", "--json"])
+    assert json.loads(certain.stdout)["uncertainty"] is None
+
+
+def test_law_no_robot_file_is_written_of_what_is_no_robot(tmp_path: Path) -> None:
+    table = frame()
+    found = identify(table["time"], table[["position_x"]], -table[["force_x"]])
+    with pytest.raises(InvalidInput, match="--force-scale"):
+        write_robot(found, tmp_path / "robot.toml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_law_the_papers_method_gives_a_robot_file_without_deviations() -> None:
+    table = frame()
+    found = identify(table["time"], table[["position_x"]], table[["force_x"]], method="paper")
+    robot = tomllib.loads(robot_toml(found, "mine"))["robot"]
+    assert "mass_sd" not in robot
+    assert robot["mass"] == [found.axes[0].mass.value]
