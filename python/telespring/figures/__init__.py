@@ -1,4 +1,4 @@
-"""The figures of the paper's sections II to IV-A, drawn from numbers that somebody else computed.
+"""The figures of the paper, drawn from numbers that somebody else computed.
 
 Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none touches pyplot or
 computes stability. `to_svg` makes the text that stands in the report.
@@ -8,6 +8,7 @@ from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, freque
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.figures.responses import ResponsePanel, response_figure
+from telespring.figures.schematics import dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.figures.style import to_svg
 
 __all__ = [
@@ -17,7 +18,10 @@ __all__ = [
     "MapColumn",
     "NyquistPanel",
     "ResponsePanel",
+    "dyad_schematic",
     "frequency_figure",
+    "laboratory_schematic",
+    "loop_schematic",
     "nyquist_figure",
     "region_map",
     "response_figure",
