@@ -16,7 +16,7 @@ import pytest
 
 import telespring as ts
 from telespring.misprints import held_partner_growth
-from telespring.report import Style, format_quantity, look_up
+from telespring.report import PLACES, SECTIONS, Style, format_quantity, look_up
 from telespring.study import STEPS, Analysis, analyse, write
 from telespring.summary import summarise
 
@@ -482,3 +482,39 @@ def test_law_quantities_as_a_person_reads_them(
     value: float | None, unit: str, digits: int, style: Style, text: str
 ) -> None:
     assert format_quantity(value, unit, digits, style=style) == text
+
+
+def test_law_every_place_of_the_paper_and_every_section_is_where_the_page_says(analysis: Analysis) -> None:
+    identifiers = set(Page(analysis.html).identifiers)
+    links = re.findall(r'<a href="#([^"]+)"', analysis.html)
+    assert set(links) <= identifiers
+    for part in SECTIONS:
+        shown = part.needs in analysis.numbers or f'id="figure-{part.needs}"' in analysis.html
+        assert (part.anchor in identifiers) == shown, part.template
+    templates = {part.template for part in SECTIONS}
+    assert {template for _, _, template in PLACES} <= templates
+    # the paper's ten figures and three tables, each once
+    numbered = [f"Fig. {i}" for i in range(1, 11)] + [f"Table {i}" for i in ("I", "II", "III")]
+    assert [name for name, _, _ in PLACES] == numbered
+    for name, anchor, _ in PLACES:
+        if anchor in identifiers:
+            assert anchor in links, name
+
+
+def test_law_every_top_key_of_study_json_is_documented(analysis: Analysis, root: Path) -> None:
+    text = (root / "docs" / "study-json.md").read_text(encoding="utf-8")
+    text = text[: text.index("# `telespring decide")]
+    documented = {
+        name for row in re.findall(r"^\| (`.*?) \|", text, re.M) for name in re.findall(r"`(\w+)", row)
+    }
+    assert set(analysis.numbers) <= documented
+
+
+def test_law_table_ii_stands_beside_the_printed_one_with_its_misprint(analysis: Analysis) -> None:
+    start = analysis.html.index('<table id="number-sets">')
+    table = analysis.html[start : analysis.html.index("</table>", start)]
+    # five rows of five sets, none of which differs from the printed one
+    assert table.count('class="same"') == 25
+    assert 'class="differs"' not in table
+    shown = {key for key, _, _ in Page(analysis.html).data}
+    assert {"table2.sign_change.ours", "table2.sign_change.printed", "table2.between.eta2"} <= shown

@@ -355,5 +355,6 @@ def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str) -> _Poi
         centre_of = (start + end) / 2
         direction = (end - start) / np.hypot(*(end - start))
         side = np.array([direction[1], -direction[0]]) * (sign if number == 1 else -sign)
-        axes.text(*(centre_of + 0.2 * side), f"${name}$", ha="center", va="center", fontsize=8)
+        x, y = centre_of + 0.2 * side
+        axes.text(float(x), float(y), f"${name}$", ha="center", va="center", fontsize=8)
     return handle
