@@ -89,7 +89,11 @@ DRAWINGS = {
     "regions": regions,
     "trajectories": trajectories,
     "errors": errors,
+    "dyad": figures.dyad_schematic,
+    "loop": figures.loop_schematic,
+    "laboratory": figures.laboratory_schematic,
 }
+SCHEMATICS = ("dyad", "loop", "laboratory")
 
 
 @pytest.fixture(params=DRAWINGS, scope="module")
@@ -112,7 +116,10 @@ def test_law_nothing_is_cut_off(drawing: tuple[str, Figure]) -> None:
 
 
 def test_law_every_outer_axis_has_a_label_with_a_unit(drawing: tuple[str, Figure]) -> None:
-    _, figure = drawing
+    name, figure = drawing
+    if name in SCHEMATICS:
+        assert not any(axes.axison for axes in figure.axes)
+        return
     labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
     labels += [figure.get_supxlabel(), figure.get_supylabel()]
     used = [label for label in labels if label]
@@ -159,3 +166,19 @@ def test_law_trajectories_are_all_drawn_and_stay_small() -> None:
     assert len(figure.axes) == 34
     assert all(len(axes.collections[0].get_paths()) == 20 for axes in figure.axes)
     assert len(figures.to_svg(figure, "trajectories", "t", "d")) < 1.5e6
+
+
+@pytest.mark.parametrize("name", SCHEMATICS)
+def test_law_no_two_words_of_a_schematic_overlap(name: str) -> None:
+    figure = DRAWINGS[name]()
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
+    words = [text for axes in figure.axes for text in axes.texts if text.get_text()]
+    assert len(words) > 8
+    # half a pixel: boxes of letters that touch
+    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in words]
+    for i, (one, box) in enumerate(boxes):
+        for other, another in boxes[i + 1 :]:
+            assert not box.overlaps(another), f"{one!r} and {other!r}"

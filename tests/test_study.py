@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring import paper
 from telespring.misprints import held_partner_growth
-from telespring.report import Style, format_quantity, look_up
+from telespring.report import PLACES, SECTIONS, Style, format_quantity, look_up
 from telespring.study import STEPS, Analysis, analyse, write
 from telespring.summary import summarise
 
@@ -260,8 +259,8 @@ def test_law_the_page_says_what_its_limits_hold_for(analysis: Analysis, held: An
     assert not re.search(r"[.)][A-Z“]", caption)
     middle = "operators in the middle of their ranges"
     assert middle in part(held, '<h2 id="robots">', "</caption>")
-    assert middle in part(held, "<b>Figure 1.</b>", "</figcaption>")
-    assert "the worst over the ranges" in part(held, "<b>Figure 1.</b>", "</figcaption>")
+    assert middle in part(held, "<b>Map A.</b>", "</figcaption>")
+    assert "the worst over the ranges" in part(held, "<b>Map A.</b>", "</figcaption>")
     assert middle in part(held, '<h2 id="figure5">', "</p>")
     assert middle not in analysis.html
     assert "playout buffer (" not in part(analysis, '<table id="allowed">', "</caption>")
@@ -339,8 +338,9 @@ def test_law_page_is_self_contained_and_holds_every_figure(analysis: Analysis) -
     assert "http:" not in analysis.html
     assert "https:" not in analysis.html
     assert "@import" not in analysis.html
-    assert analysis.html.count("<svg ") == 5
-    for name in ("nyquist", "frequency", "responses", "map", "examples"):
+    drawn = ("dyad", "loop", "map", "nyquist", "frequency", "responses", "laboratory", "examples")
+    assert analysis.html.count("<svg ") == len(drawn)
+    for name in drawn:
         assert f'aria-labelledby="{name}-title {name}-description"' in analysis.html
     assert len(page.identifiers) == len(set(page.identifiers))
 
@@ -459,15 +459,6 @@ def test_cross_growth_under_a_held_partner_against_stepping_in_time() -> None:
     assert growth > 1.0
 
 
-def test_ref_printed_delay_equals_the_exact_one_on_the_h_mans() -> None:
-    """Eqs. 6 to 9 hold where the dampings are alike; to 1e-9 through the roots of the cubic."""
-    for parameters, delay in (
-        ((0.8334, 7.7257, 0.7776, 7.4208), 0.16718632424),
-        ((1.0649, 10.1168, 1.3407, 9.3496), 0.23185110031),
-    ):
-        assert paper.maximum_delay(*parameters, 2 * 35.615987936).delay == pytest.approx(delay, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("value", "unit", "digits", "style", "text"),
     [
@@ -491,3 +482,39 @@ def test_law_quantities_as_a_person_reads_them(
     value: float | None, unit: str, digits: int, style: Style, text: str
 ) -> None:
     assert format_quantity(value, unit, digits, style=style) == text
+
+
+def test_law_every_place_of_the_paper_and_every_section_is_where_the_page_says(analysis: Analysis) -> None:
+    identifiers = set(Page(analysis.html).identifiers)
+    links = re.findall(r'<a href="#([^"]+)"', analysis.html)
+    assert set(links) <= identifiers
+    for part in SECTIONS:
+        shown = part.needs in analysis.numbers or f'id="figure-{part.needs}"' in analysis.html
+        assert (part.anchor in identifiers) == shown, part.template
+    templates = {part.template for part in SECTIONS}
+    assert {template for _, _, template in PLACES} <= templates
+    # the paper's ten figures and three tables, each once
+    numbered = [f"Fig. {i}" for i in range(1, 11)] + [f"Table {i}" for i in ("I", "II", "III")]
+    assert [name for name, _, _ in PLACES] == numbered
+    for name, anchor, _ in PLACES:
+        if anchor in identifiers:
+            assert anchor in links, name
+
+
+def test_law_every_top_key_of_study_json_is_documented(analysis: Analysis, root: Path) -> None:
+    text = (root / "docs" / "study-json.md").read_text(encoding="utf-8")
+    text = text[: text.index("# `telespring decide")]
+    documented = {
+        name for row in re.findall(r"^\| (`.*?) \|", text, re.M) for name in re.findall(r"`(\w+)", row)
+    }
+    assert set(analysis.numbers) <= documented
+
+
+def test_law_table_ii_stands_beside_the_printed_one_with_its_misprint(analysis: Analysis) -> None:
+    start = analysis.html.index('<table id="number-sets">')
+    table = analysis.html[start : analysis.html.index("</table>", start)]
+    # five rows of five sets, none of which differs from the printed one
+    assert table.count('class="same"') == 25
+    assert 'class="differs"' not in table
+    shown = {key for key, _, _ in Page(analysis.html).data}
+    assert {"table2.sign_change.ours", "table2.sign_change.printed", "table2.between.eta2"} <= shown

@@ -18,6 +18,7 @@ from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, freque
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.figures.responses import ResponsePanel, response_figure
+from telespring.figures.schematics import dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.figures.style import to_svg
 from telespring.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
 
@@ -37,8 +38,11 @@ __all__ = [
     "TrialPanel",
     "arms_figure",
     "cells_figure",
+    "dyad_schematic",
     "error_figure",
     "frequency_figure",
+    "laboratory_schematic",
+    "loop_schematic",
     "nyquist_figure",
     "pairs_figure",
     "profiles_figure",
