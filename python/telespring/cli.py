@@ -24,6 +24,7 @@ from rich.markup import escape
 
 import telespring as ts
 from telespring.files import replacing, write_whole
+from telespring.identify.command import identify_command
 from telespring.terminal import decision_screen, digits_down, refusal_screen
 
 if TYPE_CHECKING:
@@ -54,6 +55,14 @@ Backward = Annotated[
     float | None,
     typer.Option("--backward", help="One-way delay in s from robot 2 to robot 1, where it differs."),
 ]
+Robot1 = Annotated[
+    Path | None,
+    typer.Option("--robot1", metavar="FILE", help="A robot file, as `identify` writes it, for robot 1."),
+]
+Robot2 = Annotated[
+    Path | None,
+    typer.Option("--robot2", metavar="FILE", help="A robot file, as `identify` writes it, for robot 2."),
+]
 
 
 class Format(StrEnum):
@@ -69,6 +78,8 @@ def decide(
     stiffness: Stiffness = None,
     delay: Delay = None,
     backward: Backward = None,
+    robot1: Robot1 = None,
+    robot2: Robot2 = None,
     jitter: Annotated[float | None, typer.Option(help="How much longer than that a delay may be, s.")] = None,
     max_gap: Annotated[float | None, typer.Option(help="Longest time without a new sample, s.")] = None,
     sample_period: Annotated[float | None, typer.Option(help="Period of the controllers, s.")] = None,
@@ -85,7 +96,7 @@ def decide(
     with _refusals():
         from telespring.decision import decide as answer
 
-        read = _read(study)
+        read = _read(study, robot1, robot2)
         asked = _asked(read, stiffness, delay, backward)
         if horizon is not None and not 0.0 < horizon <= 1000.0:
             raise ts.InvalidInput(
@@ -120,6 +131,8 @@ def simulate(
     stiffness: Stiffness = None,
     delay: Delay = None,
     backward: Backward = None,
+    robot1: Robot1 = None,
+    robot2: Robot2 = None,
     force: Annotated[
         list[float] | None,
         typer.Option(
@@ -141,7 +154,7 @@ def simulate(
             raise ts.InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
-        asked = _asked(_read(study), stiffness, delay, backward)
+        asked = _asked(_read(study, robot1, robot2), stiffness, delay, backward)
         axes = list(asked.dyad.axes)
         forces = _forces(force, len(axes))
         found = ts.simulate(asked.dyad, asked.stiffness, asked.delay, forces, duration, rate=rate)
@@ -158,6 +171,8 @@ def simulate(
 @app.command("study")
 def study_command(
     study: StudyFile = None,
+    robot1: Robot1 = None,
+    robot2: Robot2 = None,
     out: Annotated[Path, typer.Option(help="Folder for report.html and study.json.")] = Path("out/study"),
 ) -> None:
     """Run the paper's sections II to IV-A on a study's robots and write a report."""
@@ -167,7 +182,7 @@ def study_command(
 
         from telespring.study import STEPS, analyse, write
 
-        asked = _read(study)
+        asked = _read(study, robot1, robot2)
         with Progress(
             TextColumn("{task.description:<28}"),
             BarColumn(),
@@ -239,9 +254,18 @@ def _refusals() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def _read(study: Path | None) -> ts.Study:
-    """Read a study file, or take the paper's study where none is named."""
-    return ts.Study.paper() if study is None else ts.Study.read(study)
+app.command("identify")(_refusals()(identify_command))
+
+
+def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:
+    """Read a study file, or take the paper's study where none is named; put robots of their own in."""
+    read = ts.Study.paper() if study is None else ts.Study.read(study)
+    for side, robot in ((1, robot1), (2, robot2)):
+        if robot is not None:
+            from telespring.study_text import with_robot
+
+            read = with_robot(read, side, robot)
+    return read
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,13 @@ from telespring._core import (
     Coupling,
     DelaySystem,
     Dyad,
+    Experiment,
     Network,
     Operator,
     OperatorRange,
     Robot,
     Study,
+    Uncertainty,
     hman,
 )
 
@@ -16,10 +18,12 @@ __all__ = [
     "Coupling",
     "DelaySystem",
     "Dyad",
+    "Experiment",
     "Network",
     "Operator",
     "OperatorRange",
     "Robot",
     "Study",
+    "Uncertainty",
     "hman",
 ]

@@ -53,6 +53,36 @@ impl Number {
     }
 }
 
+impl Argument<Option<f64>> {
+    /// The number or `None`, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<Option<f64>> {
+        Ok(self.or_refuse(field, "a real number or None is needed", "Give one number, or None.")?)
+    }
+}
+
+impl Argument<u64> {
+    /// The whole number, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<u64> {
+        let allowed = format!("a whole number from 0 to {} is needed", u64::MAX);
+        Ok(self.or_refuse(field, allowed, "Give an int in this range.")?)
+    }
+}
+
+impl Argument<Vec<f64>> {
+    /// The numbers, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<Vec<f64>> {
+        Ok(self.or_refuse(field, "a row of real numbers is needed", "Give a flat array of floats.")?)
+    }
+}
+
+impl Argument<Vec<u64>> {
+    /// The whole numbers, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<Vec<u64>> {
+        let allowed = format!("a row of whole numbers from 0 to {} is needed", u64::MAX);
+        Ok(self.or_refuse(field, allowed, "Give a flat array of integers.")?)
+    }
+}
+
 impl Argument<PerAxis> {
     /// The numbers, or a refusal of this name.
     pub fn named(self, field: &str) -> Outcome<PerAxis> {

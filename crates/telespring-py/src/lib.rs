@@ -9,8 +9,10 @@ mod criteria;
 mod dde;
 mod delay_system;
 mod errors;
+mod experiment;
 mod model;
 mod response;
+mod rig;
 mod simulation;
 mod spectrum;
 mod study;
@@ -31,12 +33,16 @@ mod _core {
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
+    use crate::experiment::{Experiment, Uncertainty};
+    #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
         transfer_matrix,
     };
+    #[pymodule_export]
+    use crate::rig::{Laboratory, trial_seed};
     #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]

@@ -7,6 +7,7 @@ use telespring::{InvalidInput, quantity};
 
 use crate::arguments::{DelayChoice, Number};
 use crate::errors::Outcome;
+use crate::experiment::{Experiment, Uncertainty};
 use crate::model::{Dyad, Operator};
 
 /// The virtual spring and the damper beside it.
@@ -257,7 +258,8 @@ impl OperatorRange {
     }
 }
 
-/// What one study file says: two robots, who holds them, how they are coupled, over which network.
+/// What one study file says: two robots, who holds them, how they are coupled, over which network, and
+/// the experiment to rehearse on them.
 ///
 /// Made by `Study.read`, `Study.from_toml` or `Study.paper`.
 ///
@@ -276,7 +278,7 @@ impl OperatorRange {
 /// True
 #[pyclass(frozen, eq, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
-pub struct Study(telespring::study::Study);
+pub struct Study(pub telespring::study::Study);
 
 #[pymethods]
 impl Study {
@@ -434,6 +436,24 @@ impl Study {
     #[getter]
     fn delay(&self) -> (f64, f64) {
         self.network().delay()
+    }
+
+    /// How far each robot's parameters may be off; None where they are certain.
+    #[getter]
+    fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {
+        self.0.uncertainty().map(|each| each.cloned().map(Uncertainty)).into()
+    }
+
+    /// The experiment to rehearse, or None where the robots have other axes than x and y.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where the study names no conditions and its robots give no reference stiffness to take multiples
+    ///     of, as one without damping.
+    #[getter]
+    fn experiment(&self) -> Outcome<Option<Experiment>> {
+        if self.0.is_planar() { Experiment::of(self).map(Some) } else { Ok(None) }
     }
 
     fn __repr__(&self) -> String {

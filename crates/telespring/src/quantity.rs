@@ -42,6 +42,47 @@ pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None)
 pub const RATE: Quantity = Quantity::new("a rate", "Hz", 1e-6, 1e9, Some(("kHz", 1e3)));
 /// A decay rate in 1/s.
 pub const DECAY_RATE: Quantity = Quantity::new("a decay rate", "1/s", 0.0, 1e6, None);
+/// The period of a controller, s.
+pub const SAMPLE_PERIOD: Quantity = Quantity::new("a sample period", "s", 1e-6, 1.0, Some(("ms", 1e-3)));
+/// A Coulomb friction in N.
+pub const COULOMB: Quantity = Quantity::new("a Coulomb friction", "N", 0.0, 1e6, None);
+/// A force in N.
+pub const FORCE: Quantity = Quantity::new("a force", "N", -1e9, 1e9, None);
+/// A place on an axis, m.
+pub const PLACE: Quantity = Quantity::new("a position", "m", -10.0, 10.0, Some(("mm", 1e-3)));
+/// The amplitude of a movement, m.
+pub const AMPLITUDE: Quantity = Quantity::new("an amplitude", "m", 0.0, 10.0, Some(("mm", 1e-3)));
+/// The length of a link, m.
+pub const LENGTH: Quantity = Quantity::new("a length", "m", 1e-3, 10.0, Some(("mm", 1e-3)));
+/// A distance along a link, m.
+pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
+/// A step of a position sensor, m.
+pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0, 0.1, Some(("µm", 1e-6)));
+/// A moment of inertia in kg·m².
+pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e4, None);
+/// The viscous damping of a joint in N·m·s/rad.
+pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e6, None);
+/// A largest torque in N·m, infinite where there is no limit.
+pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, f64::INFINITY, None);
+/// A spread of velocities, m/s.
+pub const SPEED: Quantity = Quantity::new("a spread of velocities", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
+/// How long a spot lives, s.
+pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(("ms", 1e-3)));
+/// An angular frequency in rad/s.
+pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
+/// A probability.
+pub const PROBABILITY: Quantity = Quantity::new("a probability", "", 0.0, 1.0, Some(("%", 1e-2)));
+/// A standard deviation of a mass in kg.
+pub const MASS_SD: Quantity = Quantity::new("a standard deviation of a mass", "kg", 0.0, 1e4, None);
+/// A standard deviation of a damping in N·s/m.
+pub const DAMPING_SD: Quantity = Quantity::new("a standard deviation of a damping", "N·s/m", 0.0, 1e6, None);
+/// A correlation of two estimates.
+pub const CORRELATION: Quantity = Quantity::new("a correlation", "", -1.0, 1.0, None);
+/// A part of a trial in s, 0 for none.
+pub const SPAN_OF_TRIAL: Quantity = Quantity::new("a part of a trial", "s", 0.0, 3600.0, Some(("ms", 1e-3)));
+/// The length of a trial in s.
+pub const TRIAL_DURATION: Quantity =
+    Quantity::new("a trial's duration", "s", 1e-3, 3600.0, Some(("ms", 1e-3)));
 
 impl Quantity {
     const fn new(
@@ -80,7 +121,8 @@ impl Quantity {
     fn refusal(&self, field: &str, value: f64) -> InvalidInput {
         let remedy = match self.slip {
             Some((unit, factor))
-                if value > self.maximum && (self.minimum..=self.maximum).contains(&(value * factor)) =>
+                if (value > self.maximum || self.minimum < 0.0)
+                    && (self.minimum..=self.maximum).contains(&(value * factor)) =>
             {
                 format!(
                     "Everything is in SI units: if {value} was meant in {unit}, write {}.",
@@ -89,12 +131,14 @@ impl Quantity {
             }
             _ if value.is_nan() => "Replace the missing value by a number.".to_owned(),
             _ if value < 0.0 => "Check the sign and the unit.".to_owned(),
+            _ if self.unit.is_empty() => "Check the value.".to_owned(),
             _ => format!("Check the unit: {} is expected.", self.unit),
         };
+        let range = format!("{} to {} {}", self.minimum, self.maximum, self.unit);
         InvalidInput::new(
             field,
             value,
-            format!("{} must be a number from {} to {} {}", self.name, self.minimum, self.maximum, self.unit),
+            format!("{} must be a number from {}", self.name, range.trim_end()),
             remedy,
         )
     }

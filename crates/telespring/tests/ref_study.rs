@@ -94,13 +94,14 @@ fn ref_messages_verbatim() {
         ),
         (
             with("mass = [1.0, 2.0]", "mas = [1.0, 2.0]"),
-            "robot1.mas = [1.0, 2.0]: [robot1] has the keys name, axes, mass, damping. \
-             Did you mean \"mass\"? See line 3.",
+            "robot1.mas = [1.0, 2.0]: [robot1] has the keys name, axes, mass, damping, coulomb, mass_sd, \
+             damping_sd, mass_damping_correlation. Did you mean \"mass\"? See line 3.",
         ),
         (
             with("[network]", "[netwrok]"),
             "netwrok = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
-             [operator2], [coupling], [network], [controller]. Did you mean \"network\"? See line 10.",
+             [operator2], [coupling], [network], [controller], [arm1], [arm2], [agent1], [agent2], [task], \
+             [laboratory], [protocol]. Did you mean \"network\"? See line 10.",
         ),
         (
             with("stiffness = 20", "stiffness = 20\njitter = 0.01"),
@@ -153,8 +154,8 @@ fn ref_messages_verbatim() {
         ),
         (
             with("[controller]", "[task]\nkind = \"figure eight\"\n[controller]"),
-            "task = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
-             [operator2], [coupling], [network], [controller]. Remove it, or correct its name. See line 12.",
+            "task.kind = \"figure eight\": this is one of \"figure-eight\", \"python\". Did you mean \
+             \"figure-eight\"? See line 13.",
         ),
     ];
     for (text, message) in cases {

@@ -1,7 +1,47 @@
 //! The virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
+//!
+//! | part | job |
+//! |---|---|
+//! | [`Laboratory`] | what stands there, as plain values |
+//! | [`Trial`] | one run of it, from a seed: the same numbers again, bit for bit on one type of CPU |
+//! | [`plant`] | handles in arms, moved by forces |
+//! | [`trial_seed`] | the seed of each trial of a rehearsal |
+//!
+//! # Examples
+//!
+//! The paper's two robots at 71.2 N/m and a delay of 84 ms for one second:
+//!
+//! ```
+//! use telespring::rig::{Coupling, Laboratory, Recording, Schedule, Status, Trial};
+//! use telespring::{Delay, InvalidInput};
+//!
+//! let laboratory = Laboratory::paper();
+//! let coupling = Coupling { stiffness: 71.2, damping: 0.0, delay: Delay::each_way(0.084)? };
+//! let schedule = Schedule::new(1.0, 100.0, laboratory.controller.sample_period)?;
+//! let trial = Trial { laboratory: &laboratory, coupling: Some(coupling), seed: 1, schedule };
+//! let recording: Recording = trial.record::<InvalidInput>([None, None])?;
+//! assert_eq!(recording.ending.status, Status::Completed);
+//! assert_eq!(recording.position.len(), 101);
+//! # Ok::<(), telespring::InvalidInput>(())
+//! ```
 
+mod agent;
+mod check;
 mod laboratory;
+mod network;
+pub mod plant;
+mod random;
+mod record;
+mod schedule;
+mod target;
+mod trial;
 
+pub use agent::Seen;
 pub use laboratory::{
     Agent, Arm, Controller, Elbow, Handle, Laboratory, Network, Protocol, Side, Spots, Target, TwoLinkArm,
 };
+pub use plant::OutOfReach;
+pub use random::trial_seed;
+pub use record::{Ending, Record, Recording, Row, Status};
+pub use schedule::{MOST_TICKS, Schedule};
+pub use trial::{Callback, Coupling, LIMIT, Trial};

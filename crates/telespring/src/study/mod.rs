@@ -27,16 +27,32 @@
 //! sample_period = 0.001         # s, default 0: a continuous controller
 //! computing_time = 0.0002       # s, default 0
 //! ```
+//!
+//! Everything else a study can say is of its rehearsal, and is the paper's experiment unless said:
+//! [robot1] and [robot2] may add `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`, and
+//! there are the sections [arm1], [arm2], [agent1], [agent2], [task], [laboratory] and [protocol].
+//! `docs/study-file.md` lists every key with its meaning, unit, range and default.
 
+mod keys;
+mod laboratory;
+mod protocol;
+mod python;
 mod reader;
-
-use std::fmt::Write;
+mod robot;
+mod writer;
 
 use crate::criteria::verdicts::{Network, OperatorRange};
 use crate::error::{InvalidInput, Result};
-use crate::model::{Delay, Dyad, Operator, Robot, hman};
+use crate::model::{Delay, Dyad, Operator, hman};
 use crate::quantity;
-use reader::{PerAxis, Reader, Span};
+use crate::rig;
+use reader::{Reader, Span};
+use robot::{RobotSection, check_count, robot};
+
+pub use laboratory::{AgentChoice, Setup, Task};
+pub use protocol::{Conditions, ProtocolChoice};
+pub use python::{OptionValue, PythonObject};
+pub use robot::Uncertainty;
 
 /// The virtual spring and the damper beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,24 +82,32 @@ pub struct Coupling {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     name: String,
-    robot_names: [Option<String>; 2],
+    robots: [RobotSection; 2],
     dyad: Dyad,
     operator_ranges: Option<[OperatorRange; 2]>,
     stiffness: f64,
     network: Network,
+    setup: Setup,
+    protocol: ProtocolChoice,
 }
 
 impl Study {
     /// The paper's two H-MANs at its condition 2K_xy (printed 71 N/m) and Δ_xy (167 ms), handles free,
-    /// controllers continuous, as in its Fig. 5(h).
+    /// controllers continuous, as in its Fig. 5(h), and its whole experiment.
     pub fn paper() -> Self {
         Self {
             name: "Du, Kulkarni, Kager and Campolo: two H-MANs".to_owned(),
-            robot_names: [Some("H-MAN 1".to_owned()), Some("H-MAN 2".to_owned())],
+            robots: ["H-MAN 1", "H-MAN 2"].map(|name| RobotSection {
+                name: Some(name.to_owned()),
+                coulomb: vec![0.0; 2],
+                uncertainty: None,
+            }),
             dyad: hman(),
             operator_ranges: None,
             stiffness: PAPER_STIFFNESS,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
+            setup: Setup::paper(),
+            protocol: ProtocolChoice::paper(),
         }
     }
 
@@ -103,7 +127,7 @@ impl Study {
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
         let reader = Reader::new(text)?;
-        let [(robot1, name1), (robot2, name2)] = [robot(&reader, "robot1")?, robot(&reader, "robot2")?];
+        let [(robot1, section1), (robot2, section2)] = [robot(&reader, "robot1")?, robot(&reader, "robot2")?];
         let axes = robot1.axes().len();
         let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
@@ -116,60 +140,23 @@ impl Study {
             error.field = error.field.trim_start_matches("robot2.").to_owned();
             reader.place("robot2", error)
         })?;
-        Ok(Self {
+        let study = Self {
             name: reader.name()?.unwrap_or_else(|| UNNAMED.to_owned()),
-            robot_names: [name1, name2],
+            robots: [section1, section2],
             dyad,
             operator_ranges: (!single).then_some(ranges),
             stiffness,
             network: network(&reader)?,
-        })
+            setup: laboratory::setup(&reader)?,
+            protocol: protocol::protocol(&reader)?,
+        };
+        study.check_rehearsal(&reader)?;
+        Ok(study)
     }
 
     /// The study as TOML text that reads back to the same study.
     pub fn to_toml(&self) -> String {
-        let mut text = format!("name = {}\n", quoted(&self.name));
-        for (i, robot) in self.dyad.robots().iter().enumerate() {
-            section(&mut text, &format!("robot{}", i + 1));
-            if let Some(name) = &self.robot_names[i] {
-                line(&mut text, "name", &quoted(name), "");
-            }
-            let axes: Vec<String> = robot.axes().iter().map(|name| quoted(name)).collect();
-            line(&mut text, "axes", &format!("[{}]", axes.join(", ")), "");
-            line(&mut text, "mass", &list(robot.mass()), "kg");
-            line(&mut text, "damping", &list(robot.damping()), "N·s/m");
-        }
-        for i in 0..2 {
-            let (low, high) = match &self.operator_ranges {
-                Some(ranges) => (ranges[i].low(), ranges[i].high()),
-                None => (&self.dyad.operators()[i], &self.dyad.operators()[i]),
-            };
-            let free = Operator::free(low.mass().len());
-            if *low == free && *high == free {
-                continue;
-            }
-            section(&mut text, &format!("operator{}", i + 1));
-            line(&mut text, "mass", &ranges(low.mass(), high.mass()), "kg");
-            line(&mut text, "damping", &ranges(low.damping(), high.damping()), "N·s/m");
-            line(&mut text, "stiffness", &ranges(low.stiffness(), high.stiffness()), "N/m");
-        }
-        section(&mut text, "coupling");
-        line(&mut text, "stiffness", &float(self.stiffness), "N/m");
-        line(&mut text, "damping", &float(self.dyad.coupling_damping()), "N·s/m");
-        section(&mut text, "network");
-        let delay = self.network.delay();
-        let delay = if delay.forward() == delay.backward() {
-            float(delay.forward())
-        } else {
-            format!("{{forward = {}, backward = {}}}", float(delay.forward()), float(delay.backward()))
-        };
-        line(&mut text, "delay", &delay, "s, one way");
-        line(&mut text, "jitter", &float(self.network.jitter()), "s");
-        line(&mut text, "max_gap", &float(self.network.max_gap()), "s");
-        section(&mut text, "controller");
-        line(&mut text, "sample_period", &float(self.network.sample_period()), "s");
-        line(&mut text, "computing_time", &float(self.network.computing_time()), "s");
-        text
+        writer::to_toml(self)
     }
 
     /// The study's name.
@@ -179,7 +166,7 @@ impl Study {
 
     /// The robots' names, where they have one.
     pub fn robot_names(&self) -> [Option<&str>; 2] {
-        self.robot_names.each_ref().map(Option::as_deref)
+        self.robots.each_ref().map(|robot| robot.name.as_deref())
     }
 
     /// The dyad; where the operators are ranges it holds the middle of each.
@@ -201,7 +188,175 @@ impl Study {
     pub fn network(&self) -> &Network {
         &self.network
     }
+
+    /// How far each robot's parameters may be off; `None` where they are certain.
+    pub fn uncertainty(&self) -> [Option<&Uncertainty>; 2] {
+        self.robots.each_ref().map(|robot| robot.uncertainty.as_ref())
+    }
+
+    /// Each robot's Coulomb friction per axis, N.
+    pub fn coulomb(&self) -> [&[f64]; 2] {
+        self.robots.each_ref().map(|robot| robot.coulomb.as_slice())
+    }
+
+    /// What the file says of the rehearsal: arms, agents, task, controllers and network.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// Whether the robots have exactly the two axes x and y, so that the study can be rehearsed.
+    pub fn is_planar(&self) -> bool {
+        self.dyad.axis_names() == PLANE
+    }
+
+    /// The sample period of the laboratory's controllers, s: [laboratory]'s, else [controller]'s, else 1 ms.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where both sections name one and they differ, or [controller]'s is none that the
+    /// laboratory can run at.
+    pub fn sample_period(&self) -> Result<f64> {
+        let of_controller = self.network.sample_period();
+        match self.setup.sample_period {
+            Some(period) if of_controller > 0.0 && period != of_controller => Err(InvalidInput::new(
+                "laboratory.sample_period",
+                format!("{period:?}"),
+                format!("[controller] says {of_controller:?} s, and both mean the same controllers"),
+                "Name it once, or alike.",
+            )),
+            Some(period) => Ok(period),
+            None if of_controller > 0.0 => {
+                quantity::SAMPLE_PERIOD.check("controller.sample_period", of_controller)
+            }
+            None => Ok(SAMPLE_PERIOD),
+        }
+    }
+
+    /// The virtual laboratory of this study.
+    ///
+    /// An agent of Python stands in it as [`rig::Agent::External`], a target of Python as
+    /// [`rig::Target::Sampled`] without samples: whoever runs it gives the forces and the positions.
+    /// Operators are left out, since arms and agents hold the handles here.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where the robots have other axes than x and y or the sample period is no good, by
+    /// its dotted field.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// let laboratory = telespring::study::Study::paper().laboratory()?;
+    /// assert_eq!(laboratory.controller.sample_period, 0.001);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn laboratory(&self) -> Result<rig::Laboratory> {
+        self.require_plane()?;
+        let pair = |values: &[f64]| [values[0], values[1]];
+        let side = |i: usize| rig::Side {
+            handle: rig::Handle {
+                mass: pair(self.dyad.robots()[i].mass()),
+                damping: pair(self.dyad.robots()[i].damping()),
+                coulomb: pair(&self.robots[i].coulomb),
+            },
+            arm: self.setup.arms[i],
+            agent: match self.setup.agents[i] {
+                AgentChoice::Skilled { stiffness, damping } => rig::Agent::Skilled { stiffness, damping },
+                AgentChoice::Blurred { stiffness, spots } => rig::Agent::Blurred { stiffness, spots },
+                AgentChoice::Python(_) => rig::Agent::External,
+            },
+        };
+        Ok(rig::Laboratory {
+            sides: [side(0), side(1)],
+            target: match self.setup.task {
+                Task::FigureEight { amplitude, angular_frequency } => {
+                    rig::Target::FigureEight { amplitude, angular_frequency }
+                }
+                Task::Python(_) => rig::Target::Sampled(Vec::new()),
+            },
+            controller: rig::Controller {
+                sample_period: self.sample_period()?,
+                computing_tick: self.setup.computing_tick,
+                actuator_lag: self.setup.actuator_lag,
+                encoder_resolution: self.setup.encoder_resolution,
+            },
+            network: rig::Network { jitter: self.setup.jitter, loss: self.setup.loss },
+        })
+    }
+
+    /// Which trials are run; what the file leaves away follows from robots, task and controllers.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where the robots have other axes than x and y, give no reference stiffness where
+    /// one is needed, or the parts do not fit together, by its dotted field.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// let protocol = telespring::study::Study::paper().protocol()?;
+    /// assert_eq!((protocol.conditions.len(), protocol.trials), (17, 20));
+    /// assert_eq!((protocol.duration, protocol.discard), (29.111, 4.852));
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn protocol(&self) -> Result<rig::Protocol> {
+        self.require_plane()?;
+        self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
+    }
+
+    fn require_plane(&self) -> Result<()> {
+        if self.is_planar() {
+            return Ok(());
+        }
+        Err(InvalidInput::new(
+            "robot1.axes",
+            format!("{:?}", self.dyad.axis_names()),
+            "a rehearsal needs robots with exactly the two axes \"x\" and \"y\"",
+            "Give both robots these axes to rehearse the study.",
+        ))
+    }
+
+    /// Where the file says anything of a rehearsal, the rehearsal must be possible.
+    fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
+        let Some(section) = reader.rehearsal_section() else { return Ok(()) };
+        if !self.is_planar() {
+            return Err(reader.refuse_section(
+                section,
+                format!(
+                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have {:?}",
+                    self.dyad.axis_names()
+                ),
+                "Remove the section, or give both robots these axes.",
+            ));
+        }
+        let laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
+        // a target of Python has no samples yet
+        if matches!(laboratory.target, rig::Target::FigureEight { .. }) {
+            laboratory.check().map_err(|error| reader.locate(error))?;
+        }
+        self.protocol().map_err(|error| reader.locate(error))?;
+        Ok(())
+    }
 }
+
+/// Every key of a study file as `section.key`, in order, `name` first.
+///
+/// # Examples
+///
+/// ```
+/// assert!(telespring::study::keys().contains(&"network.delay".to_owned()));
+/// ```
+pub fn keys() -> Vec<String> {
+    let dotted = keys::SECTIONS
+        .iter()
+        .flat_map(|(section, keys)| keys.all().into_iter().map(move |key| format!("{section}.{key}")));
+    std::iter::once("name".to_owned()).chain(dotted).collect()
+}
+
+/// The axes of a rehearsal.
+const PLANE: [&str; 2] = ["x", "y"];
+/// Period of the laboratory's controllers where the study names none, s.
+const SAMPLE_PERIOD: f64 = 0.001;
 
 /// Twice Eq. 5 on the x axis, N/m.
 const PAPER_STIFFNESS: f64 = (7.7257 * 7.7257 + 7.4208 * 7.4208) / (0.8334 + 0.7776);
@@ -210,34 +365,6 @@ const UNNAMED: &str = "unnamed study";
 /// A value that is 0 where it is not given.
 fn optional(reader: &Reader<'_>, section: &str, key: &str, quantity: quantity::Quantity) -> Result<f64> {
     reader.get(section, key).map_or(Ok(0.0), |entry| entry.number(quantity, "a number"))
-}
-
-fn robot(reader: &Reader<'_>, section: &str) -> Result<(Robot, Option<String>)> {
-    let mass = reader.need(section, "mass", "mass = 1.0 (kg)")?;
-    let damping = reader.need(section, "damping", "damping = 5.0 (N·s/m)")?;
-    let masses = mass.per_axis(quantity::MASS, false)?;
-    let dampings = damping.per_axis(quantity::DAMPING, false)?;
-    let name = reader.get(section, "name").map(|entry| entry.text()).transpose()?;
-    let axes = reader.get(section, "axes").map(|entry| entry.texts()).transpose()?;
-    // A list says how many axes there are; single numbers go to all of them.
-    let count = axes.as_ref().map(Vec::len).or(masses.count()).or(dampings.count()).unwrap_or(1);
-    for (entry, values) in [(&mass, &masses), (&damping, &dampings)] {
-        check_count(entry, values, count)?;
-    }
-    let lows = |values: &PerAxis| values.spread(count).iter().map(|span| span.low).collect();
-    let robot =
-        Robot::new(lows(&masses), lows(&dampings), axes).map_err(|error| reader.place(section, error))?;
-    Ok((robot, name))
-}
-
-fn check_count(entry: &reader::Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
-    match values.count() {
-        Some(got) if got != count => Err(entry.refuse(
-            format!("one value per axis is needed, that is {count}, and here are {got}"),
-            "Give one value per axis, or a single number for all of them.",
-        )),
-        _ => Ok(()),
-    }
 }
 
 fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
@@ -269,7 +396,7 @@ fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorR
 
 fn network(reader: &Reader<'_>) -> Result<Network> {
     let entry = reader.need("network", "delay", "delay = 0.05 (s, one way)")?;
-    let delay = match entry.pair(["forward", "backward"])? {
+    let delay = match entry.pair(["forward", "backward"], "or give one number")? {
         Some([forward, backward]) => Delay::new(
             forward.number(quantity::DELAY, "a number")?,
             backward.number(quantity::DELAY, "a number")?,
@@ -291,33 +418,4 @@ fn network(reader: &Reader<'_>) -> Result<Network> {
             None => error.within(section),
         }
     })
-}
-
-fn section(text: &mut String, name: &str) {
-    let _ = write!(text, "\n[{name}]\n");
-}
-
-fn line(text: &mut String, key: &str, value: &str, unit: &str) {
-    let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
-    let _ = writeln!(text, "{key} = {value}{comment}");
-}
-
-/// The shortest text that reads back to the same number.
-fn float(value: f64) -> String {
-    format!("{value:?}")
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
-}
-
-fn list(values: &[f64]) -> String {
-    format!("[{}]", values.iter().map(|&value| float(value)).collect::<Vec<_>>().join(", "))
-}
-
-fn ranges(low: &[f64], high: &[f64]) -> String {
-    let each = low.iter().zip(high).map(|(&low, &high)| {
-        if low == high { float(low) } else { format!("{{min = {}, max = {}}}", float(low), float(high)) }
-    });
-    format!("[{}]", each.collect::<Vec<_>>().join(", "))
 }

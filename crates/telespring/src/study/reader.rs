@@ -6,17 +6,7 @@ use toml::de::{DeTable, DeValue};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
 
-/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
-/// ignored silently.
-pub(super) const SECTIONS: [(&str, &[&str]); 7] = [
-    ("robot1", &["name", "axes", "mass", "damping"]),
-    ("robot2", &["name", "axes", "mass", "damping"]),
-    ("operator1", &["mass", "damping", "stiffness"]),
-    ("operator2", &["mass", "damping", "stiffness"]),
-    ("coupling", &["stiffness", "damping"]),
-    ("network", &["delay", "jitter", "max_gap"]),
-    ("controller", &["sample_period", "computing_time"]),
-];
+use super::keys::{Keys, REHEARSAL, SECTIONS, as_written, nearest};
 
 /// A study of more text than this is a slip (the wrong file), not a study.
 const LONGEST: usize = 1 << 20;
@@ -59,12 +49,6 @@ pub(super) struct Reader<'a> {
     table: DeTable<'a>,
 }
 
-/// A key as TOML writes it: quoted where it is not bare.
-fn as_written(key: &str) -> String {
-    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
-}
-
 /// A value with its dotted field.
 pub(super) struct Entry<'r, 'a> {
     reader: &'r Reader<'a>,
@@ -79,42 +63,6 @@ fn shown(text: &str, span: std::ops::Range<usize>) -> String {
     let line = raw.lines().next().unwrap_or("");
     let short: String = line.chars().take(LONGEST_SHOWN).collect();
     if short.len() < raw.len() { format!("{short} …") } else { short }
-}
-
-/// The number of insertions, deletions, substitutions between two words, letter case aside.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) =
-        (a.to_lowercase().chars().collect(), b.to_lowercase().chars().collect());
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// The allowed word that was most likely meant.
-fn nearest<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
-    // Longer words than any key are not slips of the finger.
-    if word.chars().count() > 40 {
-        return None;
-    }
-    let lower = word.to_lowercase();
-    let extended = allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower));
-    let close = || {
-        allowed
-            .iter()
-            .map(|key| (distance(word, key), *key))
-            .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
-            .min_by_key(|&(distance, _)| distance)
-            .map(|(_, key)| key)
-    };
-    if word.is_empty() { None } else { close().or_else(|| extended.copied()) }
 }
 
 impl<'a> Reader<'a> {
@@ -154,7 +102,7 @@ impl<'a> Reader<'a> {
         for (key, value) in &self.table {
             let name = key.get_ref().as_ref();
             let line = line_of(self.text, key.span().start);
-            let Some((_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
+            let Some(&(_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
                 if name == "name" {
                     continue;
                 }
@@ -168,21 +116,82 @@ impl<'a> Reader<'a> {
                 return Err(self.refuse(
                     name,
                     value,
-                    format!("[{name}] is a section with the keys {}", keys.join(", ")),
+                    format!("[{name}] is a section with the keys {}", keys.all().join(", ")),
                     format!("Write [{name}] on a line of its own and its keys below."),
                 ));
             };
-            for (key, value) in section {
-                let word = key.get_ref().as_ref();
-                if !keys.contains(&word) {
-                    let line = line_of(self.text, key.span().start);
-                    let allowed = format!("[{name}] has the keys {}", keys.join(", "));
-                    let field = format!("{name}.{}", as_written(word));
-                    return Err(self.unknown(&field, word, value, line, allowed, keys, Some(name)));
-                }
-            }
+            self.check_section(name, section, keys)?;
         }
         Ok(())
+    }
+
+    fn check_section(&self, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
+        if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
+            entry.choice(kinds)?;
+        }
+        let (known, kind) = keys.of(section);
+        for (key, value) in section {
+            let word = key.get_ref().as_ref();
+            if known.contains(&word) {
+                continue;
+            }
+            let line = line_of(self.text, key.span().start);
+            let allowed = match kind {
+                Some(kind) => format!("[{name}] of kind \"{kind}\" has the keys {}", known.join(", ")),
+                None => format!("[{name}] has the keys {}", known.join(", ")),
+            };
+            let field = format!("{name}.{}", as_written(word));
+            let mut refusal = self.unknown(&field, word, value, line, allowed, known, Some(name));
+            if let Some(other) = keys.kind_with(word) {
+                refusal.remedy = format!(
+                    "It belongs to kind = \"{other}\": name that kind, or remove the key. See line {line}."
+                );
+            }
+            return Err(refusal);
+        }
+        Ok(())
+    }
+
+    /// Whether the study has this section.
+    pub fn has(&self, section: &str) -> bool {
+        self.table.contains_key(section)
+    }
+
+    /// The kind of a section that comes in several; the first of them where none is named.
+    pub fn kind(&self, section: &str) -> Result<&'static str> {
+        let kinds = SECTIONS.iter().find(|(name, _)| *name == section).map(|(_, keys)| keys.kinds());
+        let kinds = kinds.unwrap_or_default();
+        match self.get(section, "kind") {
+            Some(entry) => entry.choice(&kinds),
+            None => Ok(kinds.first().copied().unwrap_or_default()),
+        }
+    }
+
+    /// A refusal of a whole section.
+    pub fn refuse_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
+        let line = self.table.get(section).map_or(1, |value| line_of(self.text, value.span().start));
+        InvalidInput::new(section, "a section", allowed, format!("{remedy} See line {line}."))
+    }
+
+    /// The first section that only a rehearsal needs.
+    pub fn rehearsal_section(&self) -> Option<&'static str> {
+        REHEARSAL.into_iter().find(|name| self.table.contains_key(*name))
+    }
+
+    /// A refusal by its dotted field, put to the line of that key, or of its section.
+    pub fn locate(&self, mut error: InvalidInput) -> InvalidInput {
+        let mut parts = error.field.splitn(2, '.');
+        let section = parts.next().unwrap_or_default();
+        let key: String =
+            parts.next().unwrap_or_default().chars().take_while(|c| !matches!(c, '[' | '.')).collect();
+        let place = self.table.get(section).map(|value| {
+            let key = value.get_ref().as_table().and_then(|table| table.get(key.as_str()));
+            key.unwrap_or(value).span().start
+        });
+        if let Some(start) = place {
+            error.remedy = format!("{} See line {}.", error.remedy, line_of(self.text, start));
+        }
+        error
     }
 
     #[expect(clippy::too_many_arguments, reason = "one message, told from two places")]
@@ -198,7 +207,7 @@ impl<'a> Reader<'a> {
     ) -> InvalidInput {
         let home = SECTIONS
             .iter()
-            .find(|(name, keys)| Some(*name) != section && keys.contains(&word))
+            .find(|(name, keys)| Some(*name) != section && keys.all().contains(&word) && word != "kind")
             .map(|(name, _)| format!("It belongs under [{name}]."));
         let remedy = home
             .or_else(|| nearest(word, keys).map(|key| format!("Did you mean \"{key}\"?")))
@@ -292,6 +301,88 @@ impl<'r, 'a> Entry<'r, 'a> {
         }
     }
 
+    /// One of a few words.
+    pub fn choice<'w>(&self, words: &[&'w str]) -> Result<&'w str> {
+        let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
+        let given = match self.value.get_ref() {
+            DeValue::String(text) => text.as_ref(),
+            _ => "",
+        };
+        words.iter().find(|word| **word == given).copied().ok_or_else(|| {
+            let remedy = nearest(given, words)
+                .map_or_else(|| "Choose one of them.".to_owned(), |word| format!("Did you mean \"{word}\"?"));
+            self.refuse(format!("this is one of {listed}"), remedy)
+        })
+    }
+
+    /// True or false.
+    pub fn boolean(&self) -> Result<bool> {
+        self.value
+            .get_ref()
+            .as_bool()
+            .ok_or_else(|| self.refuse("true or false is needed", "Write it without quotes."))
+    }
+
+    /// A whole number in a range.
+    pub fn whole(&self, what: &str, least: i64, most: i64) -> Result<i64> {
+        let value = match self.value.get_ref() {
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            _ => None,
+        };
+        let remedy = match value {
+            Some(value) if (least..=most).contains(&value) => return Ok(value),
+            Some(_) => "Choose a number in that range.",
+            None => "Write it without a decimal point, quotes and units.",
+        };
+        Err(self.refuse(format!("{what} must be a whole number from {least} to {most}"), remedy))
+    }
+
+    /// The items of a list.
+    pub fn items(&self, what: &str) -> Result<Vec<Self>> {
+        let Some(items) = self.value.get_ref().as_array() else {
+            return Err(self.refuse(format!("a list of {what} is needed"), "Put it in square brackets."));
+        };
+        Ok(items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item)).collect())
+    }
+
+    /// The items of a table, each with its key.
+    pub fn members(&self) -> Result<Vec<(String, Self)>> {
+        let Some(table) = self.value.get_ref().as_table() else {
+            return Err(self.refuse("names with values are needed", "Write it such as {gain = 2.0}."));
+        };
+        let member = |(key, value): (&Spanned<std::borrow::Cow<'a, str>>, &'r Spanned<DeValue<'a>>)| {
+            let key = key.get_ref().as_ref();
+            (key.to_owned(), self.item(format!(".{}", as_written(key)), value))
+        };
+        Ok(table.iter().map(|(key, value)| member((key, value))).collect())
+    }
+
+    /// What stands there.
+    pub fn value(&self) -> &'r DeValue<'a> {
+        self.value.get_ref()
+    }
+
+    /// Two numbers, or with `one` also one number that stands for both.
+    pub fn two(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
+        let values = self.per_axis(quantity, false)?;
+        match values.count() {
+            None if one => {}
+            Some(2) => {}
+            _ => {
+                return Err(self.refuse(
+                    if one {
+                        "one number or a list of two is needed"
+                    } else {
+                        "a list of two numbers is needed"
+                    },
+                    "Write it such as [1.0, 2.0].",
+                ));
+            }
+        }
+        let values = values.spread(2);
+        Ok([values[0].low, values[1].low])
+    }
+
     /// A list of strings.
     pub fn texts(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
@@ -306,8 +397,9 @@ impl<'r, 'a> Entry<'r, 'a> {
         Entry { reader: self.reader, field: format!("{}{suffix}", self.field), value }
     }
 
-    /// A table with exactly these two keys, such as min and max; `None` where it is not a table.
-    pub fn pair(&self, keys: [&str; 2]) -> Result<Option<[Self; 2]>> {
+    /// A table with exactly these two keys, such as min and max; `None` where it is not a table. `instead`
+    /// is what else could stand there.
+    pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
         let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
         for (key, value) in table {
             let word = key.get_ref().as_ref();
@@ -322,7 +414,11 @@ impl<'r, 'a> Entry<'r, 'a> {
             Some(value) => Ok(self.item(format!(".{key}"), value)),
             None => Err(self.refuse(
                 format!("both {} and {} are needed", keys[0], keys[1]),
-                format!("Add {key} = …, or give one number."),
+                if instead.is_empty() {
+                    format!("Add {key} = ….")
+                } else {
+                    format!("Add {key} = …, {instead}.")
+                },
             )),
         };
         Ok(Some([part(keys[0])?, part(keys[1])?]))
@@ -349,7 +445,7 @@ impl<'r, 'a> Entry<'r, 'a> {
 
     /// A number, or with `ranges` also {min = …, max = …}.
     fn span(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
-        if ranges && let Some([low, high]) = self.pair(["min", "max"])? {
+        if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
                 return Err(self.refuse("min must not exceed max", "Exchange the two."));

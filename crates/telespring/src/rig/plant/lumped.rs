@@ -1,0 +1,230 @@
+//! A handle with an arm that is the same in every pose: M v' = F − B v − friction on each axis.
+//!
+//! The forces are held, so that the motion between two events is known exactly. Events are the stop, where
+//! v passes zero, and the start, where the axis lets go. At rest the friction balances any force up to the
+//! Coulomb level; in motion it is the Coulomb level against the motion (static and kinetic friction are
+//! equal).
+
+use super::RelaxingForce;
+use crate::rig::Handle;
+
+/// One axis.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    /// Robot and arm together, kg.
+    mass: f64,
+    /// Robot and arm together, N·s/m.
+    damping: f64,
+    /// N.
+    coulomb: f64,
+    arm_mass: f64,
+    arm_damping: f64,
+    position: f64,
+    velocity: f64,
+    /// For the span that was used last.
+    step: Step,
+    relaxation: Relaxation,
+}
+
+/// What a span does to an axis without friction: with z = B·span/M,
+/// v ← decay·v + gain·F and x ← x + reach·v + push·F.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    span: f64,
+    decay: f64,
+    gain: f64,
+    reach: f64,
+    push: f64,
+}
+
+/// φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z, z ≥ 0.
+fn averages(z: f64) -> (f64, f64) {
+    if z > 0.5 {
+        let first = -(-z).exp_m1() / z;
+        return (first, (1.0 - first) / z);
+    }
+    // φ₂ = Σ (−z)ⁿ/(n+2)!: 1 − φ₁ would cancel
+    let (mut term, mut second) = (0.5, 0.5);
+    for n in 3..18 {
+        term *= -z / f64::from(n);
+        second += term;
+    }
+    (1.0 - z * second, second)
+}
+
+impl Step {
+    fn new(mass: f64, damping: f64, span: f64) -> Self {
+        let z = damping / mass * span;
+        let (first, second) = averages(z);
+        Self {
+            span,
+            decay: (-z).exp(),
+            gain: span / mass * first,
+            reach: span * first,
+            push: span * span / mass * second,
+        }
+    }
+}
+
+/// What a force e^(−t/τ) adds over a span to the velocity and the position of an axis without friction.
+#[derive(Debug, Clone, Copy)]
+struct Relaxation {
+    span: f64,
+    gain: f64,
+    push: f64,
+}
+
+impl Relaxation {
+    /// With p = B·span/M and q = span/τ the gains are divided differences of the exponential:
+    /// span/M exp[−p, −q] and span²/M exp[0, −p, −q].
+    fn new(mass: f64, damping: f64, time_constant: f64, span: f64) -> Self {
+        let (p, q) = (damping / mass * span, span / time_constant);
+        let (low, high) = (p.min(q), p.max(q));
+        let first = (-low).exp() * averages(high - low).0;
+        let second = if high > 1.0 {
+            (averages(low).0 - first) / high
+        } else {
+            // Σ hₙ(−p, −q)/(n+2)!, hₙ the complete homogeneous polynomial
+            let (mut power, mut sum, mut factorial, mut second) = (1.0, 1.0, 0.5, 0.5);
+            for n in 3..20 {
+                power *= -high;
+                sum = power - low * sum;
+                factorial /= f64::from(n);
+                second += sum * factorial;
+            }
+            second
+        };
+        Self { span, gain: span / mass * first, push: span * span / mass * second }
+    }
+}
+
+impl Axis {
+    /// Moves on under a constant force, without a look at the friction.
+    fn glide(&mut self, step: &Step, force: f64) {
+        self.position += step.reach * self.velocity + step.push * force;
+        self.velocity = step.decay * self.velocity + step.gain * force;
+    }
+
+    fn advance(&mut self, force: f64, span: f64) {
+        if self.step.span != span {
+            self.step = Step::new(self.mass, self.damping, span);
+        }
+        let step = self.step;
+        if self.coulomb == 0.0 {
+            return self.glide(&step, force);
+        }
+        if self.velocity == 0.0 {
+            return self.start(force, &step);
+        }
+        let net = force - self.coulomb.copysign(self.velocity);
+        let end = step.decay * self.velocity + step.gain * net;
+        if end != 0.0 && end.is_sign_positive() == self.velocity.is_sign_positive() {
+            // v is monotonic under a constant force: it has not passed zero
+            return self.glide(&step, net);
+        }
+        // v = 0 at t = (M/B) ln(1 − B v/net); net is against v here
+        let ratio = -self.damping * self.velocity / net;
+        let stretched = if ratio < 1e-300 { 1.0 } else { ratio.ln_1p() / ratio };
+        let stop = (-self.mass * self.velocity / net * stretched).min(span);
+        let until = Step::new(self.mass, self.damping, stop);
+        self.position += until.reach * self.velocity + until.push * net;
+        self.velocity = 0.0;
+        self.start(force, &Step::new(self.mass, self.damping, span - stop));
+    }
+
+    /// From rest: stays, or lets go at once and cannot stop again under a constant force.
+    fn start(&mut self, force: f64, step: &Step) {
+        if force.abs() > self.coulomb {
+            self.glide(step, force - self.coulomb.copysign(force));
+        }
+    }
+
+    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ).
+    fn advance_relaxing(&mut self, held: f64, relaxing: f64, time_constant: f64, span: f64) {
+        if self.coulomb > 0.0 {
+            let (mean, _) = averages(span / time_constant);
+            return self.advance(held + relaxing * mean, span);
+        }
+        if self.relaxation.span != span {
+            self.relaxation = Relaxation::new(self.mass, self.damping, time_constant, span);
+        }
+        self.advance(held, span);
+        self.velocity += self.relaxation.gain * relaxing;
+        self.position += self.relaxation.push * relaxing;
+    }
+
+    fn friction(&self, force: f64) -> f64 {
+        if self.velocity == 0.0 {
+            force.clamp(-self.coulomb, self.coulomb)
+        } else {
+            self.coulomb.copysign(self.velocity)
+        }
+    }
+
+    fn handle_force(&self, robot_force: f64, hand_force: f64) -> f64 {
+        let force = robot_force + hand_force;
+        let acceleration = (force - self.damping * self.velocity - self.friction(force)) / self.mass;
+        hand_force - self.arm_mass * acceleration - self.arm_damping * self.velocity
+    }
+}
+
+/// A handle with a lumped arm.
+#[derive(Debug, Clone)]
+pub struct LumpedPlant {
+    axes: [Axis; 2],
+}
+
+impl LumpedPlant {
+    /// At rest at `position` (m), with the arm's mass (kg) and damping (N·s/m) per axis; both zero is the
+    /// ideal massless arm.
+    pub fn new(handle: Handle, arm_mass: [f64; 2], arm_damping: [f64; 2], position: [f64; 2]) -> Self {
+        let axis = |axis: usize| {
+            let (mass, damping) =
+                (handle.mass[axis] + arm_mass[axis], handle.damping[axis] + arm_damping[axis]);
+            Axis {
+                mass,
+                damping,
+                coulomb: handle.coulomb[axis],
+                arm_mass: arm_mass[axis],
+                arm_damping: arm_damping[axis],
+                position: position[axis],
+                velocity: 0.0,
+                step: Step::new(mass, damping, 0.0),
+                relaxation: Relaxation { span: 0.0, gain: 0.0, push: 0.0 },
+            }
+        };
+        Self { axes: [axis(0), axis(1)] }
+    }
+
+    /// Where the handle is, m.
+    pub fn position(&self) -> [f64; 2] {
+        self.axes.each_ref().map(|axis| axis.position)
+    }
+
+    /// How fast the handle moves, m/s.
+    pub fn velocity(&self) -> [f64; 2] {
+        self.axes.each_ref().map(|axis| axis.velocity)
+    }
+
+    /// Moves on by `span` s under held forces, N per axis.
+    pub fn advance(&mut self, robot_force: [f64; 2], hand_force: [f64; 2], span: f64) {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            axis.advance(robot_force[index] + hand_force[index], span);
+        }
+    }
+
+    /// Moves on by `span` s while the robot's force relaxes; exact without Coulomb friction, with it the
+    /// mean of the force over the span is held.
+    pub fn advance_relaxing(&mut self, robot_force: &RelaxingForce, hand_force: [f64; 2], span: f64) {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let held = robot_force.to[index] + hand_force[index];
+            let relaxing = robot_force.from[index] - robot_force.to[index];
+            axis.advance_relaxing(held, relaxing, robot_force.time_constant, span);
+        }
+    }
+
+    /// The force of the arm on the handle under these forces, N per axis; of the massless arm the hand's.
+    pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|index| self.axes[index].handle_force(robot_force[index], hand_force[index]))
+    }
+}

@@ -1,0 +1,131 @@
+//! What is kept of a trial.
+
+/// One value per robot and axis.
+pub type Row = [[f64; 2]; 2];
+
+/// Where the rows go: one slot per kept row, each robot by axis.
+#[derive(Debug)]
+pub struct Record<'a> {
+    /// The target, m.
+    pub target: &'a mut [[f64; 2]],
+    /// Positions of the handles, m.
+    pub position: &'a mut [Row],
+    /// Velocities of the handles, m/s.
+    pub velocity: &'a mut [Row],
+    /// Force of each robot on its handle, from this tick on, N.
+    pub coupling_force: &'a mut [Row],
+    /// Force of each agent on its arm, from this tick on, N.
+    pub agent_force: &'a mut [Row],
+    /// Force of each arm on its handle, from this tick on, N.
+    pub handle_force: &'a mut [Row],
+    /// Where each agent takes the target to be, m: the mean of its spots, or the target itself.
+    pub aim: &'a mut [Row],
+}
+
+impl Record<'_> {
+    pub(super) fn len(&self) -> usize {
+        [
+            self.target.len(),
+            self.position.len(),
+            self.velocity.len(),
+            self.coupling_force.len(),
+            self.agent_force.len(),
+            self.handle_force.len(),
+            self.aim.len(),
+        ]
+        .into_iter()
+        .min()
+        .unwrap_or(0)
+    }
+}
+
+/// How a trial ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Status {
+    /// To its last tick.
+    Completed,
+    /// A handle passed [`LIMIT`](super::LIMIT).
+    Diverged {
+        /// The first tick there, s.
+        at: f64,
+    },
+    /// An arm would have had to stretch further than it can.
+    OutOfReach {
+        /// The first tick that was not reached, s.
+        at: f64,
+    },
+}
+
+/// How a trial ended and what was kept of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ending {
+    /// How it ended.
+    pub status: Status,
+    /// How many rows were written, from the first on.
+    pub rows: usize,
+}
+
+/// A trial in memory of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// How it ended; all lists end there.
+    pub ending: Ending,
+    /// As in [`Record`].
+    pub target: Vec<[f64; 2]>,
+    /// As in [`Record`].
+    pub position: Vec<Row>,
+    /// As in [`Record`].
+    pub velocity: Vec<Row>,
+    /// As in [`Record`].
+    pub coupling_force: Vec<Row>,
+    /// As in [`Record`].
+    pub agent_force: Vec<Row>,
+    /// As in [`Record`].
+    pub handle_force: Vec<Row>,
+    /// As in [`Record`].
+    pub aim: Vec<Row>,
+}
+
+impl Recording {
+    pub(super) fn new(rows: usize) -> Self {
+        let empty = || vec![Row::default(); rows];
+        Self {
+            ending: Ending { status: Status::Completed, rows },
+            target: vec![[0.0; 2]; rows],
+            position: empty(),
+            velocity: empty(),
+            coupling_force: empty(),
+            agent_force: empty(),
+            handle_force: empty(),
+            aim: empty(),
+        }
+    }
+
+    pub(super) fn slots(&mut self) -> Record<'_> {
+        Record {
+            target: &mut self.target,
+            position: &mut self.position,
+            velocity: &mut self.velocity,
+            coupling_force: &mut self.coupling_force,
+            agent_force: &mut self.agent_force,
+            handle_force: &mut self.handle_force,
+            aim: &mut self.aim,
+        }
+    }
+
+    pub(super) fn end(&mut self, ending: Ending) {
+        self.ending = ending;
+        self.target.truncate(ending.rows);
+        for rows in [
+            &mut self.position,
+            &mut self.velocity,
+            &mut self.coupling_force,
+            &mut self.agent_force,
+            &mut self.handle_force,
+            &mut self.aim,
+        ] {
+            rows.truncate(ending.rows);
+        }
+    }
+}

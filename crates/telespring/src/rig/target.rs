@@ -1,0 +1,35 @@
+//! Where the agents are to be.
+
+use super::Target;
+
+/// Position and velocity of the target at one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Aim {
+    /// m.
+    pub position: [f64; 2],
+    /// m/s.
+    pub velocity: [f64; 2],
+}
+
+impl Target {
+    /// The target at tick `tick` of controllers with this period (s). A sampled target rests where its
+    /// samples end.
+    pub(crate) fn at(&self, tick: usize, period: f64) -> Aim {
+        match self {
+            Self::FigureEight { amplitude: [a, b], angular_frequency: w } => {
+                let (sin, cos) = (w * (tick as f64 * period)).sin_cos();
+                Aim {
+                    // sin 2ωt and cos 2ωt by the double angle
+                    position: [2.0 * a * sin * cos, b * sin],
+                    velocity: [2.0 * a * w * (cos - sin) * (cos + sin), b * w * cos],
+                }
+            }
+            Self::Sampled(samples) => {
+                let last = samples.len() - 1;
+                let position = samples[tick.min(last)];
+                let next = samples[(tick + 1).min(last)];
+                Aim { position, velocity: [0, 1].map(|axis| (next[axis] - position[axis]) / period) }
+            }
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! One trial: two controllers, two agents, two plants and a network in virtual time.
+//!
+//! Time is counted in ticks of the controllers, tick n being at n·period. At every tick both sides
+//! measure and send; then what has arrived is delivered; then both compute their forces, which are held
+//! until the next tick. With a computing tick the forces of the tick before act instead. Both sides thus
+//! use what was measured at the same instant, whichever is computed first.
+
+use super::agent::{Mover, Seen};
+use super::network::Link;
+use super::plant::{Plant, RelaxingForce};
+use super::random::{Stream, generator};
+use super::record::{Ending, Record, Recording, Row, Status};
+use super::schedule::Schedule;
+use super::{Agent, Laboratory};
+use crate::error::{InvalidInput, Result};
+use crate::model::Delay;
+use crate::quantity;
+use crate::session::{Endpoint, Law, Motion, Nanoseconds};
+
+/// A trial ends as diverged where a handle is further from the origin than this, m: no handle reaches it.
+pub const LIMIT: f64 = 10.0;
+
+/// How the two sides are coupled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coupling {
+    /// Of the virtual spring, N/m.
+    pub stiffness: f64,
+    /// Of the damper beside it, N·s/m.
+    pub damping: f64,
+    /// From the measurement of a position to its use by the partner, one way.
+    pub delay: Delay,
+}
+
+impl Coupling {
+    /// Refuses what is out of range.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] with the field.
+    pub fn check(&self) -> Result<()> {
+        quantity::STIFFNESS.check("stiffness", self.stiffness)?;
+        quantity::DAMPING.check("coupling_damping", self.damping)?;
+        Ok(())
+    }
+}
+
+/// A program of the caller's that moves an arm: the force (N per axis) from what it sees at a tick.
+pub type Callback<'a, E> = &'a mut dyn FnMut(&Seen) -> std::result::Result<[f64; 2], E>;
+
+/// One trial.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial<'a> {
+    /// Where.
+    pub laboratory: &'a Laboratory,
+    /// How both sides are coupled; `None` in the unconnected mode.
+    pub coupling: Option<Coupling>,
+    /// From which everything random is drawn.
+    pub seed: u64,
+    /// Which ticks are run and kept.
+    pub schedule: Schedule,
+}
+
+/// One side in the course of a trial.
+struct Station {
+    plant: Plant,
+    mover: Mover,
+    endpoint: Option<Endpoint>,
+    /// Towards this side.
+    link: Option<Link>,
+    /// Computed at the tick before: of the spring and of the agent, N.
+    computed: [[f64; 2]; 2],
+    /// What the actuator gives, N.
+    actuator: [f64; 2],
+}
+
+impl Station {
+    fn measure(&self, resolution: f64) -> Motion {
+        let position = self.plant.position();
+        let position = if resolution > 0.0 {
+            position.map(|value| (value / resolution).round() * resolution)
+        } else {
+            position
+        };
+        Motion { position, velocity: self.plant.velocity() }
+    }
+}
+
+/// What no measurement inside [`LIMIT`] and no packet of the other side leads to.
+fn impossible(refused: crate::session::Refused) -> InvalidInput {
+    InvalidInput::new("motion", "of a handle", refused.to_string(), "Check masses and stiffnesses.")
+}
+
+impl Trial<'_> {
+    fn stations(&self) -> Result<[Station; 2]> {
+        let Laboratory { sides, target, controller, network } = self.laboratory;
+        let period = Nanoseconds::from_seconds(controller.sample_period);
+        let start = target.at(0, controller.sample_period).position;
+        let station = |side: usize| -> Result<Station> {
+            let linked = self.coupling.map(|Coupling { stiffness, damping, delay }| {
+                // what robot 2 receives comes forward
+                let delay = if side == 1 { delay.forward() } else { delay.backward() };
+                let delay = Nanoseconds::from_seconds(delay);
+                let travel = delay.before(period).unwrap_or_default();
+                let random = generator(self.seed, Stream::Network(side));
+                (Endpoint::new(Law { stiffness, damping }, delay), Link::new(network, travel, random))
+            });
+            let (endpoint, link) = linked.unzip();
+            Ok(Station {
+                plant: Plant::new(sides[side].handle, &sides[side].arm, start)
+                    .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
+                mover: Mover::new(&sides[side].agent, self.seed, side),
+                endpoint,
+                link,
+                computed: [[0.0; 2]; 2],
+                actuator: [0.0; 2],
+            })
+        };
+        Ok([station(0)?, station(1)?])
+    }
+
+    /// Runs it into memory of its own.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::run`].
+    pub fn record<E: From<InvalidInput>>(
+        &self,
+        external: [Option<Callback<'_, E>>; 2],
+    ) -> std::result::Result<Recording, E> {
+        let mut recording = Recording::new(self.schedule.rows());
+        let ending = self.run(external, &mut recording.slots())?;
+        recording.end(ending);
+        Ok(recording)
+    }
+
+    /// Runs it; `external` moves the sides whose agent is [`Agent::External`]. The laboratory is taken as
+    /// checked ([`Laboratory::check`]).
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where a value is out of range, an arm cannot reach the first target, an external
+    /// agent is missing or gives a force that is not finite, or `record` is too short; and whatever an
+    /// external agent returns.
+    pub fn run<E: From<InvalidInput>>(
+        &self,
+        mut external: [Option<Callback<'_, E>>; 2],
+        record: &mut Record<'_>,
+    ) -> std::result::Result<Ending, E> {
+        let Laboratory { sides, target, controller, .. } = self.laboratory;
+        let Schedule { ticks, stride } = self.schedule;
+        if let Some(coupling) = &self.coupling {
+            coupling.check()?;
+        }
+        for side in 0..2 {
+            if matches!(sides[side].agent, Agent::External) && external[side].is_none() {
+                return Err(missing_agent(side).into());
+            }
+        }
+        if record.len() < self.schedule.rows() {
+            let rows = self.schedule.rows();
+            let refusal = InvalidInput::new(
+                "record",
+                format!("{} row(s)", record.len()),
+                format!("every array needs {rows} rows"),
+                "Ask Schedule::rows for the length.",
+            );
+            return Err(refusal.into());
+        }
+        let period = controller.sample_period;
+        let mut stations = self.stations()?;
+        let mut rows = 0;
+        for tick in 0..=ticks {
+            let time = tick as f64 * period;
+            let now = Nanoseconds::from_seconds(time);
+            let aim_here = target.at(tick, period);
+            if stations.iter().any(|station| station.plant.position().iter().any(|p| !(p.abs() <= LIMIT))) {
+                return Ok(Ending { status: Status::Diverged { at: time }, rows });
+            }
+            let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
+            for side in 0..2 {
+                if let Some(endpoint) = &mut stations[side].endpoint {
+                    let packet = endpoint.send(now, measured[side]).map_err(impossible)?;
+                    if let Some(link) = &mut stations[1 - side].link {
+                        link.send(now, packet);
+                    }
+                }
+            }
+            let (mut aim, mut acting, mut forces) = (Row::default(), [Row::default(); 2], Row::default());
+            for (side, station) in stations.iter_mut().enumerate() {
+                let mut spring = [0.0; 2];
+                if let (Some(link), Some(endpoint)) = (&mut station.link, &mut station.endpoint) {
+                    while let Some(packet) = link.deliver(now) {
+                        endpoint.receive(now, &packet).map_err(impossible)?;
+                    }
+                    spring = endpoint.force(now);
+                }
+                let seen = Seen {
+                    time,
+                    position: measured[side].position,
+                    velocity: measured[side].velocity,
+                    target: aim_here.position,
+                };
+                let hand;
+                (aim[side], hand) = match (&station.mover, &mut external[side]) {
+                    (Mover::External, Some(program)) => {
+                        (aim_here.position, check_force(side, time, program(&seen)?)?)
+                    }
+                    _ => station.mover.act(&seen, &aim_here),
+                };
+                let computed = [spring, hand];
+                let [spring, hand] = if controller.computing_tick {
+                    std::mem::replace(&mut station.computed, computed)
+                } else {
+                    computed
+                };
+                let robot = if controller.actuator_lag > 0.0 { station.actuator } else { spring };
+                (acting[0][side], acting[1][side], forces[side]) = (robot, hand, spring);
+            }
+            if tick % stride == 0 {
+                record.target[rows] = aim_here.position;
+                record.aim[rows] = aim;
+                record.coupling_force[rows] = acting[0];
+                record.agent_force[rows] = acting[1];
+                for (side, station) in stations.iter().enumerate() {
+                    record.position[rows][side] = station.plant.position();
+                    record.velocity[rows][side] = station.plant.velocity();
+                    record.handle_force[rows][side] =
+                        station.plant.handle_force(acting[0][side], acting[1][side]);
+                }
+                rows += 1;
+            }
+            if tick == ticks {
+                break;
+            }
+            for (side, station) in stations.iter_mut().enumerate() {
+                let hand = acting[1][side];
+                let moved = if controller.actuator_lag > 0.0 {
+                    let force = RelaxingForce {
+                        from: station.actuator,
+                        to: forces[side],
+                        time_constant: controller.actuator_lag,
+                    };
+                    station.actuator = force.after(period);
+                    station.plant.advance_relaxing(&force, hand, period)
+                } else {
+                    station.plant.advance(forces[side], hand, period)
+                };
+                if moved.is_err() {
+                    let at = (tick + 1) as f64 * period;
+                    return Ok(Ending { status: Status::OutOfReach { at }, rows });
+                }
+            }
+        }
+        Ok(Ending { status: Status::Completed, rows })
+    }
+}
+
+fn missing_agent(side: usize) -> InvalidInput {
+    InvalidInput::new(
+        format!("agents[{side}]"),
+        "none",
+        format!("agent {} is a program of the caller's and has to be given", side + 1),
+        "Give a function of time, position, velocity and target that returns the force.",
+    )
+}
+
+fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
+    for (axis, value) in force.into_iter().enumerate() {
+        quantity::FORCE.check(&format!("agents[{side}] at {time} s, force[{axis}]"), value)?;
+    }
+    Ok(force)
+}

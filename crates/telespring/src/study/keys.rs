@@ -1,0 +1,188 @@
+//! Every section of a study with its keys, and the word that was most likely meant.
+
+use toml::de::DeTable;
+
+/// The keys of a section.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Keys {
+    /// The same in every study.
+    Fixed(&'static [&'static str]),
+    /// Those of the kind that the section's key `kind` names, the first where it names none.
+    ByKind(&'static [(&'static str, &'static [&'static str])]),
+}
+
+const ROBOT: Keys = Keys::Fixed(&[
+    "name",
+    "axes",
+    "mass",
+    "damping",
+    "coulomb",
+    "mass_sd",
+    "damping_sd",
+    "mass_damping_correlation",
+]);
+const OPERATOR: Keys = Keys::Fixed(&["mass", "damping", "stiffness"]);
+const ARM: Keys = Keys::ByKind(&[
+    ("massless", &["kind"]),
+    ("lumped", &["kind", "mass", "damping"]),
+    (
+        "two-link",
+        &[
+            "kind",
+            "base",
+            "elbow",
+            "link_length",
+            "link_mass",
+            "link_centre",
+            "link_inertia",
+            "joint_damping",
+            "rotor_inertia",
+            "torque_limit",
+        ],
+    ),
+]);
+const SKILLED: (&str, &[&str]) = ("skilled", &["kind", "stiffness", "damping"]);
+const BLURRED: (&str, &[&str]) =
+    ("blurred", &["kind", "stiffness", "spots", "spot_velocity", "spot_lifetime"]);
+const PYTHON_AGENT: (&str, &[&str]) = ("python", &["kind", "class", "options"]);
+
+/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
+/// ignored silently.
+pub(super) const SECTIONS: [(&str, Keys); 14] = [
+    ("robot1", ROBOT),
+    ("robot2", ROBOT),
+    ("operator1", OPERATOR),
+    ("operator2", OPERATOR),
+    ("coupling", Keys::Fixed(&["stiffness", "damping"])),
+    ("network", Keys::Fixed(&["delay", "jitter", "max_gap"])),
+    ("controller", Keys::Fixed(&["sample_period", "computing_time"])),
+    ("arm1", ARM),
+    ("arm2", ARM),
+    ("agent1", Keys::ByKind(&[SKILLED, BLURRED, PYTHON_AGENT])),
+    ("agent2", Keys::ByKind(&[BLURRED, SKILLED, PYTHON_AGENT])),
+    (
+        "task",
+        Keys::ByKind(&[
+            ("figure-eight", &["kind", "amplitude", "angular_frequency"]),
+            ("python", &["kind", "function", "options"]),
+        ]),
+    ),
+    (
+        "laboratory",
+        Keys::Fixed(&[
+            "sample_period",
+            "computing_tick",
+            "actuator_lag",
+            "encoder_resolution",
+            "jitter",
+            "loss",
+        ]),
+    ),
+    (
+        "protocol",
+        Keys::Fixed(&[
+            "unconnected",
+            "stiffness",
+            "delay",
+            "conditions",
+            "trials",
+            "duration",
+            "discard",
+            "record_rate",
+            "seed",
+            "order",
+        ]),
+    ),
+];
+
+/// The sections without which a study is decided but not rehearsed.
+pub(super) const REHEARSAL: [&str; 7] =
+    ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
+
+impl Keys {
+    /// The kinds, where the section has any.
+    pub fn kinds(self) -> Vec<&'static str> {
+        match self {
+            Self::Fixed(_) => Vec::new(),
+            Self::ByKind(kinds) => kinds.iter().map(|(kind, _)| *kind).collect(),
+        }
+    }
+
+    /// The keys that go with what the section says of its kind, and that kind.
+    pub fn of(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
+        match self {
+            Self::Fixed(keys) => (keys, None),
+            Self::ByKind(kinds) => {
+                let named = section.get("kind").and_then(|value| value.get_ref().as_str());
+                let (kind, keys) = kinds.iter().find(|(kind, _)| Some(*kind) == named).unwrap_or(&kinds[0]);
+                (keys, Some(kind))
+            }
+        }
+    }
+
+    /// The kind whose key this is, where the section has kinds; any section otherwise has no answer.
+    pub fn kind_with(self, key: &str) -> Option<&'static str> {
+        match self {
+            Self::Fixed(_) => None,
+            Self::ByKind(kinds) => kinds.iter().find(|(_, keys)| keys.contains(&key)).map(|(kind, _)| *kind),
+        }
+    }
+
+    /// Every key, whatever the kind.
+    pub fn all(self) -> Vec<&'static str> {
+        match self {
+            Self::Fixed(keys) => keys.to_vec(),
+            Self::ByKind(kinds) => {
+                let mut all = Vec::new();
+                for key in kinds.iter().flat_map(|(_, keys)| keys.iter()) {
+                    if !all.contains(key) {
+                        all.push(*key);
+                    }
+                }
+                all
+            }
+        }
+    }
+}
+
+/// A key as TOML writes it: quoted where it is not bare.
+pub(super) fn as_written(key: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
+}
+
+/// The number of insertions, deletions, substitutions between two words, letter case aside.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) =
+        (a.to_lowercase().chars().collect(), b.to_lowercase().chars().collect());
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// The allowed word that was most likely meant.
+pub(super) fn nearest<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
+    // Longer words than any key are not slips of the finger.
+    if word.chars().count() > 40 {
+        return None;
+    }
+    let lower = word.to_lowercase();
+    let extended = allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower));
+    let close = || {
+        allowed
+            .iter()
+            .map(|key| (distance(word, key), *key))
+            .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
+            .min_by_key(|&(distance, _)| distance)
+            .map(|(_, key)| key)
+    };
+    if word.is_empty() { None } else { close().or_else(|| extended.copied()) }
+}

@@ -1,0 +1,274 @@
+//! The section [protocol]: which conditions are run, how often, for how long.
+
+use std::f64::consts::TAU;
+
+use super::laboratory::Task;
+use super::reader::Reader;
+use crate::criteria::{critical_stiffness, maximum_delay};
+use crate::error::{InvalidInput, Result};
+use crate::model::{Dyad, DyadAxis};
+use crate::quantity;
+use crate::rig::{Protocol, Schedule};
+
+/// The conditions as the study says them.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Conditions {
+    /// Every stiffness (N/m) with every delay (s); where a list is not given, multiples of K and Δ.
+    Combinations {
+        /// Stiffnesses, N/m; {0.5, 1, 2, 4}·K unless given.
+        stiffness: Option<Vec<f64>>,
+        /// One-way delays, s; {0, 0.5, 1, 2}·Δ unless given.
+        delay: Option<Vec<f64>>,
+    },
+    /// Stiffness (N/m) and one-way delay (s) of each.
+    Listed(Vec<(f64, f64)>),
+}
+
+/// The protocol as the study says it; what it leaves away follows from robots, task and controllers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProtocolChoice {
+    /// True where the robots are also run without the spring.
+    pub unconnected: bool,
+    /// The connected conditions.
+    pub conditions: Conditions,
+    /// Trials of each condition.
+    pub trials: usize,
+    /// Length of a trial, s; twelve periods of the target unless given.
+    pub duration: Option<f64>,
+    /// What the analysis leaves out at the start, s; two periods of the target unless given.
+    pub discard: Option<f64>,
+    /// Samples kept per second, Hz; about 100 unless given.
+    pub record_rate: Option<f64>,
+    /// From which every trial's own seed is drawn.
+    pub seed: u64,
+    /// True for an order drawn from the seed.
+    pub shuffled: bool,
+}
+
+const MOST_TRIALS: i64 = 10_000;
+const MOST_CONDITIONS: usize = 1000;
+/// Of all trials together, some 10 GB as a dataset; the paper's protocol keeps a million.
+const MOST_ROWS: f64 = 5e7;
+/// TOML has no larger whole number.
+const LARGEST_SEED: i64 = i64::MAX;
+const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+const DELAY_FACTORS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
+/// Whole periods, so that the mean error does not depend on where a trial is cut: ten to judge, after two
+/// in which the transient of every stable condition dies away.
+const PERIODS: [f64; 2] = [12.0, 2.0];
+/// Duration and discarded part for a target of unknown period, s.
+const WITHOUT_PERIOD: [f64; 2] = [30.0, 5.0];
+
+impl ProtocolChoice {
+    /// The paper's: unconnected and all sixteen combinations, twenty trials of each.
+    pub fn paper() -> Self {
+        Self {
+            unconnected: true,
+            conditions: Conditions::Combinations { stiffness: None, delay: None },
+            trials: 20,
+            duration: None,
+            discard: None,
+            record_rate: None,
+            seed: 1,
+            shuffled: false,
+        }
+    }
+
+    /// What is run on these robots with this task, at this sample period (s).
+    pub(super) fn resolve(&self, dyad: &Dyad, task: &Task, sample_period: f64) -> Result<Protocol> {
+        let mut conditions: Vec<(Option<f64>, f64)> = Vec::new();
+        if self.unconnected {
+            conditions.push((None, 0.0));
+        }
+        match &self.conditions {
+            Conditions::Listed(listed) => {
+                conditions.extend(listed.iter().map(|&(stiffness, delay)| (Some(stiffness), delay)));
+            }
+            Conditions::Combinations { stiffness: Some(stiffness), delay: Some(delay) } => {
+                conditions.extend(combinations(stiffness, delay));
+            }
+            Conditions::Combinations { stiffness, delay } => {
+                let (k, found_delay) = reference(dyad)?;
+                let multiples = |factors: [f64; 4], unit: f64| factors.map(|factor| factor * unit).to_vec();
+                let stiffness = stiffness.clone().unwrap_or_else(|| multiples(STIFFNESS_FACTORS, k));
+                let delay = delay.clone().unwrap_or_else(|| multiples(DELAY_FACTORS, found_delay));
+                conditions.extend(combinations(&stiffness, &delay));
+            }
+        }
+        check_count(conditions.len())?;
+
+        let rate = 1.0 / sample_period;
+        let spans = match task {
+            // without a frequency the target stands still
+            Task::FigureEight { angular_frequency, .. } if *angular_frequency > 0.0 => {
+                PERIODS.map(|count| (count * TAU / angular_frequency * rate).round() / rate)
+            }
+            _ => WITHOUT_PERIOD,
+        };
+        let [duration, discard] = [self.duration.unwrap_or(spans[0]), self.discard.unwrap_or(spans[1])];
+        quantity::TRIAL_DURATION.check("protocol.duration", duration)?;
+        if discard >= duration {
+            let unless_given = if self.discard.is_none() { " (unless given)" } else { "" };
+            return Err(InvalidInput::new(
+                "protocol.discard",
+                format!("{discard:?}{unless_given}"),
+                format!("what is left out must be shorter than the trial of {duration:?} s"),
+                "Name a longer duration, or a shorter part to discard.",
+            ));
+        }
+        // The rate of the controllers itself, or half of it, a third, …: about 100 Hz unless given.
+        let record_rate = self.record_rate.unwrap_or_else(|| rate / (rate / 100.0 - 1e-9).ceil().max(1.0));
+        let schedule = Schedule::new(duration, record_rate, sample_period)
+            .map_err(|refusal| refusal.within("protocol"))?;
+        let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
+        if rows > MOST_ROWS {
+            return Err(InvalidInput::new(
+                "protocol.trials",
+                self.trials,
+                format!(
+                    "all trials together keep at most {MOST_ROWS:.0} samples, and {} conditions of {duration:?} s \
+                     at {record_rate:?} Hz make {rows:.0}",
+                    conditions.len()
+                ),
+                "Run fewer or shorter trials, or keep fewer samples per second.",
+            ));
+        }
+        Ok(Protocol {
+            conditions,
+            trials: self.trials,
+            duration,
+            discard,
+            record_rate,
+            seed: self.seed,
+            shuffled: self.shuffled,
+        })
+    }
+}
+
+fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
+    stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
+}
+
+fn check_count(count: usize) -> Result<()> {
+    if (1..=MOST_CONDITIONS).contains(&count) {
+        return Ok(());
+    }
+    Err(InvalidInput::new(
+        "protocol.conditions",
+        format!("{count} conditions"),
+        format!("a protocol has 1 to {MOST_CONDITIONS} conditions, the unconnected one included"),
+        if count == 0 { "Name a condition, or write unconnected = true." } else { "Name fewer." },
+    ))
+}
+
+/// K and Δ of Eq. 11 by the exact criteria, on free handles: the smallest critical stiffness of any axis,
+/// and the smallest delay at which twice that stiffness is unstable on any.
+fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
+    let [one, two] = dyad.robots();
+    let axes = (0..one.mass().len())
+        .map(|i| DyadAxis::new(one.mass()[i], one.damping()[i], two.mass()[i], two.damping()[i]))
+        .collect::<Result<Vec<_>>>()?;
+    let k = axes.iter().map(critical_stiffness).fold(f64::INFINITY, f64::min);
+    let mut delay = f64::INFINITY;
+    for axis in &axes {
+        if quantity::STIFFNESS.check("2K", 2.0 * k).is_ok() {
+            delay = delay.min(maximum_delay(axis, 2.0 * k)?);
+        }
+    }
+    let usable = STIFFNESS_FACTORS.iter().all(|factor| quantity::STIFFNESS.check("k", factor * k).is_ok())
+        && DELAY_FACTORS.iter().all(|factor| quantity::DELAY.check("delay", factor * delay).is_ok());
+    if usable {
+        return Ok((k, delay));
+    }
+    Err(InvalidInput::new(
+        "protocol.stiffness",
+        "nothing",
+        format!(
+            "multiples of the critical stiffness K of the robots stand here unless given, and theirs is {k:.4} N/m \
+             with a reference delay Δ of {delay:.4} s"
+        ),
+        "Name both protocol.stiffness and protocol.delay, or give the robots damping on every axis.",
+    ))
+}
+
+pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
+    const HERE: &str = "protocol";
+    let paper = ProtocolChoice::paper();
+    let number = |key: &str, quantity: quantity::Quantity| {
+        reader.get(HERE, key).map(|entry| Ok(entry.number(quantity, "a number")? + 0.0)).transpose()
+    };
+    let flag = |key: &str, default: bool| reader.get(HERE, key).map_or(Ok(default), |entry| entry.boolean());
+    let whole = |key: &str, what: &str, least: i64, most: i64, default: i64| {
+        reader.get(HERE, key).map_or(Ok(default), |entry| entry.whole(what, least, most))
+    };
+    Ok(ProtocolChoice {
+        unconnected: flag("unconnected", paper.unconnected)?,
+        conditions: conditions(reader)?,
+        trials: whole("trials", "the number of trials", 1, MOST_TRIALS, paper.trials as i64)? as usize,
+        duration: number("duration", quantity::TRIAL_DURATION)?,
+        discard: number("discard", quantity::SPAN_OF_TRIAL)?,
+        record_rate: number("record_rate", quantity::RATE)?,
+        seed: whole("seed", "a seed", 0, LARGEST_SEED, paper.seed as i64)? as u64,
+        shuffled: match reader.get(HERE, "order") {
+            None => paper.shuffled,
+            Some(entry) => entry.choice(&["blocks", "shuffled"])? == "shuffled",
+        },
+    })
+}
+
+fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
+    let stiffness = list(reader, "stiffness", quantity::STIFFNESS)?;
+    let delay = list(reader, "delay", quantity::DELAY)?;
+    let Some(entry) = reader.get("protocol", "conditions") else {
+        return Ok(Conditions::Combinations { stiffness, delay });
+    };
+    if stiffness.is_some() || delay.is_some() {
+        return Err(entry.refuse(
+            "a protocol names either its conditions one by one or lists of stiffness and delay",
+            "Remove the one or the other.",
+        ));
+    }
+    let mut listed: Vec<(f64, f64)> = Vec::new();
+    for each in entry.items("conditions")? {
+        let Some([stiffness, delay]) = each.pair(["stiffness", "delay"], "")? else {
+            return Err(each.refuse(
+                "a condition has a stiffness and a delay",
+                "Write it such as {stiffness = 71.0, delay = 0.05} (N/m and s).",
+            ));
+        };
+        let condition = (
+            stiffness.number(quantity::STIFFNESS, "a number")?,
+            delay.number(quantity::DELAY, "a number")? + 0.0,
+        );
+        if listed.contains(&condition) {
+            return Err(
+                each.refuse("every condition is named once", "Remove it, or run more trials of each.")
+            );
+        }
+        listed.push(condition);
+        check_count(listed.len())?;
+    }
+    Ok(Conditions::Listed(listed))
+}
+
+/// A list of numbers, each once.
+fn list(reader: &Reader<'_>, key: &str, quantity: quantity::Quantity) -> Result<Option<Vec<f64>>> {
+    let Some(entry) = reader.get("protocol", key) else { return Ok(None) };
+    let items = entry.items("numbers")?;
+    if items.is_empty() {
+        return Err(entry.refuse(
+            "a list of one number or more is needed",
+            "Write conditions = [] to run the unconnected condition only.",
+        ));
+    }
+    let mut values = Vec::with_capacity(items.len());
+    for item in items {
+        let value = item.number(quantity, "a number")? + 0.0;
+        if values.contains(&value) {
+            return Err(item.refuse("every value is named once", "Remove it."));
+        }
+        values.push(value);
+        check_count(values.len())?;
+    }
+    Ok(Some(values))
+}

@@ -1,0 +1,92 @@
+//! What a study names in Python: an agent's class or a target's function, with options. Rust keeps the
+//! text; Python imports it.
+
+use std::collections::BTreeMap;
+
+use toml::de::DeValue;
+
+use super::reader::{Entry, Reader};
+use crate::error::Result;
+
+/// A value of an option.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OptionValue {
+    /// True or false.
+    Boolean(bool),
+    /// A whole number.
+    Whole(i64),
+    /// A number with a decimal point; finite.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// A list of such values.
+    List(Vec<OptionValue>),
+}
+
+/// A class or function of Python with the options it is called with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PythonObject {
+    /// `module:name`; the module's file lies beside the study or is installed.
+    pub path: String,
+    /// Passed to it by name.
+    pub options: BTreeMap<String, OptionValue>,
+}
+
+/// A name that Python takes for a variable, so far as letters decide.
+fn is_identifier(word: &str) -> bool {
+    let mut letters = word.chars();
+    letters.next().is_some_and(|first| first.is_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_alphanumeric() || letter == '_')
+}
+
+pub(super) fn python(reader: &Reader<'_>, section: &str, key: &str, like: &str) -> Result<PythonObject> {
+    let entry = reader.need(section, key, &format!("{key} = \"{like}\""))?;
+    let path = entry.text()?;
+    let well_formed = path.split_once(':').is_some_and(|(module, name)| {
+        [module, name].iter().all(|dotted| dotted.split('.').all(is_identifier))
+    });
+    if !well_formed {
+        return Err(entry.refuse(
+            "a module and a name in it are needed, with a colon between them",
+            format!("Write it such as \"{like}\"."),
+        ));
+    }
+    let mut options = BTreeMap::new();
+    if let Some(entry) = reader.get(section, "options") {
+        for (name, value) in entry.members()? {
+            if !is_identifier(&name) {
+                return Err(value.refuse(
+                    "an option's name is made of letters, digits and _, and begins with no digit",
+                    "Rename it as the Python code calls it.",
+                ));
+            }
+            options.insert(name, option(&value)?);
+        }
+    }
+    Ok(PythonObject { path, options })
+}
+
+fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
+    let refused = |remedy: &str| {
+        entry.refuse("an option is a finite number, a text, true, false or a list of these", remedy)
+    };
+    match entry.value() {
+        DeValue::Boolean(value) => Ok(OptionValue::Boolean(*value)),
+        DeValue::String(text) => Ok(OptionValue::Text(text.clone().into_owned())),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .map(OptionValue::Whole)
+            .map_err(|_| refused("Write a smaller number.")),
+        DeValue::Float(float) => float
+            .as_str()
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
+            .map(OptionValue::Number)
+            .ok_or_else(|| refused("Replace it by a finite number.")),
+        DeValue::Array(_) => {
+            let items = entry.items("values")?;
+            Ok(OptionValue::List(items.iter().map(option).collect::<Result<_>>()?))
+        }
+        _ => Err(refused("Write the name with one value.")),
+    }
+}

@@ -1,0 +1,368 @@
+"""Periodic movements that excite a robot for identification: the paper's, and better ones.
+
+A movement is a Fourier series of the velocity; position and acceleration follow in closed form, so that no
+command is ever differentiated or integrated numerically.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from telespring._arrays import as_number, as_numbers, as_vector
+from telespring._errors import InvalidInput
+from telespring._types import FloatArray
+
+__all__ = [
+    "PAPER_AMPLITUDES",
+    "PAPER_ANGULAR_FREQUENCY",
+    "Excitation",
+    "Extremes",
+    "design_excitation",
+    "paper_excitation",
+]
+
+#: Appendix B: A and B of the five harmonics, m/s.
+PAPER_AMPLITUDES = (0.01, 0.02, 0.05, 0.1, 0.15)
+
+#: Base frequency, rad/s (0.2 Hz). The paper prints none. With its A and B the position reaches
+#: 0.1249 m/ω at most, whatever ω is in rad/s; 0.2 Hz is the lowest tenth of a hertz at which that stays
+#: within ±0.1 m, the amplitude B of Eq. 12 that the paper's robots are known to travel. Lower ones would
+#: leave this range, higher ones would cost movement and ask for more acceleration.
+PAPER_ANGULAR_FREQUENCY = 0.4 * math.pi
+
+#: Points over a period at which extremes and regressors are evaluated, per harmonic.
+_POINTS_PER_HARMONIC = 64
+
+
+class Extremes(NamedTuple):
+    """The largest magnitudes of a movement over one period.
+
+    Attributes
+    ----------
+    position : float
+        m, from the middle (the mean over a period).
+    velocity : float
+        m/s.
+    acceleration : float
+        m/s².
+    """
+
+    position: float
+    velocity: float
+    acceleration: float
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A periodic movement, given by the Fourier series of its velocity.
+
+    v(t) = Σ A_i cos(iωt) + B_i sin(iωt), as in Appendix B of the paper, after Swevers et al. [1]_.
+
+    Parameters
+    ----------
+    cosine, sine
+        A_i and B_i of the harmonics i = 1 … N, m/s.
+    angular_frequency
+        ω, rad/s; the movement repeats every 2π/ω.
+
+    References
+    ----------
+    .. [1] J. Swevers et al., "Optimal robot excitation and identification", IEEE Transactions on Robotics
+       and Automation 13 (1997) 730-740.
+
+    Examples
+    --------
+    >>> movement = Excitation([0.1], [0.0], angular_frequency=2.0)
+    >>> float(movement.position(0.0)), float(movement.acceleration(0.0))
+    (0.0, 0.0)
+    >>> movement.extremes().position  # 0.1/2 m
+    0.05
+    """
+
+    cosine: tuple[float, ...]
+    sine: tuple[float, ...]
+    angular_frequency: float
+
+    def __init__(
+        self, cosine: ArrayLike, sine: ArrayLike, angular_frequency: float = PAPER_ANGULAR_FREQUENCY
+    ) -> None:
+        a, b = as_vector("cosine", cosine), as_vector("sine", sine)
+        if a.size != b.size or a.size == 0 or not (np.isfinite(a).all() and np.isfinite(b).all()):
+            raise InvalidInput(
+                "cosine, sine",
+                f"{a.size} and {b.size} values",
+                "as many finite amplitudes for the cosines as for the sines are needed, in m/s",
+                "Give one of each per harmonic, 0 where a term is missing.",
+            )
+        frequency = as_number("angular_frequency", angular_frequency)
+        if not 0.0 < frequency < math.inf:
+            raise InvalidInput(
+                "angular_frequency",
+                f"{frequency:g}",
+                "the base frequency must be above 0 rad/s",
+                "Leave it away for 1.257 rad/s (0.2 Hz).",
+            )
+        object.__setattr__(self, "cosine", tuple(a.tolist()))
+        object.__setattr__(self, "sine", tuple(b.tolist()))
+        object.__setattr__(self, "angular_frequency", frequency)
+
+    @property
+    def period(self) -> float:
+        """2π/ω, s."""
+        return 2.0 * math.pi / self.angular_frequency
+
+    @property
+    def highest_frequency(self) -> float:
+        """Frequency of the highest harmonic that moves, Hz."""
+        moving = [i + 1 for i in range(len(self.cosine)) if self.cosine[i] or self.sine[i]]
+        return max(moving, default=1) / self.period
+
+    def position(self, time: ArrayLike) -> FloatArray:
+        """Give the position at each time (s), m, its mean over a period being 0."""
+        return self._series(time, -1)
+
+    def velocity(self, time: ArrayLike) -> FloatArray:
+        """Give the velocity at each time (s), m/s."""
+        return self._series(time, 0)
+
+    def acceleration(self, time: ArrayLike) -> FloatArray:
+        """Give the acceleration at each time (s), m/s²."""
+        return self._series(time, 1)
+
+    def _series(self, time: ArrayLike, order: int) -> FloatArray:
+        """Sum the derivative of that order of the velocity; order −1 is the position."""
+        t = as_numbers("time", time)
+        # One complex sum: A cos + B sin is the real part of (A − jB) e^(jiωt).
+        frequency = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
+        amplitude = (np.array(self.cosine) - 1j * np.array(self.sine)) * (1j * frequency) ** order
+        return np.asarray((np.exp(1j * np.multiply.outer(t, frequency)) @ amplitude).real)
+
+    def extremes(self) -> Extremes:
+        """Give the largest magnitudes of position, velocity and acceleration."""
+        time = self._grid(64 * _POINTS_PER_HARMONIC)
+        return Extremes(
+            *(
+                float(np.abs(values).max())
+                for values in (self.position(time), self.velocity(time), self.acceleration(time))
+            )
+        )
+
+    def regressor(self, *, coulomb: bool = False, offset: bool = False) -> FloatArray:
+        """Give the columns [a, v, sign v, 1] over one period, the last two where asked for, in SI units."""
+        time = self._grid(_POINTS_PER_HARMONIC * len(self.cosine))
+        return _columns(self.acceleration(time), self.velocity(time), coulomb, offset)
+
+    def condition_number(
+        self,
+        *,
+        coulomb: bool = False,
+        offset: bool = False,
+        velocity_scale: float = 1.0,
+        acceleration_scale: float = 1.0,
+    ) -> float:
+        """Give the condition number of the regressor over one period.
+
+        Parameters
+        ----------
+        coulomb, offset
+            Whether it has the columns sign v and 1.
+        velocity_scale, acceleration_scale
+            Units in which v (m/s) and a (m/s²) are counted; SI unless told.
+        """
+        columns = self.regressor(coulomb=coulomb, offset=offset)
+        columns[:, 0] /= acceleration_scale
+        columns[:, 1] /= velocity_scale
+        return float(np.linalg.cond(columns))
+
+    def _grid(self, points: int) -> FloatArray:
+        return np.arange(points) * (self.period / points)
+
+    def _times(self, factor: float) -> Excitation:
+        return Excitation(factor * np.array(self.cosine), factor * np.array(self.sine), self.angular_frequency)
+
+
+def _columns(acceleration: FloatArray, velocity: FloatArray, coulomb: bool, offset: bool) -> FloatArray:
+    columns = [acceleration, velocity]
+    if coulomb:
+        columns.append(np.sign(velocity))
+    if offset:
+        columns.append(np.ones_like(velocity))
+    return np.stack(columns, axis=-1)
+
+
+def paper_excitation(angular_frequency: float = PAPER_ANGULAR_FREQUENCY) -> Excitation:
+    """Give the paper's velocity command (Appendix B): five harmonics with equal A and B.
+
+    Parameters
+    ----------
+    angular_frequency : float
+        ω, rad/s. The paper prints none; at the default, 0.2 Hz, the movement just fits into ±0.1 m, which
+        the paper's task travels.
+
+    Returns
+    -------
+    Excitation
+        The movement of one axis.
+
+    Examples
+    --------
+    >>> position, velocity, acceleration = paper_excitation().extremes()
+    >>> f"{position:.4f} m, {velocity:.4f} m/s, {acceleration:.4f} m/s²"
+    '0.0994 m, 0.4578 m/s, 2.3725 m/s²'
+    """
+    return Excitation(PAPER_AMPLITUDES, PAPER_AMPLITUDES, angular_frequency)
+
+
+def design_excitation(
+    position_limit: float = 0.1,
+    velocity_limit: float = 0.5,
+    acceleration_limit: float = 2.5,
+    *,
+    harmonics: int = 5,
+    angular_frequency: float = PAPER_ANGULAR_FREQUENCY,
+    coulomb: bool = True,
+    offset: bool = True,
+    starts: int = 6,
+    seed: int = 1,
+) -> Excitation:
+    """Find a movement whose regressor is better conditioned than the paper's, within the same limits.
+
+    Minimised is the condition number of [a, v, sign v, 1] with a and v counted in their limits: in SI units
+    it would depend on the choice of units, and for [a, v] alone reward moving slowly. The movement is as
+    large as the limits allow, which is best for the precision. In SI units too it is no worse conditioned
+    than the paper's movement, scaled to the same limits.
+
+    Parameters
+    ----------
+    position_limit : float
+        Largest distance from the middle, m.
+    velocity_limit : float
+        Largest velocity, m/s.
+    acceleration_limit : float
+        Largest acceleration, m/s².
+    harmonics : int
+        Number N of harmonics, 1 to 20.
+    angular_frequency : float
+        Base frequency ω, rad/s.
+    coulomb : bool
+        Whether Coulomb friction will be identified (column sign v).
+    offset : bool
+        Whether an offset will be identified (column 1).
+    starts : int
+        Number of random starts beside the paper's movement.
+    seed : int
+        Of the random starts: the same seed gives the same movement.
+
+    Returns
+    -------
+    Excitation
+        The best movement found.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where a limit is not above 0.
+
+    Examples
+    --------
+    >>> better = design_excitation(starts=1)
+    >>> paper = paper_excitation()
+    >>> kinds = {"coulomb": True, "offset": True}
+    >>> better.condition_number(**kinds) < paper.condition_number(**kinds)
+    True
+    """
+    from scipy.optimize import minimize
+
+    limits = Extremes(
+        _limit("position_limit", position_limit, "m"),
+        _limit("velocity_limit", velocity_limit, "m/s"),
+        _limit("acceleration_limit", acceleration_limit, "m/s²"),
+    )
+    if not 1 <= harmonics <= 20:
+        raise InvalidInput("harmonics", str(harmonics), "1 to 20 harmonics are possible", "Leave it for 5.")
+    problem = _Problem(limits, harmonics, angular_frequency, coulomb, offset)
+    paper = paper_excitation(angular_frequency)
+    problem.worst_si = problem.fit(paper).condition_number(coulomb=coulomb, offset=offset)
+    first = np.zeros((2, harmonics))
+    # With fewer harmonics than the paper's: its highest amplitudes, which carry the movement.
+    count = min(harmonics, len(PAPER_AMPLITUDES))
+    first[:, :count] = PAPER_AMPLITUDES[-count:]
+    random = np.random.default_rng(seed)
+    candidates = [first.ravel()]
+    for _ in range(starts):
+        candidates.append(random.normal(size=2 * harmonics) / np.tile(np.arange(1, harmonics + 1), 2))
+    found = [first.ravel()]
+    for start in candidates:
+        # Without derivatives: the sign of the velocity makes the objective a staircase in places.
+        best = minimize(
+            problem.objective, start / np.linalg.norm(start), method="Powell", options={"maxiter": 12, "xtol": 1e-3}
+        )
+        found.append(np.asarray(best.x))
+    return problem.fitted(min(found, key=problem.objective))
+
+
+def _limit(name: str, value: float, unit: str) -> float:
+    number = as_number(name, value)
+    if not 0.0 < number < math.inf:
+        raise InvalidInput(name, f"{number:g}", f"a limit must be above 0 {unit}", "Give what the robot may do.")
+    return number
+
+
+class _Problem:
+    """The condition number as a function of the direction of the amplitudes; their size follows."""
+
+    def __init__(
+        self, limits: Extremes, harmonics: int, angular_frequency: float, coulomb: bool, offset: bool
+    ) -> None:
+        self.limits = limits
+        self.harmonics = harmonics
+        self.angular_frequency = angular_frequency
+        self.coulomb, self.offset = coulomb, offset
+        self.worst_si = math.inf
+        order = np.arange(1, harmonics + 1)
+        points = 48 * harmonics
+        angle = np.multiply.outer(2.0 * np.pi * np.arange(points) / points, order)
+        frequency = angular_frequency * order
+        cosine, sine = np.cos(angle), np.sin(angle)
+        self._velocity = np.hstack([cosine, sine])
+        self._position = np.hstack([sine / frequency, -cosine / frequency])
+        self._acceleration = np.hstack([-sine * frequency, cosine * frequency])
+
+    def objective(self, amplitudes: FloatArray) -> float:
+        p, v, a = (
+            matrix @ amplitudes for matrix in (self._position, self._velocity, self._acceleration)
+        )
+        size = max(
+            float(np.abs(values).max()) / limit for values, limit in zip((p, v, a), self.limits, strict=True)
+        )
+        if not 0.0 < size < math.inf:
+            return math.inf
+        columns = _columns(a / size, v / size, self.coulomb, self.offset)
+        si = _condition(columns)
+        columns[:, 0] /= self.limits.acceleration
+        columns[:, 1] /= self.limits.velocity
+        # A movement worse than the paper's in SI units pays far more than it can gain.
+        return _condition(columns) * (1.0 + 100.0 * max(0.0, si / self.worst_si - 1.0))
+
+    def fit(self, movement: Excitation) -> Excitation:
+        """Scale a movement until it meets the first of the limits."""
+        reached = movement.extremes()
+        size = max(value / limit for value, limit in zip(reached, self.limits, strict=True))
+        # Between the points of a grid the extreme may be this little larger.
+        return movement._times((1.0 - 1e-5) / size)
+
+    def fitted(self, amplitudes: FloatArray) -> Excitation:
+        cosine, sine = amplitudes.reshape(2, self.harmonics)
+        return self.fit(Excitation(cosine, sine, self.angular_frequency))
+
+
+def _condition(columns: FloatArray) -> float:
+    # By the small Gram matrix: ten times as fast as by the columns, and exact enough to compare.
+    eigenvalues = np.linalg.eigvalsh(columns.T @ columns)
+    return math.sqrt(float(eigenvalues[-1]) / max(float(eigenvalues[0]), 1e-30))
+

@@ -1,0 +1,267 @@
+"""The experiment of a study file as Python sees it, and studies with values or robots put in."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import telespring as ts
+from telespring.cli import app
+from telespring.study_text import with_robot, with_values
+
+ROBOT = """
+[robot]
+name = "measured"
+axes = ["x", "y"]
+mass = [0.84, 1.07]
+damping = [7.7, 10.1]
+coulomb = [0.2, 0.3]
+mass_sd = [0.01, 0.02]
+damping_sd = [0.1, 0.2]
+mass_damping_correlation = [0.5, -0.5]
+
+[identification]
+method = "robust"
+samples = 24841
+"""
+
+
+def experiment_of(study: ts.Study) -> ts.Experiment:
+    experiment = study.experiment
+    assert experiment is not None
+    return experiment
+
+
+def test_ref_the_paper_experiment() -> None:
+    """Du, Kulkarni, Kager and Campolo, section IV: Unconnected Mode and 4 x 4 conditions, n = 20."""
+    study = ts.Study.paper()
+    experiment = experiment_of(study)
+    conditions = experiment.conditions
+    assert conditions[0] == (None, 0.0)
+    assert [round(k) for k, _ in conditions[1::4] if k is not None] == [18, 36, 71, 142]
+    # what the library says of the same robots, to the last bit
+    base = min(
+        float(ts.critical_stiffness(m1, b1, m2, b2))
+        for m1, b1, m2, b2 in zip(
+            study.dyad.robots[0].mass,
+            study.dyad.robots[0].damping,
+            study.dyad.robots[1].mass,
+            study.dyad.robots[1].damping,
+            strict=True,
+        )
+    )
+    assert conditions[5][0] == base
+    assert [delay for _, delay in conditions[1:5]] == pytest.approx(
+        [0.0, 0.083593, 0.167186, 0.334373],
+        rel=3e-6,  # the six digits printed here
+    )
+    assert (experiment.trials, experiment.duration, experiment.discard) == (20, 29.111, 4.852)
+    assert (experiment.record_rate, experiment.seed, experiment.order) == (100.0, 1, "blocks")
+    assert (experiment.sample_period, experiment.coupling_damping) == (0.001, 0.0)
+    assert [agent["kind"] for agent in experiment.agents] == ["skilled", "blurred"]
+    assert experiment.task == {
+        "kind": "figure-eight",
+        "amplitude": [0.05, 0.1],
+        "angular_frequency": 2.59,
+    }
+    assert experiment.arms == [{"kind": "massless"}, {"kind": "massless"}]
+
+
+def test_ref_the_second_example_is_another_experiment(root: Path) -> None:
+    study = ts.Study.read(root / "examples" / "two-link.toml")
+    experiment = experiment_of(study)
+    assert [arm["elbow"] for arm in experiment.arms] == ["right", "left"]
+    assert experiment.arms[1]["torque_limit"] == [np.inf, np.inf]
+    assert experiment.conditions[2] == (40.0, 0.04)
+    assert experiment.order == "shuffled"
+    first, second = study.uncertainty
+    assert first is not None
+    assert second is None
+    assert first.damping_sd.tolist() == [0.08, 0.1]
+    assert eval(repr(first), vars(ts)) == first
+    assert pickle.loads(pickle.dumps(first)) == first
+
+
+def test_law_an_experiment_is_a_value(root: Path) -> None:
+    paper = ts.Study.paper()
+    other = ts.Study.read(root / "examples" / "two-link.toml")
+    for study in (paper, other):
+        experiment = experiment_of(study)
+        assert experiment == study.experiment
+        assert pickle.loads(pickle.dumps(experiment)) == experiment
+        assert copy.deepcopy(experiment) == experiment
+        assert ts.Study.from_toml(study.to_toml()).experiment == experiment
+        with pytest.raises(AttributeError):
+            experiment.trials = 1  # type: ignore[misc]
+    assert paper.experiment != other.experiment
+
+
+def test_ref_options_of_python_arrive_as_python_values() -> None:
+    options: dict[str, Any] = {"gain": 2.5, "order": 3, "side": "left", "on": True, "poles": [1.0, [2, "a"]]}
+    study = with_values(
+        ts.Study.paper(),
+        {
+            "agent2": {"kind": "python", "class": "patients:Tremor", "options": options},
+            "task": {"kind": "python", "function": "targets:circle"},
+        },
+    )
+    experiment = experiment_of(study)
+    assert experiment.agents[1] == {"kind": "python", "class": "patients:Tremor", "options": options}
+    assert [type(value) for value in experiment.agents[1]["options"].values()] == [
+        float,
+        bool,
+        int,
+        list,
+        str,
+    ]
+    assert experiment.task == {"kind": "python", "function": "targets:circle", "options": {}}
+
+
+def test_ref_what_cannot_be_rehearsed_says_so() -> None:
+    one_axis = ts.Study.from_toml(
+        "robot1 = {mass = 1, damping = 5}\nrobot2 = {mass = 1, damping = 5}\n"
+        "coupling.stiffness = 20\nnetwork.delay = 0.05"
+    )
+    assert one_axis.experiment is None
+    undamped = with_values(ts.Study.paper(), {"robot1": {"damping": 0.0}, "robot2": {"damping": 0.0}})
+    with pytest.raises(ts.InvalidInput, match="critical stiffness K") as refused:
+        _ = undamped.experiment
+    assert refused.value.field == "protocol.stiffness"
+
+
+def test_law_with_values_changes_what_it_names_only() -> None:
+    paper = ts.Study.paper()
+    assert with_values(paper, {}) == paper
+    changed = with_values(
+        paper,
+        {
+            "name": "heavier",
+            "robot1": {"coulomb": np.array([0.1, 0.2]), "mass_sd": np.float64(0.01)},
+            "arm1": {"kind": "lumped", "mass": 0.5},
+            "agent2": {"spot_velocity": 0.1},
+        },
+    )
+    assert changed.name == "heavier"
+    assert changed.dyad == paper.dyad
+    assert changed.uncertainty[0] == ts.Uncertainty([0.01, 0.01], [0.0, 0.0], [0.0, 0.0])
+    experiment = experiment_of(changed)
+    assert experiment.agents[1] == {**experiment_of(paper).agents[1], "spot_velocity": 0.1}
+    assert experiment.conditions == experiment_of(paper).conditions
+    # another kind starts the section anew, None takes a key away, and back we are
+    back = with_values(
+        changed,
+        {
+            "name": paper.name,
+            "robot1": {
+                "coulomb": None,
+                "mass_sd": None,
+                "damping_sd": None,
+                "mass_damping_correlation": None,
+            },
+            "arm1": {"kind": "massless"},
+            "agent2": {"spot_velocity": 0.3},
+        },
+    )
+    assert back == paper
+
+
+def test_law_conditions_and_lists_take_each_others_place() -> None:
+    listed = with_values(
+        ts.Study.paper(), {"protocol": {"conditions": [{"stiffness": 20.0, "delay": 0.1}], "trials": 3}}
+    )
+    assert experiment_of(listed).conditions == [(None, 0.0), (20.0, 0.1)]
+    combined = with_values(listed, {"protocol": {"stiffness": [10.0, 20.0], "delay": [0.0]}})
+    assert experiment_of(combined).conditions == [(None, 0.0), (10.0, 0.0), (20.0, 0.0)]
+    assert experiment_of(combined).trials == 3
+
+
+def test_ref_a_refusal_names_no_line_of_a_text_that_nobody_wrote() -> None:
+    for values, field in (
+        ({"arm1": {"mass": 1.0}}, "arm1.mass"),
+        ({"coupling": {"stiffness": float("nan")}}, "coupling.stiffness"),
+        ({"agent1": {"kind": object()}}, "agent1.kind"),
+    ):
+        with pytest.raises(ts.InvalidInput) as refused:
+            with_values(ts.Study.paper(), values)
+        assert refused.value.field == field
+        assert "line" not in str(refused.value)
+
+
+def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
+    path = tmp_path / "left.toml"
+    path.write_text(ROBOT, encoding="utf-8")
+    paper = ts.Study.paper()
+    study = with_robot(paper, 2, path)
+    assert study == with_robot(paper, 2, ROBOT)
+    assert study.robot_names == ("H-MAN 1", "measured")
+    assert study.dyad.robots == (paper.dyad.robots[0], ts.Robot([0.84, 1.07], [7.7, 10.1]))
+    assert study.uncertainty == (None, ts.Uncertainty([0.01, 0.02], [0.1, 0.2], [0.5, -0.5]))
+    assert "coulomb = [0.2, 0.3]" in study.to_toml()
+    # another robot in its place leaves nothing of it behind
+    certain = with_robot(study, 2, "[robot]\nmass = [1, 1]\ndamping = 5")
+    assert certain.uncertainty == (None, None)
+    assert certain.robot_names == ("H-MAN 1", None)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[robot]\nmass = [1, 1]", "robot1.damping = nothing"),
+        ("[robot]\nmass = [1, -1]\ndamping = 5", "robot1.mass[1] = -1"),
+        ("[robot]\nmass = 1\ndamping = 5\nfriction = 2", "robot1.friction = 2"),
+        ("[robot]\nmass = 1 kg", "TOML text, and this is not"),
+        ("[robot1]\nmass = 1\ndamping = 5", "has the section [robot]"),
+        ("", "no section [robot]"),
+        (ROBOT + "[coupling]\nstiffness = 5", "Give a whole study as the study itself"),
+    ],
+)
+def test_ref_a_wrong_robot_file_is_refused_by_its_name(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ts.InvalidInput) as refused:
+        with_robot(ts.Study.paper(), 1, path)
+    assert said in str(refused.value)
+    assert "robot.toml" in str(refused.value)
+
+
+def test_ref_a_robot_file_of_other_letters_or_none(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_bytes('[robot]\nname = "Zürich"'.encode("latin-1"))
+    with pytest.raises(ts.InvalidInput, match="UTF-8"):
+        with_robot(ts.Study.paper(), 1, path)
+    with pytest.raises(FileNotFoundError):
+        with_robot(ts.Study.paper(), 1, tmp_path / "none.toml")
+    with pytest.raises(ts.InvalidInput, match="robots 1 and 2"):
+        with_robot(ts.Study.paper(), 3, ROBOT)
+
+
+def test_ref_the_command_line_takes_robot_files(tmp_path: Path) -> None:
+    path = tmp_path / "stiff.toml"
+    # two alike with ten times the paper's damping: K is B²/(2M)
+    path.write_text("[robot]\nmass = [0.8, 1.1]\ndamping = [77.0, 100.0]", encoding="utf-8")
+    runner = CliRunner()
+    paper = runner.invoke(app, ["decide", "--json", "--delay", "0.2"])
+    robots = ["--robot1", str(path), "--robot2", str(path)]
+    stiff = runner.invoke(app, ["decide", "--json", "--delay", "0.2", *robots])
+    assert paper.exit_code == stiff.exit_code == 0, stiff.output
+    assert json.loads(paper.output)["stable"] is False
+    answer = json.loads(stiff.output)
+    assert answer["stable"] is True
+    assert answer["axes"][0]["critical_stiffness"] == pytest.approx(77.0**2 / 1.6, rel=1e-12)
+    written = runner.invoke(
+        app, ["simulate", "--duration", "0.1", "--out", str(tmp_path / "s.csv"), "--robot1", str(path)]
+    )
+    assert written.exit_code == 0, written.output
+    missing = runner.invoke(app, ["decide", "--robot2", str(tmp_path / "none.toml")])
+    assert missing.exit_code == 2
+    path.write_text("[robot]\nmass = [0.8, 1.1]", encoding="utf-8")
+    refused = runner.invoke(app, ["decide", "--robot2", str(path)])
+    assert refused.exit_code == 2
+    assert "robot2.damping" in refused.output
