@@ -1,4 +1,4 @@
-"""The commands `telespring decide`, `telespring simulate` and `telespring study`.
+"""The commands `telespring decide`, `telespring simulate`, `telespring study` and `telespring rehearse`.
 
 Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
 file that could not be read or written; 130 after Ctrl-C.
@@ -23,6 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 
 import telespring as ts
+from telespring.commands.rehearse import rehearse
 from telespring.files import replacing, write_whole
 from telespring.identify.command import identify_command
 from telespring.terminal import decision_screen, digits_down, refusal_screen
@@ -255,6 +256,7 @@ def _refusals() -> Iterator[None]:
 
 
 app.command("identify")(_refusals()(identify_command))
+app.command()(_refusals()(rehearse))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

@@ -15,9 +15,10 @@ use super::{Agent, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, wire};
 
-/// A trial ends as diverged where a handle is further from the origin than this, m: no handle reaches it.
+/// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
+/// robot reaches that far.
 pub const LIMIT: f64 = 10.0;
 
 /// How the two sides are coupled.
@@ -74,6 +75,11 @@ struct Station {
 }
 
 impl Station {
+    fn diverged(&self) -> bool {
+        let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
+        beyond(self.plant.position(), LIMIT) || beyond(self.plant.velocity(), wire::LARGEST)
+    }
+
     fn measure(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
@@ -83,11 +89,6 @@ impl Station {
         };
         Motion { position, velocity: self.plant.velocity() }
     }
-}
-
-/// What no measurement inside [`LIMIT`] and no packet of the other side leads to.
-fn impossible(refused: crate::session::Refused) -> InvalidInput {
-    InvalidInput::new("motion", "of a handle", refused.to_string(), "Check masses and stiffnesses.")
 }
 
 impl Trial<'_> {
@@ -173,13 +174,13 @@ impl Trial<'_> {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
             let aim_here = target.at(tick, period);
-            if stations.iter().any(|station| station.plant.position().iter().any(|p| !(p.abs() <= LIMIT))) {
+            if stations.iter().any(Station::diverged) {
                 return Ok(Ending { status: Status::Diverged { at: time }, rows });
             }
             let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
-                    let packet = endpoint.send(now, measured[side]).map_err(impossible)?;
+                    let packet = endpoint.send(now, measured[side]).expect("a motion inside the limits");
                     if let Some(link) = &mut stations[1 - side].link {
                         link.send(now, packet);
                     }
@@ -190,7 +191,7 @@ impl Trial<'_> {
                 let mut spring = [0.0; 2];
                 if let (Some(link), Some(endpoint)) = (&mut station.link, &mut station.endpoint) {
                     while let Some(packet) = link.deliver(now) {
-                        endpoint.receive(now, &packet).map_err(impossible)?;
+                        endpoint.receive(now, &packet).expect("a packet of the other side");
                     }
                     spring = endpoint.force(now);
                 }

@@ -1,19 +1,13 @@
 //! What moves: a robot's handle with the arm that holds it.
 
 mod lumped;
+pub mod two_link;
 
 pub use lumped::LumpedPlant;
+pub use two_link::{OutOfReach, TwoLinkPlant};
 
 use super::{Arm, Handle};
 use crate::error::{InvalidInput, Result};
-
-/// An arm cannot reach the handle's position.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("the arm cannot reach x = {} m, y = {} m", .position[0], .position[1])]
-pub struct OutOfReach {
-    /// Where it should be, m.
-    pub position: [f64; 2],
-}
 
 /// A force that goes from one value to another as e^(−t/τ), as behind an actuator of first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +26,12 @@ impl RelaxingForce {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
+
+    /// Its mean over `span` s, N per axis: held that long, it has the same impulse.
+    pub fn mean(&self, span: f64) -> [f64; 2] {
+        let (rest, _) = lumped::averages(span / self.time_constant);
+        [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
+    }
 }
 
 /// A handle in the hands of an arm.
@@ -39,6 +39,8 @@ impl RelaxingForce {
 pub enum Plant {
     /// An arm that is the same in every pose.
     Lumped(LumpedPlant),
+    /// Two links.
+    TwoLink(TwoLinkPlant),
 }
 
 impl Plant {
@@ -52,12 +54,16 @@ impl Plant {
             Arm::Lumped { mass, damping } => {
                 Ok(Self::Lumped(LumpedPlant::new(handle, mass, damping, position)))
             }
-            Arm::TwoLink(_) => Err(InvalidInput::new(
-                "kind",
-                "\"two-link\"",
-                "a lumped arm is needed",
-                "Choose kind = \"lumped\".",
-            )),
+            Arm::TwoLink(arm) => {
+                TwoLinkPlant::new(handle, arm, position).map(Self::TwoLink).map_err(|unreached| {
+                    InvalidInput::new(
+                        "base",
+                        format!("{:?}", arm.base),
+                        format!("the arm has to reach the start of the task: {unreached}"),
+                        "Move the base, or give the links other lengths.",
+                    )
+                })
+            }
         }
     }
 
@@ -65,6 +71,7 @@ impl Plant {
     pub fn position(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.position(),
+            Self::TwoLink(plant) => plant.position(),
         }
     }
 
@@ -72,11 +79,13 @@ impl Plant {
     pub fn velocity(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.velocity(),
+            Self::TwoLink(plant) => plant.velocity(),
         }
     }
 
-    /// Moves on by `span` s while the robot's force on the handle and the agent's force on the arm's hand
-    /// (N per axis) are held.
+    /// Moves on by `span` s while the robot's force on the handle and what the agent commands (N per axis)
+    /// are held: of a lumped arm the force on the hand, of two links the torques that this force asks for
+    /// in the pose at the start.
     ///
     /// # Errors
     ///
@@ -89,6 +98,7 @@ impl Plant {
     ) -> std::result::Result<(), OutOfReach> {
         match self {
             Self::Lumped(plant) => plant.advance(robot_force, hand_force, span),
+            Self::TwoLink(plant) => plant.advance(robot_force, hand_force, span)?,
         }
         Ok(())
     }
@@ -107,6 +117,7 @@ impl Plant {
     ) -> std::result::Result<(), OutOfReach> {
         match self {
             Self::Lumped(plant) => plant.advance_relaxing(robot_force, hand_force, span),
+            Self::TwoLink(plant) => plant.advance(robot_force.mean(span), hand_force, span)?,
         }
         Ok(())
     }
@@ -115,6 +126,7 @@ impl Plant {
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.handle_force(robot_force, hand_force),
+            Self::TwoLink(plant) => plant.handle_force(robot_force, hand_force),
         }
     }
 }
