@@ -329,11 +329,12 @@ impl Study {
                 "Remove the section, or give both robots these axes.",
             ));
         }
-        let laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
-        // a target of Python has no samples yet
-        if matches!(laboratory.target, rig::Target::FigureEight { .. }) {
-            laboratory.check().map_err(|error| reader.locate(error))?;
+        let mut laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
+        if matches!(laboratory.target, rig::Target::Sampled(_)) {
+            // a target of Python has no samples yet; all else is checked
+            laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };
         }
+        laboratory.check().map_err(|error| reader.locate(error))?;
         self.protocol().map_err(|error| reader.locate(error))?;
         Ok(())
     }
