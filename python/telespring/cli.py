@@ -1,5 +1,4 @@
-"""The commands `telespring decide`, `telespring simulate`, `telespring study` and `telespring rehearse`.
-"""The commands `telespring decide`, `simulate`, `analyse` and `study`.
+"""The commands `telespring decide`, `simulate`, `identify`, `rehearse`, `analyse` and `study`.
 
 Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
 file that could not be read or written; 130 after Ctrl-C.
@@ -192,6 +191,7 @@ def analyse_command(
     export: Annotated[
         Path | None, typer.Option(help="Write the trials as CSV into this folder, too.")
     ] = None,
+    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
     template: Annotated[
         Path | None, typer.Option(help="Write an example of recorded trials into this folder, and stop.")
     ] = None,
@@ -227,7 +227,7 @@ def analyse_command(
             discard = float(asked.discard)
         trials = analysis.take_trials(dataset, discard)
         numbers = analysis.analyse_taken(trials, analysis.measure_trials(trials), baseline)
-        written = write_analysis(trials, numbers, out)
+        written = write_analysis(trials, numbers, out, figures=figures)
         if export is not None:
             written = (*written, analysis.write_recorded(dataset, export))
     if as_json:

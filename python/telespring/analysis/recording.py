@@ -146,13 +146,14 @@ def write_template(folder: str | os.PathLike[str]) -> Path:
         [[np.stack([target_of(task, time - lag) for lag in pair], axis=1) for pair in row] for row in lags]
     ).round(6)
     spring = position[..., ::-1, :] - position
+    # Unconnected first, then the spring; adding 0 below turns −0 into 0.
     force = 36.0 * spring * np.array([0.0, 1.0])[:, None, None, None, None]
     per_sample = ("condition", "trial", "time", "robot", "axis")
     return write_recorded(
         xr.Dataset(
             {
                 "position": (per_sample, position),
-                "coupling_force": (per_sample, force.round(6)),
+                "coupling_force": (per_sample, force.round(6) + 0.0),
                 "target": (("time", "axis"), target.round(6)),
             },
             coords={

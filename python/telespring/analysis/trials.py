@@ -170,11 +170,12 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
         )
     target = dataset["target"]
     if "condition" in target.dims:
-        goals = np.asarray(target.transpose("condition", "trial", "time", "axis"), dtype=float)
+        goals = np.ascontiguousarray(target.transpose("condition", "trial", "time", "axis"), dtype=float)
     else:
-        goals = np.asarray(target.transpose("time", "axis"), dtype=float)[None, None]
+        goals = np.ascontiguousarray(target.transpose("time", "axis"), dtype=float)[None, None]
+    # In one order of memory, so that sums round alike wherever the trials come from.
     series = {
-        name: np.asarray(dataset[name].transpose(*order), dtype=float)
+        name: np.ascontiguousarray(dataset[name].transpose(*order), dtype=float)
         if name in dataset.variables and set(order) == set(dataset[name].dims)
         else None
         for name in ("position", "velocity", "coupling_force", "agent_force")
