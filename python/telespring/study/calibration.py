@@ -28,7 +28,7 @@ def find_calibration(scene: Scene) -> Found:
                 draw_profiles(found),
                 "profiles",
                 "Profile likelihood of each unknown",
-                "A panel per unknown: the rise of the deviance over its lowest value, the others fitted again.",
+                "A panel per unknown: how the deviance rises, the others fitted again.",
             ),
             "pairs": figures.to_svg(
                 draw_pairs(found),

@@ -14,8 +14,6 @@ from telespring.study.reported import reported
 
 __all__ = ["find_experiment"]
 
-_ARROWS = {"greater": "↑", "less": "↓", "": ""}
-
 
 def find_experiment(scene: Scene) -> Found:
     """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
@@ -83,7 +81,7 @@ def _printed(row: Any) -> dict[str, Any] | None:
         # Through the printed two decimals, so that 0.03483 m is 34.83 mm again.
         found[f"te{i + 1}_mean"] = round(1e3 * row.mean[i], 2)
         found[f"te{i + 1}_sd"] = round(1e3 * row.standard_deviation[i], 2)
-        found[f"te{i + 1}_arrow"] = _ARROWS[row.arrow[i]]
+        found[f"te{i + 1}_arrow"] = row.arrow[i]
     return found
 
 

@@ -117,10 +117,15 @@ def _given(dyad: ts.Dyad, robot: int, axis: int) -> dict[str, float]:
     return {"mass_given": float(of.mass[axis]), "damping_given": float(of.damping[axis])}
 
 
-def _verdict(scene: Scene, robots: list[Identification]) -> dict[str, Any]:
-    """Carry the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions."""
+def _verdict(scene: Scene, robots: list[Identification]) -> dict[str, Any] | None:
+    """Carry the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
+
+    None where an estimate is no robot's: too light or too little damped for what the sensors resolve.
+    """
     from telespring.uncertainty import margin_uncertainty, stable_probability
 
+    if min(each.value for found in robots for a in found.axes for each in (a.mass, a.damping)) <= 1e-4:
+        return None
     names = list(scene.dyad.axes)
     estimated = ts.Dyad(
         *(
