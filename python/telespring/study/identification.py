@@ -127,12 +127,11 @@ def _verdict(scene: Scene, robots: list[Identification]) -> dict[str, Any] | Non
     if min(each.value for found in robots for a in found.axes for each in (a.mass, a.damping)) <= 1e-4:
         return None
     names = list(scene.dyad.axes)
-    estimated = ts.Dyad(
-        *(
-            ts.Robot([a.mass.value for a in found.axes], [a.damping.value for a in found.axes], names)
-            for found in robots
-        )
+    first, second = (
+        ts.Robot([a.mass.value for a in found.axes], [a.damping.value for a in found.axes], names)
+        for found in robots
     )
+    estimated = ts.Dyad(first, second)
     one, two = (
         ts.Uncertainty(
             [a.mass.standard_error for a in found.axes],
