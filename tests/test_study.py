@@ -41,6 +41,7 @@ operator2 = {mass = 0.5, damping = 1.0}
 coupling.stiffness = 30.0
 network = {delay = 0.05, jitter = 0.01, max_gap = 0.004}
 controller = {sample_period = 0.002, computing_time = 0.0005}
+protocol = {stiffness = [30.0], delay = [0.05], trials = 3, duration = 8.0, discard = 2.0}
 """
 
 
