@@ -87,11 +87,11 @@ DRAWINGS = {
     "responses": responses,
     "tiers": tiers,
     "regions": regions,
-    "trajectories": trajectories,
-    "errors": errors,
     "dyad": figures.dyad_schematic,
     "loop": figures.loop_schematic,
     "laboratory": figures.laboratory_schematic,
+    "trajectories": trajectories,
+    "errors": errors,
 }
 SCHEMATICS = ("dyad", "loop", "laboratory")
 
@@ -148,6 +148,22 @@ def test_law_same_figure_same_text(drawing: tuple[str, Figure]) -> None:
     assert one == other
 
 
+@pytest.mark.parametrize("name", SCHEMATICS)
+def test_law_no_two_words_of_a_schematic_overlap(name: str) -> None:
+    figure = DRAWINGS[name]()
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
+    words = [text for axes in figure.axes for text in axes.texts if text.get_text()]
+    assert len(words) > 8
+    # half a pixel: boxes of letters that touch
+    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in words]
+    for i, (one, box) in enumerate(boxes):
+        for other, another in boxes[i + 1 :]:
+            assert not box.overlaps(another), f"{one!r} and {other!r}"
+
+
 def test_law_trajectories_are_all_drawn_and_stay_small() -> None:
     """17 conditions of 20 trials: every trial is a line, and the page can hold them."""
     rng = np.random.default_rng(2)
@@ -166,19 +182,3 @@ def test_law_trajectories_are_all_drawn_and_stay_small() -> None:
     assert len(figure.axes) == 34
     assert all(len(axes.collections[0].get_paths()) == 20 for axes in figure.axes)
     assert len(figures.to_svg(figure, "trajectories", "t", "d")) < 1.5e6
-
-
-@pytest.mark.parametrize("name", SCHEMATICS)
-def test_law_no_two_words_of_a_schematic_overlap(name: str) -> None:
-    figure = DRAWINGS[name]()
-    with figures.style.styled():
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
-        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
-    words = [text for axes in figure.axes for text in axes.texts if text.get_text()]
-    assert len(words) > 8
-    # half a pixel: boxes of letters that touch
-    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in words]
-    for i, (one, box) in enumerate(boxes):
-        for other, another in boxes[i + 1 :]:
-            assert not box.overlaps(another), f"{one!r} and {other!r}"

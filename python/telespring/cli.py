@@ -117,7 +117,6 @@ def decide(
             operator_ranges=read.operator_ranges,
             horizon=horizon,
             decay_rate=decay_rate,
-            uncertainty=read.uncertainty,
         )
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
@@ -328,8 +327,8 @@ def _refusals() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-app.command()(_refusals()(rehearse))
 app.command("identify")(_refusals()(identify_command))
+app.command()(_refusals()(rehearse))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

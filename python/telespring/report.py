@@ -18,7 +18,7 @@ from markupsafe import Markup
 
 __all__ = ["PLACES", "SECTIONS", "Section", "Style", "format_quantity", "look_up", "render"]
 
-Style = Literal["nearest", "limit", "given"]
+Style = Literal["nearest", "limit", "given", "hundredths"]
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,8 @@ def format_quantity(
         Significant digits.
     style
         "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
-        within it; "given" leaves away zeros at the end, as a person writes a value.
+        within it; "given" leaves away zeros at the end, as a person writes a value; "hundredths" has two
+        decimals whatever the size, as a table's columns do.
 
     Returns
     -------
@@ -150,16 +151,21 @@ def format_quantity(
     '167.1 ms'
     >>> format_quantity(0.8334, "kg", 6, style="given")
     '0.8334 kg'
+    >>> format_quantity(29.111, "s")
+    '29.11 s'
     >>> format_quantity(None, "s")
     'no limit'
     """
     if value is None:
         return "no limit"
-    shown, factor = _SHOWN.get(unit, (unit, 1.0))
+    # A delay is told in milliseconds, the length of a trial in seconds.
+    shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
     # In decimals, so that 0.029 s is 29 ms and not a bit less, which would be rounded down.
     scaled = Decimal(repr(float(value))) * Decimal(factor)
     with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
-        if scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
+        if style == "hundredths":
+            text = f"{scaled:.2f}"
+        elif scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
             mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
             text = f"{mantissa}·10{_superscript(int(exponent))}"
         elif scaled == scaled.to_integral_value():

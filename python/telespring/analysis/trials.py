@@ -213,7 +213,13 @@ def _not_trials(field: str, allowed: str) -> InvalidInput:
 def _status(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
     if "status" not in dataset.variables:
         return np.full(shape, "completed")
-    raw: NDArray[Any] = np.asarray(dataset["status"].transpose("condition", "trial"))
+    status = dataset["status"].transpose("condition", "trial")
+    raw: NDArray[Any] = np.asarray(status)
+    if "flag_meanings" in status.attrs:
+        # numbers with their meaning, as the CF conventions have it and a rehearsal writes it
+        words = [word.replace("_", " ") for word in str(status.attrs["flag_meanings"]).split()]
+        meaning = dict(zip(np.asarray(status.attrs["flag_values"]).tolist(), words, strict=True))
+        return np.array([meaning[value] for value in raw.ravel().tolist()]).reshape(raw.shape)
     return raw.astype(str)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import telespring as ts
 from telespring import figures, paper
-from telespring.axes import Axis, axes_of, finite_or_none, free_axis
+from telespring.axes import Axis, finite_or_none, free_axis
 from telespring.decision import decide
 from telespring.misprints import RETURNING
 from telespring.reference import MAP_POINTS, MAP_WIDTH, classify
@@ -39,9 +39,10 @@ def find_map(scene: Scene) -> Found:
         # Without sampling the bound is a constant over the age of the oldest sample.
         product = varying.stiffness_allowed * base.delay
         bounded = (stiffness, product / stiffness)
-    own = _same_robots(study.dyad, ts.hman())
     conditions = [
-        (k, delay) for k in (paper.EXPERIMENT_STIFFNESSES if own else ()) for delay in paper.EXPERIMENT_DELAYS
+        (k, delay)
+        for k in (paper.EXPERIMENT_STIFFNESSES if scene.of_the_paper else ())
+        for delay in paper.EXPERIMENT_DELAYS
     ]
     svg = figures.to_svg(
         figures.tier_map(
@@ -103,10 +104,6 @@ def _largest_difference(each: figures.MapAxis) -> float | None:
     if not both.any() or (np.isfinite(each.printed) != np.isfinite(each.exact)).any():
         return None
     return float(np.max(np.abs(each.printed[both] / each.exact[both] - 1.0)))
-
-
-def _same_robots(one: ts.Dyad, other: ts.Dyad) -> bool:
-    return [axis.parameters for axis in axes_of(one)] == [axis.parameters for axis in axes_of(other)]
 
 
 def find_examples(_scene: Scene) -> Found:

@@ -61,6 +61,11 @@ class Scene:
         )
 
     @property
+    def of_the_paper(self) -> bool:
+        """True for the paper's own robots with free handles, of which it prints results."""
+        return [axis.parameters for axis in self.axes] == [axis.parameters for axis in axes_of(ts.hman())]
+
+    @property
     def dyad(self) -> ts.Dyad:
         """The study's robots and operators."""
         return self.study.dyad

@@ -12,7 +12,12 @@ from typing import Any
 import telespring as ts
 from telespring.files import replacing
 from telespring.report import render
+from telespring.study.arms import find_arms
+from telespring.study.calibration import find_calibration
+from telespring.study.experiment import find_experiment
 from telespring.study.frequency import find_frequency
+from telespring.study.identification import find_identification
+from telespring.study.laboratory import find_laboratory
 from telespring.study.maps import find_examples, find_map
 from telespring.study.misprints import find_misprints
 from telespring.study.number_sets import find_number_sets
@@ -34,6 +39,11 @@ PARTS = (
     Part("Fig. 4, frequency response", find_frequency),
     Part("Fig. 5, responses", find_responses),
     Part("stability map", find_map),
+    Part("Fig. 6, the laboratory", find_laboratory),
+    Part("Figs. 7 and 8, Table I", find_experiment),
+    Part("fit of the real arms", find_calibration),
+    Part("the arms' own stiffness", find_arms),
+    Part("Figs. 9 and 10, identification", find_identification),
     Part("where the formulas fail", find_examples),
     Part("misprints", find_misprints),
 )
