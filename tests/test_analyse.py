@@ -27,7 +27,7 @@ def run(*arguments: object) -> Result:
     return CliRunner(env={"COLUMNS": "80", "NO_COLOR": "1"}).invoke(cli.app, words)
 
 
-def errors(trials: int = 20, seed: int = 1) -> np.ndarray[Any, np.dtype[np.float64]]:
+def errors(trials: int = 20, seed: int = 2) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Tracking errors, m: in order much as, below, barely above, below and far above TE2 unconnected."""
     rng = np.random.default_rng(seed)
     means = np.array([[34.8, 38.7], [33.0, 38.7], [33.0, 39.9], [34.0, 36.0], [39.0, 45.0]]) * 1e-3
@@ -81,6 +81,7 @@ def test_ref_table_one_is_the_paper_s_by_its_own_definitions(found: dict[str, An
 def test_law_holm_takes_away_arrows_and_gives_none(found: dict[str, Any]) -> None:
     pairs = [(row[f"te{i}_arrow"], row[f"te{i}_arrow_holm"]) for row in found["table1"] for i in (1, 2)]
     assert all(holm_arrow in ("", raw) for raw, holm_arrow in pairs)
+    assert any(raw and not holm_arrow for raw, holm_arrow in pairs)
     # barely above: 1.2 mm at a standard deviation of 1.5 mm
     barely = found["table1"][2]
     assert barely["te2_p"] < 0.05

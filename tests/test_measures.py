@@ -185,3 +185,16 @@ def spoilt(what: str) -> xr.Dataset:
 def test_law_what_is_no_experiment_is_refused(what: str, words: str) -> None:
     with pytest.raises(ts.InvalidInput, match=re.escape(words)):
         measure(spoilt(what))
+
+
+def test_law_endings_may_be_flags() -> None:
+    """As the CF conventions write them: numbers, and what they mean in the attributes."""
+    plain, flags = small(), small()
+    words = ["completed", "diverged", "absent"]
+    values = [[words.index(each) for each in row] for row in np.asarray(plain["status"]).tolist()]
+    attributes = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": " ".join(words)}
+    flags["status"] = ("condition", "trial"), np.array(values, dtype=np.int8), attributes
+    assert measure(flags).identical(measure(plain))
+    attributes["flag_meanings"] = "completed out_of_reach absent"
+    flags["status"] = ("condition", "trial"), np.array(values, dtype=np.int8), attributes
+    assert take_trials(flags).status[2, 1] == "out of reach"

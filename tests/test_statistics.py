@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -210,7 +211,9 @@ def test_law_exchanging_the_groups_turns_everything_round() -> None:
     assert there.p_value == pytest.approx(back.p_value, rel=1e-12)
     assert there.cliffs_delta == pytest.approx(-(back.cliffs_delta or 0.0), abs=1e-12)
     assert there.shift == pytest.approx(-(back.shift or 0.0), abs=1e-15)
-    assert {there.arrow(), back.arrow()} == {"↑", "↓"}
+    assert (there.arrow(), back.arrow()) == ("↑", "↓")
+    barely = replace(there, p_value=0.049, p_holm=0.05)
+    assert (barely.arrow(), barely.arrow(corrected=True)) == ("↑", "")
     assert (there.statistic or 0.0) + (back.statistic or 0.0) == 20 * 17
 
 

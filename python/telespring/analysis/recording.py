@@ -12,7 +12,7 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring.analysis.columns import AXES, INDEX, QUANTITIES, TARGET, TIME, columns_of
 from telespring.analysis.recorded import target_of
-from telespring.analysis.trials import condition_label
+from telespring.analysis.trials import condition_label, status_of
 from telespring.files import replacing, write_whole
 
 if TYPE_CHECKING:
@@ -63,9 +63,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "folder", str(place), f"a folder without {INDEX} is needed", "Choose another, or remove that one."
         )
     shape = (dataset.sizes["condition"], dataset.sizes["trial"])
-    status = np.full(shape, "completed")
-    if "status" in dataset.variables:
-        status = np.asarray(dataset["status"].transpose("condition", "trial")).astype(str)
+    status = status_of(dataset, shape)
     order = ("condition", "trial", "time", "robot", "axis")
     present = [
         name for name in QUANTITIES if name in dataset.variables and set(order) == set(dataset[name].dims)

@@ -52,7 +52,7 @@ def _table(numbers: Mapping[str, Any]) -> Table:
         cells = [_error(row, robot) for robot in (1, 2)]
         for name, _, factor, digits in shown:
             values = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
-            words = ["–" if value is None else f"{factor * value:.{digits}f}" for value in values]
+            words = ["–" if value is None else _short(factor * value, digits, 10.0) for value in values]
             cells.append(Text("|".join(words)))
         early, begun = row["ended_early"], row["trials"]
         trials = Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))
@@ -64,7 +64,9 @@ def _error(row: Mapping[str, Any], robot: int) -> Text:
     mean, sd = row[f"te{robot}_mean"], row[f"te{robot}_sd"]
     if mean is None:
         return Text("–     ")
-    words = f"{mean:.2f}" + ("" if sd is None else f" ± {sd:.2f}")
+    words = _short(mean, 2, 100.0) + (
+        "" if sd is None else f" ± {_short(sd, 2, 10.0 if mean >= 100.0 else 100.0)}"
+    )
     arrow, holm = row[f"te{robot}_arrow"], row[f"te{robot}_arrow_holm"]
     return Text(f"{words} {arrow or ' '}{'*' if arrow and holm else ' '}")
 
@@ -115,6 +117,12 @@ def _words(numbers: Mapping[str, Any]) -> Iterator[Text]:
             "no tracking error and no part in the tests, so that the condition looks better than it is.",
             style="red",
         )
+
+
+def _short(value: float, decimals: int, from_here: float) -> str:
+    """Write a number with one decimal less from `from_here` on, and again from ten times that."""
+    fewer = sum(abs(value) >= limit for limit in (from_here, 10.0 * from_here))
+    return f"{value:.{max(0, decimals - fewer)}f}"
 
 
 def _p(value: float) -> str:

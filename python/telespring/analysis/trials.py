@@ -15,7 +15,7 @@ from telespring._types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "condition_label", "take_trials"]
+__all__ = ["Trials", "condition_label", "status_of", "take_trials"]
 
 #: Share of a sample by which a sample's time may miss the end of the discarded part, for rounding.
 _ROUNDING = 1e-6
@@ -146,7 +146,7 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
     else:
         labels = tuple(condition_label(k, d) for k, d in zip(stiffness.tolist(), delay.tolist(), strict=True))
     shape = (sizes["condition"], sizes["trial"])
-    status = _status(dataset, shape)
+    status = status_of(dataset, shape)
     samples = np.full(shape, len(time))
     if "samples" in dataset.variables:
         samples = np.asarray(dataset["samples"].transpose("condition", "trial"), dtype=int)
@@ -210,16 +210,17 @@ def _not_trials(field: str, allowed: str) -> InvalidInput:
     )
 
 
-def _status(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
+def status_of(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
+    """Say in words how every trial ended, (condition, trial)."""
     if "status" not in dataset.variables:
         return np.full(shape, "completed")
     status = dataset["status"].transpose("condition", "trial")
     raw: NDArray[Any] = np.asarray(status)
-    if "flag_meanings" in status.attrs:
-        # numbers with their meaning, as the CF conventions have it and a rehearsal writes it
-        words = [word.replace("_", " ") for word in str(status.attrs["flag_meanings"]).split()]
-        meaning = dict(zip(np.asarray(status.attrs["flag_values"]).tolist(), words, strict=True))
-        return np.array([meaning[value] for value in raw.ravel().tolist()]).reshape(raw.shape)
+    meanings = status.attrs.get("flag_meanings")
+    if raw.dtype.kind in "iu" and meanings is not None:
+        # Numbers with their meaning beside, as the CF conventions write flags.
+        words = dict(zip(np.ravel(status.attrs["flag_values"]).tolist(), str(meanings).split(), strict=True))
+        return np.array([[words[int(each)].replace("_", " ") for each in row] for row in raw])
     return raw.astype(str)
 
 

@@ -12,6 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from telespring.figures.style import COLOURS, FULL_WIDTH, GREY, styled
@@ -221,8 +222,9 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         logarithmic = len(finite) > 0 and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite)
         if logarithmic:
             axes.set_yscale("log")
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.yaxis.set_major_formatter("{x:g}")
-            axes.yaxis.set_minor_formatter("")
+            axes.yaxis.set_minor_locator(NullLocator())
         for place, group in zip(places, groups, strict=True):
             for robot in range(2):
                 _box(axes, place + (robot - 0.5) * 0.44, group, robot)
