@@ -16,6 +16,9 @@ impl TwoLinkArm {
     /// | elbow actuator X8-9: 0.480 kg, 0.463 g·m², 20 N·m, damping 0.5 N·m·s/rad | `actuator.xacro` there; it hangs at the end of the upper link and is counted with it |
     /// | rotor inertia 0.01 kg·m² | assumed: what the series-elastic torque loop leaves of it is not published |
     /// | shoulder at (0, −0.45) m, elbow on the right | assumed; the figure of eight then stays 0.1 m or more inside the reach |
+    ///
+    /// `actuator.xacro` itself calls its damping untuned, and 20 N·m is more than it holds for long: replace both by
+    /// what an identification finds.
     pub const HEBI_X8: Self = Self {
         base: [0.0, -0.45],
         elbow: Elbow::Right,
