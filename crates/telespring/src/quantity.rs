@@ -62,8 +62,8 @@ pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0
 pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e4, None);
 /// The viscous damping of a joint in N·m·s/rad.
 pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e6, None);
-/// A largest torque in N·m.
-pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, 1e6, None);
+/// A largest torque in N·m, infinite where there is no limit.
+pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, f64::INFINITY, None);
 /// A spread of velocities, m/s.
 pub const SPEED: Quantity = Quantity::new("a spread of velocities", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
 /// How long a spot lives, s.
@@ -71,8 +71,18 @@ pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(
 /// An angular frequency in rad/s.
 pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
 /// A probability.
-pub const PROBABILITY: Quantity =
-    Quantity::new("a probability", "(a share of 1)", 0.0, 1.0, Some(("%", 1e-2)));
+pub const PROBABILITY: Quantity = Quantity::new("a probability", "", 0.0, 1.0, Some(("%", 1e-2)));
+/// A standard deviation of a mass in kg.
+pub const MASS_SD: Quantity = Quantity::new("a standard deviation of a mass", "kg", 0.0, 1e4, None);
+/// A standard deviation of a damping in N·s/m.
+pub const DAMPING_SD: Quantity = Quantity::new("a standard deviation of a damping", "N·s/m", 0.0, 1e6, None);
+/// A correlation of two estimates.
+pub const CORRELATION: Quantity = Quantity::new("a correlation", "", -1.0, 1.0, None);
+/// A part of a trial in s, 0 for none.
+pub const SPAN_OF_TRIAL: Quantity = Quantity::new("a part of a trial", "s", 0.0, 3600.0, Some(("ms", 1e-3)));
+/// The length of a trial in s.
+pub const TRIAL_DURATION: Quantity =
+    Quantity::new("a trial's duration", "s", 1e-3, 3600.0, Some(("ms", 1e-3)));
 
 impl Quantity {
     const fn new(
@@ -111,7 +121,8 @@ impl Quantity {
     fn refusal(&self, field: &str, value: f64) -> InvalidInput {
         let remedy = match self.slip {
             Some((unit, factor))
-                if value > self.maximum && (self.minimum..=self.maximum).contains(&(value * factor)) =>
+                if (value > self.maximum || self.minimum < 0.0)
+                    && (self.minimum..=self.maximum).contains(&(value * factor)) =>
             {
                 format!(
                     "Everything is in SI units: if {value} was meant in {unit}, write {}.",
@@ -120,12 +131,14 @@ impl Quantity {
             }
             _ if value.is_nan() => "Replace the missing value by a number.".to_owned(),
             _ if value < 0.0 => "Check the sign and the unit.".to_owned(),
+            _ if self.unit.is_empty() => "Check the value.".to_owned(),
             _ => format!("Check the unit: {} is expected.", self.unit),
         };
+        let range = format!("{} to {} {}", self.minimum, self.maximum, self.unit);
         InvalidInput::new(
             field,
             value,
-            format!("{} must be a number from {} to {} {}", self.name, self.minimum, self.maximum, self.unit),
+            format!("{} must be a number from {}", self.name, range.trim_end()),
             remedy,
         )
     }
