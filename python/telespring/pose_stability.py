@@ -64,7 +64,8 @@ class PoseStability:
     @property
     def worst_position(self) -> FloatArray:
         """Where both handles are in that pose, m."""
-        return self.position[self.worst]
+        place: FloatArray = self.position[self.worst]
+        return place
 
     @property
     def axes_are_independent(self) -> bool:
