@@ -424,6 +424,16 @@ def test_law_the_command_says_where_the_dataset_is_and_then_that_it_is_complete(
     assert "complete already" in again.stdout
 
 
+def test_law_a_robot_from_a_file_of_its_own_takes_part(tmp_path: Path) -> None:
+    (tmp_path / "robot.toml").write_text("[robot]\nmass = [2.0, 3.0]\ndamping = [7.0, 8.0]\n")
+    study = written(tmp_path, study_text(more=TARGET.format(name="still")))
+    (tmp_path / "mine.py").write_text(MINE)
+    done = command(study, "--out", tmp_path / "out", "--robot2", tmp_path / "robot.toml")
+    assert done.exit_code == 0, done.output
+    robots = json.loads(loaded(tmp_path / "out").attrs["robots"])
+    assert [robot["mass"] for robot in robots] == [[0.8334, 1.0649], [2.0, 3.0]]
+
+
 def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

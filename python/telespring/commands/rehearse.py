@@ -31,6 +31,14 @@ def rehearse(
     workers: Annotated[
         int | None, typer.Option(help="Trials that run at the same time; all cores unless given.")
     ] = None,
+    robot1: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 1."),
+    ] = None,
+    robot2: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 2."),
+    ] = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Remove the rehearsal that is in the folder and start anew.")
     ] = False,
@@ -44,6 +52,13 @@ def rehearse(
     from telespring.experiment import run_protocol
 
     console = Console(highlight=False)
+    asked = Study.paper() if study is None else Study.read(study)
+    for side, robot in ((1, robot1), (2, robot2)):
+        if robot is not None:
+            from telespring.study_text import with_robot
+
+            asked = with_robot(asked, side, robot)
+    modules = None if study is None else study.parent
     finished, trials = 0, 0
     begin = time.perf_counter()
     try:
@@ -63,8 +78,7 @@ def rehearse(
                 finished, trials = done, total
                 bar.update(task, completed=done, total=total)
 
-            asked = Study.paper() if study is None else study
-            outcome = run_protocol(asked, out, progress, workers, fresh=fresh)
+            outcome = run_protocol(asked, out, progress, workers, fresh=fresh, modules=modules)
     except KeyboardInterrupt:
         console.print(f"Stopped. {_kept(finished, trials)}", markup=False)
         raise typer.Exit(130) from None

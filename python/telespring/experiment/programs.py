@@ -34,13 +34,11 @@ _FASTEST_TARGET = 10.0
 #: m; a target in millimetres that hardly moves is beyond it.
 _FARTHEST_TARGET = 10.0
 
-
-#: How the laboratory calls them, by the first letters of the field that names them.
-_CALLED = {
-    "agen": "An agent is called as agent(time, position, velocity, target) in s, m, m/s and m, and returns "
-    "its force (x, y) in N.",
-    "task": "A target is called as target(times) in s, and returns positions of shape (n, 2) in m.",
-}
+_AGENT = (
+    "An agent is called as agent(time, position, velocity, target) in s, m, m/s and m, and returns its "
+    "force (x, y) in N."
+)
+_TARGET = "A target is called as target(times) in s, and returns positions of shape (n, 2) in m."
 
 
 class Stopped(Exception):
@@ -82,12 +80,9 @@ class Program:
 
     def failed(self, what: str) -> ProgramFailed:
         """Return the refusal that tells what went wrong."""
-        return ProgramFailed(
-            self.field,
-            self.reference,
-            what,
-            f"Mend it in {self.file.name if self.file else 'its module'}. {_CALLED[self.field[:4]]}",
-        )
+        where = self.file.name if self.file else "its module"
+        called = _TARGET if self.field == "task.function" else _AGENT
+        return ProgramFailed(self.field, self.reference, what, f"Mend it in {where}. {called}")
 
 
 @dataclass(frozen=True)

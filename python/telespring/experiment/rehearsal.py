@@ -127,23 +127,24 @@ def run_protocol(
     workers: int | None = None,
     *,
     fresh: bool = False,
+    modules: Path | None = None,
 ) -> Outcome:
     """Do what `rehearse` does, and leave the dataset on the disk.
 
-    Parameters, errors and what is kept are those of `rehearse`.
+    Parameters, errors and what is kept are those of `rehearse`. `modules` is where agents and targets in
+    Python are looked up first: the folder of the study's file unless given.
 
     Returns
     -------
     Outcome
         Where the dataset is.
     """
-    beside = None
     if not isinstance(study, Study):
-        beside = Path(study).parent
+        modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
     experiment = _experiment(study)
     threads = _workers(workers)
-    programs = programs_of(experiment, beside)
+    programs = programs_of(experiment, modules)
     if workers is None and programs.agents != (None, None):
         # The interpreter runs one agent at a time; threads would only wait for each other.
         threads = 1
