@@ -140,7 +140,8 @@ class Excitation:
         # One complex sum: A cos + B sin is the real part of (A − jB) e^(jiωt).
         frequency = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
         amplitude = (np.array(self.cosine) - 1j * np.array(self.sine)) * (1j * frequency) ** order
-        return np.asarray(np.real(np.exp(1j * np.multiply.outer(t, frequency)) @ amplitude), np.float64)
+        series = np.exp(1j * np.multiply.outer(t, frequency)) @ amplitude
+        return np.asarray(series).real.astype(np.float64)
 
     def extremes(self) -> Extremes:
         """Give the largest magnitudes of position, velocity and acceleration."""
