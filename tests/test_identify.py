@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -51,10 +52,10 @@ def test_ref_the_papers_series_is_velocity_and_its_integral_and_derivative_are_c
     assert list(command.cosine) == amplitudes["A"]["values"]
     assert list(command.sine) == amplitudes["B"]["values"]
     time = np.linspace(0.0, command.period, 20001)
-    direct = sum(
-        a * np.cos(i * command.angular_frequency * time) + b * np.sin(i * command.angular_frequency * time)
-        for i, (a, b) in enumerate(zip(command.cosine, command.sine, strict=True), start=1)
-    )
+    direct = np.zeros(time.size)
+    for i, (a, b) in enumerate(zip(command.cosine, command.sine, strict=True), start=1):
+        angle = i * command.angular_frequency * time
+        direct += a * np.cos(angle) + b * np.sin(angle)
     # rounding of a sum of ten terms
     np.testing.assert_allclose(command.velocity(time), direct, atol=1e-15)
     # central differences of step h err by h²/6 times the third derivative: 3e-8 of 2.4 m/s² at h = 0.25 ms
@@ -183,11 +184,11 @@ def test_cross_the_robust_fit_minimises_hampels_loss() -> None:
     fit = robust_least_squares(regressor, force)
     scale = float(sm.robust.scale.mad(fit.residual, center=0))
     norm = sm.robust.norms.Hampel(4.0, 6.0, 9.0)
-    found = optimize.minimize(
-        lambda beta: norm.rho((force - regressor @ beta) / scale).sum(),
-        fit.estimate + 0.01,
-        method="Nelder-Mead",
-    )
+
+    def loss(beta: FloatArray) -> float:
+        return float(norm.rho((force - regressor @ beta) / scale).sum())
+
+    found = optimize.minimize(loss, fit.estimate + 0.01, method="Nelder-Mead")
     # both stop at about 1e-5 of the parameters
     np.testing.assert_allclose(fit.estimate, found.x, atol=1e-3)
 
@@ -212,7 +213,7 @@ def test_law_the_papers_weights_collapse_on_two_samples() -> None:
     steps = paper_reweightings(regressor, signals.force[0])
     losses = [step.log_loss for step in steps]
     # 1e-6: rounding of a sum of hundreds of logarithms
-    assert all(later <= earlier + 1e-6 for earlier, later in zip(losses, losses[1:], strict=False))
+    assert all(later <= earlier + 1e-6 for earlier, later in itertools.pairwise(losses))
     assert steps[0].effective_samples == pytest.approx(signals.time.size)
     assert steps[-1].effective_samples == pytest.approx(2.0, abs=0.05)
     residual = np.abs(signals.force[0] - regressor @ steps[-1].estimate)
@@ -223,7 +224,7 @@ def test_law_the_papers_weights_collapse_on_two_samples() -> None:
 
 
 def test_law_a_late_force_is_noticed_and_can_be_corrected() -> None:
-    time, p, v, a = movement()
+    time, p, _, _ = movement()
     random = np.random.default_rng(5)
     late = 0.01
     _, _, v_late, a_late = movement(lag=late)

@@ -65,7 +65,7 @@ def test_law_the_force_at_the_handle_obeys_newton(log: RigLog) -> None:
             impulse = step * (piece.sum(axis=0) - 0.5 * (piece[0] + piece[-1]))
             change = table.mass * (velocity[start + 999] - velocity[start - 1])
             way = table.damping * (p[start + 1000] - p[start])
-            # Torques are held, not forces: within 1 ms the arm turns by 1e-3 rad, and with it forces of some N
+            # torques are held, not forces: within 1 ms the arm turns by 1e-3 rad, and with it some N
             np.testing.assert_allclose(impulse, change + way, atol=3e-3)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import tomllib
 from pathlib import Path
@@ -74,7 +75,7 @@ def test_law_the_papers_weights_collapse_and_their_intervals_mean_nothing(janot2
     steps = paper_reweightings(regressor, signals.force[0])
     losses = [step.log_loss for step in steps]
     # each step makes Σ log(r² + ε) smaller or leaves it; 1e-6: rounding of sums of thousands of logarithms
-    assert all(later <= earlier + 1e-6 for earlier, later in zip(losses, losses[1:], strict=False))
+    assert all(later <= earlier + 1e-6 for earlier, later in itertools.pairwise(losses))
     # in the end all weight is on as many samples as there are parameters
     assert steps[-1].effective_samples == pytest.approx(4.0, abs=0.1)
     assert signals.time.size > 1000

@@ -91,13 +91,15 @@ def in_millinewtons(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def frozen(table: pd.DataFrame) -> pd.DataFrame:
-    table.loc[5000:5300, "position_x"] = table.loc[5000, "position_x"]
-    return table
+    column = table["position_x"].to_numpy().copy()
+    column[5000:5301] = column[5000]
+    return table.assign(position_x=column)
 
 
 def frozen_to_the_end(table: pd.DataFrame) -> pd.DataFrame:
-    table.loc[5000:, "position_x"] = table.loc[5000, "position_x"]
-    return table
+    column = table["position_x"].to_numpy().copy()
+    column[5000:] = column[5000]
+    return table.assign(position_x=column)
 
 
 def unplugged(table: pd.DataFrame) -> pd.DataFrame:
@@ -177,7 +179,7 @@ def written(table: pd.DataFrame, path: Path) -> Path:
     else:
         from scipy import io
 
-        io.savemat(path, {name: table[name].to_numpy()[:, None] for name in table})
+        io.savemat(path, {str(name): table[name].to_numpy()[:, None] for name in table})
     return path
 
 

@@ -209,10 +209,6 @@ def _axis_draws(
     return kept[:, :draws]
 
 
-def _keywords(dyad: ts.Dyad) -> list[dict[str, float]]:
-    return [dict(axis.keywords) for axis in axes_of(dyad)]  # type: ignore[arg-type]
-
-
 def stable_probability(
     dyad: ts.Dyad,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
@@ -266,8 +262,10 @@ def _stable(
     parameters: FloatArray, dyad: ts.Dyad, stiffness: float, delay: float
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
     stable = np.ones(parameters.shape[2], dtype=bool)
-    for i, keywords in enumerate(_keywords(dyad)):
-        stable &= np.asarray(ts.unstable_root_count(*parameters[:, i], stiffness, delay, **keywords)) == 0
+    for axis in axes_of(dyad):
+        m1, b1, m2, b2 = parameters[:, axis.index]
+        count = ts.unstable_root_count(m1, b1, m2, b2, stiffness, delay, **axis.keywords)
+        stable &= np.asarray(count) == 0
     return stable
 
 
@@ -307,9 +305,10 @@ def margin_uncertainty(
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
-    for i, keywords in enumerate(_keywords(dyad)):
-        critical.append(np.asarray(ts.critical_stiffness(*parameters[:, i], **keywords)))
-        delays.append(np.asarray(ts.maximum_delay(*parameters[:, i], stiffness, **keywords)))
+    for axis in axes_of(dyad):
+        m1, b1, m2, b2 = parameters[:, axis.index]
+        critical.append(np.asarray(ts.critical_stiffness(m1, b1, m2, b2, **axis.keywords)))
+        delays.append(np.asarray(ts.maximum_delay(m1, b1, m2, b2, stiffness, **axis.keywords)))
     names = [str(name) for name in dyad.axes]
     return MarginUncertainty(
         axes=tuple(_intervals(name, k, d) for name, k, d in zip(names, critical, delays, strict=True)),
@@ -354,8 +353,8 @@ def delta_method(
     critical_stiffness, maximum_delay : float
         Standard deviations, N/m and s; NaN where the maximum delay is infinite.
     """
-    keywords = _keywords(dyad)[axis]
-    middle = np.array(axes_of(dyad)[axis].parameters)
+    judged = axes_of(dyad)[axis]
+    middle = np.array(judged.parameters)
     covariance = np.zeros((4, 4))
     for robot, known in enumerate(uncertainty):
         mass_sd, damping_sd, correlation = _deviations(known, axis)
@@ -367,9 +366,9 @@ def delta_method(
         )
         covariance[2 * robot : 2 * robot + 2, 2 * robot : 2 * robot + 2] = block
     step = 1e-6 * middle
-    around = middle + np.concatenate([np.diag(step), -np.diag(step)])
-    critical = np.asarray(ts.critical_stiffness(*around.T, **keywords))
-    delays = np.asarray(ts.maximum_delay(*around.T, stiffness, **keywords))
+    m1, b1, m2, b2 = (middle + np.concatenate([np.diag(step), -np.diag(step)])).T
+    critical = np.asarray(ts.critical_stiffness(m1, b1, m2, b2, **judged.keywords))
+    delays = np.asarray(ts.maximum_delay(m1, b1, m2, b2, stiffness, **judged.keywords))
     deviations = []
     for values in (critical, delays):
         if not np.isfinite(values).all():

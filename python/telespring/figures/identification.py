@@ -98,7 +98,7 @@ def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
 
 
 def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: str) -> None:
-    """Draw the samples and the plane m a + b v through them; friction and offset are taken off the samples."""
+    """Draw the plane m a + b v and the samples, friction and offset taken off them."""
     row = axis.signals_index
     velocity, acceleration = found.signals.velocity[row], found.signals.acceleration[row]
     linear = axis.mass.value * acceleration + axis.damping.value * velocity

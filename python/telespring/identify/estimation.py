@@ -488,7 +488,7 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
         negative = [name for name in uncertain if axis.estimates[name].interval[1] <= 0.0]
         if negative:
             told.append(
-                f"Axis {axis.axis}: {' and '.join(negative)} {'is' if len(negative) == 1 else 'are'} negative. "
+                f"Axis {axis.axis}: {' and '.join(negative)} negative. "
                 "Force and position must count the same direction; --force-scale -1 turns the force."
             )
         told += [
@@ -500,7 +500,7 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
         if axis.r_squared < 0.8:
             told.append(
                 f"Axis {axis.axis}: the model explains only {100.0 * max(0.0, axis.r_squared):.0f} % of the "
-                "force. Are position and force columns of the same axis, and is friction or an offset missing?"
+                "force. Are position and force of the same axis, and is friction or an offset missing?"
             )
         shift = axis.time_shift
         if shift is not None and axis.r_squared >= 0.99 and abs(shift.value) > 4.0 * shift.standard_error:
@@ -510,14 +510,14 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
             if error > max(half, 0.01 * abs(axis.mass.value)):
                 late = "later" if shift.value > 0.0 else "earlier"
                 told.append(
-                    f"Axis {axis.axis}: the force seems {1e3 * abs(shift.value):.2g} ms {late} than the position, "
-                    f"which shifts the mass by about {error:.2g} kg. If the sensors are that far apart, correct "
-                    "the time stamps (--force-delay)."
+                    f"Axis {axis.axis}: the force seems {1e3 * abs(shift.value):.2g} ms {late} than the "
+                    f"position, which shifts the mass by about {error:.2g} kg. If the sensors are that far "
+                    "apart, correct the time stamps (--force-delay)."
                 )
         if axis.fit.lags is not None and float(np.mean(axis.weights < 0.5)) > 0.05:
             told.append(
-                f"Axis {axis.axis}: {100.0 * float(np.mean(axis.weights < 0.5)):.0f} % of the samples were left "
-                "out as outliers. Look at the residuals."
+                f"Axis {axis.axis}: {100.0 * float(np.mean(axis.weights < 0.5)):.0f} % of the samples were "
+                "left out as outliers. Look at the residuals."
             )
         if not axis.fit.converged:
             told.append(f"Axis {axis.axis}: the robust fit did not come to rest; compare with --method ols.")
@@ -526,8 +526,8 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
             low, high = each.inertia.interval
             told.append(
                 f"Axes are not independent: the force on {each.axis} takes {each.inertia.value:.3g} kg "
-                f"({low:.3g} to {high:.3g}) of the acceleration on {each.other}. Verdicts axis by axis do not "
-                "hold for this robot as it was measured."
+                f"({low:.3g} to {high:.3g}) of the acceleration on {each.other}. Verdicts axis by axis do "
+                "not hold for this robot as it was measured."
             )
     if any(each.inertia is None for each in cross):
         told.append(

@@ -140,7 +140,8 @@ class Excitation:
         # One complex sum: A cos + B sin is the real part of (A − jB) e^(jiωt).
         frequency = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
         amplitude = (np.array(self.cosine) - 1j * np.array(self.sine)) * (1j * frequency) ** order
-        return np.asarray((np.exp(1j * np.multiply.outer(t, frequency)) @ amplitude).real)
+        series = np.exp(1j * np.multiply.outer(t, frequency)) @ amplitude
+        return np.asarray(series).real.astype(np.float64)
 
     def extremes(self) -> Extremes:
         """Give the largest magnitudes of position, velocity and acceleration."""
@@ -296,8 +297,8 @@ def design_excitation(
     first[:, :count] = PAPER_AMPLITUDES[-count:]
     random = np.random.default_rng(seed)
     candidates = [first.ravel()]
-    for _ in range(starts):
-        candidates.append(random.normal(size=2 * harmonics) / np.tile(np.arange(1, harmonics + 1), 2))
+    order = np.tile(np.arange(1, harmonics + 1), 2)
+    candidates += [random.normal(size=2 * harmonics) / order for _ in range(starts)]
     found = [first.ravel()]
     for start in candidates:
         # Without derivatives: the sign of the velocity makes the objective a staircase in places.

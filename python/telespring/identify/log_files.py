@@ -270,6 +270,9 @@ def _notes(table: Mapping[str, FloatArray], force: Sequence[str], scale: float) 
     gains = [name for name, values in table.items() if values.size == 1]
     hint = f" The file also holds {', '.join(gains)}." if gains else ""
     return [
-        f"The force's column {suspects[0]} looks like a voltage, a current or a command. If so, give the newtons "
-        f"per unit with --force-scale; mass and damping are wrong by that factor otherwise.{hint}"
+        (
+            f"The force's column {suspects[0]} looks like a voltage, a current or a command. If so, give the "
+            "newtons per unit with --force-scale; mass and damping are wrong by that factor otherwise."
+            f"{hint}"
+        )
     ]

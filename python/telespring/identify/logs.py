@@ -72,7 +72,7 @@ def even_times(
                 np.asarray(CubicSpline(time, rows, axis=-1)(even)) for rows in (position, force)
             )
             notes.append(
-                f"Time stamps are uneven by {100.0 * jitter:.2g} % of a step; position and force were interpolated."
+                f"Time stamps are uneven by {100.0 * jitter:.2g} % of a step; the log was interpolated."
             )
     return even, position, force, 1.0 / step, notes
 
@@ -146,7 +146,7 @@ def _refuse_times(time: FloatArray) -> float:
         kind = "is repeated" if steps[at] == 0.0 else "goes back"
         raise InvalidInput(
             "time",
-            f"{wrong.size} stamps that do not increase; the first {kind} at {time[at + 1]:g} s, sample {at + 2}",
+            f"{wrong.size} wrong stamps; the first {kind} at {time[at + 1]:g} s, sample {at + 2}",
             "time stamps must increase",
             "Remove doubled samples, and give one log at a time.",
         )
@@ -160,7 +160,7 @@ def _refuse_times(time: FloatArray) -> float:
         raise InvalidInput(
             "time",
             f"{usual:g} s from sample to sample",
-            f"a log with {_SLOWEST_RATE:g} to {_FASTEST_RATE:g} samples per second, stamped in seconds, is needed",
+            f"{_SLOWEST_RATE:g} to {_FASTEST_RATE:g} samples per second, stamped in seconds, are needed",
             guess,
         )
     gaps = np.flatnonzero(steps > _GAP * usual)
@@ -204,7 +204,7 @@ def _still(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _refuse_stuck(name: str, position: FloatArray, step: float) -> None:
-    """Refuse a position that stood still while the robot went on: it jumps afterwards, or never moves again."""
+    """Refuse a position that stood still while the robot went on: it then jumps, or never moves again."""
     if float(np.ptp(position)) == 0.0:
         raise InvalidInput(
             name,
@@ -229,7 +229,7 @@ def _refuse_stuck(name: str, position: FloatArray, step: float) -> None:
                 f"stands still for {1e3 * length * step:.4g} ms from sample {start + 1}"
                 + (" and then jumps" if jumps else " in the midst of a movement, to the end"),
                 "a position that follows the robot all the time is needed",
-                "The sensor or its connection was stuck. Choose a piece of the log without this (--start, --end).",
+                "The sensor was stuck. Choose a piece of the log without this (--start, --end).",
             )
 
 

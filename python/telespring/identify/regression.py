@@ -3,8 +3,8 @@
 Filtered signals have correlated residuals, and textbook intervals are then too narrow. Here the covariance
 is Newey and West's [1]_, by statsmodels, on samples thinned out to a little more than twice the cut-off; each
 residual is divided by one minus its leverage [2]_, since a fit comes closest to the samples that weigh most,
-and the quantile is that for a bandwidth which is a fixed share of the samples [3]_. Without these two, nominal
-95 % intervals hold the truth in 93 % of logs of four periods of the paper's movement.
+and the quantile is that for a bandwidth which is a fixed share of the samples [3]_. Without these two,
+nominal 95 % intervals hold the truth in 93 % of logs of four periods of the paper's movement.
 
 References
 ----------
@@ -241,7 +241,7 @@ def with_column(fit: Fit, regressor: FloatArray, column: FloatArray, force: Floa
     # The paper's weights single out a few samples; nothing else may hang on them.
     weights = np.ones_like(force) if fit.lags is None else fit.weights
     root = np.sqrt(weights)
-    estimate = np.linalg.lstsq(columns * root[:, None], force * root, rcond=None)[0]
+    estimate: FloatArray = np.linalg.lstsq(columns * root[:, None], force * root, rcond=None)[0].astype(float)
     residual = force - columns @ estimate
     lags = newey_west_lags(weights * residual)
     return Fit(

@@ -1,7 +1,7 @@
 """Logs of the simulated robots: each handle is driven through a two-link arm by a velocity servo.
 
-The servo follows a movement; what is logged is the handle's position by an encoder and the force at the handle
-by a sensor, at 1 kHz, or instead of the latter the force that the arm's joint torques make at its hand.
+The servo follows a movement; what is logged at 1 kHz is the handle's position by an encoder and the force at
+the handle by a sensor, or instead of the latter the force that the arm's joint torques make at its hand.
 """
 
 from __future__ import annotations

@@ -50,8 +50,8 @@ def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
                 f"{wrong} ({axis.axis})",
                 f"{value:.4g} {unit}",
                 f"a robot's {wrong} is not negative",
-                "Check the sign and the unit of the force (--force-scale), and that position and force are of "
-                "the same axis.",
+                "Check sign and unit of the force (--force-scale), and that position and force are of the "
+                "same axis.",
             )
     # The paper's intervals mean nothing, so neither does a standard deviation taken from them.
     certain = found.method == "paper"

@@ -174,11 +174,12 @@ def filtered_signals(
         )
     ends = math.ceil(_END_PERIODS * rate / cutoff)
     decimation = max(1, int(rate / (_KEPT_PER_PERIOD * cutoff)))
-    if time.size < 2 * ends + _LEAST_KEPT * decimation:
+    least = 2 * ends + _LEAST_KEPT * decimation
+    if time.size < least:
         raise InvalidInput(
             "time",
             f"{time.size} samples, {time.size / rate:.3g} s",
-            f"with a cut-off of {cutoff:.3g} Hz at least {(2 * ends + _LEAST_KEPT * decimation) / rate:.3g} s are needed",
+            f"with a cut-off of {cutoff:.3g} Hz at least {least / rate:.3g} s are needed",
             "Record longer, move faster, or give a higher cut-off.",
         )
     sections = signal.butter(_ORDER, cutoff, fs=rate, output="sos")

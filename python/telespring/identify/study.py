@@ -1,4 +1,4 @@
-"""Identification as the study shows it: both robots on the simulated rig, and what that does to the verdict."""
+"""Identification as the study shows it: both robots on the simulated rig, and what it does to the verdict."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def identification_study(seed: int = 1) -> dict[str, Any]:
     -------
     dict
         Plain values in SI units: `excitation`, `noise`, `arm`, `robots` (per robot the identification at the
-        handle and at the joints, beside the truth, and the paper's method), `verdict` (intervals of margins and
-        the probability that each of the paper's 16 conditions is stable).
+        handle and at the joints, beside the truth, and the paper's method), `verdict` (intervals of margins
+        and the probability that each of the paper's 16 conditions is stable).
     """
     return study_identification(seed).numbers
 
@@ -160,7 +160,7 @@ def _paper_method(
 
 def _verdict(dyad: ts.Dyad, found: list[Identification]) -> dict[str, Any]:
     """Margins of the robots as identified, with intervals, and the chance that each condition is stable."""
-    estimated = ts.Dyad(*(_robot(each) for each in found))
+    estimated = ts.Dyad(_robot(found[0]), _robot(found[1]))
     known = (_Known.of(found[0]), _Known.of(found[1]))
     stiffness, delay = _reference(dyad)
     margins = margin_uncertainty(estimated, known, 2.0 * stiffness, delay)
@@ -175,15 +175,15 @@ def _verdict(dyad: ts.Dyad, found: list[Identification]) -> dict[str, Any]:
             }
         )
     conditions = []
-    for i in _STIFFNESS_FACTORS:
-        for j in _DELAY_FACTORS:
-            probability = stable_probability(estimated, known, i * stiffness, j * delay)
+    for factor in _STIFFNESS_FACTORS:
+        for delay_factor in _DELAY_FACTORS:
+            probability = stable_probability(estimated, known, factor * stiffness, delay_factor * delay)
             conditions.append(
                 {
-                    "stiffness_factor": i,
-                    "delay_factor": j,
-                    "stiffness": i * stiffness,
-                    "delay": j * delay,
+                    "stiffness_factor": factor,
+                    "delay_factor": delay_factor,
+                    "stiffness": factor * stiffness,
+                    "delay": delay_factor * delay,
                     "stable_probability": probability.value,
                     "standard_error": probability.standard_error,
                 }
@@ -206,7 +206,7 @@ def _robot(found: Identification) -> ts.Robot:
 
 
 def _reference(dyad: ts.Dyad) -> tuple[float, float]:
-    """K_xy and Δ_xy of the true robots (Eq. 11): the experiment was laid out before anyone identified again."""
+    """K_xy and Δ_xy of the true robots (Eq. 11), in whose multiples the experiment is laid out."""
     from telespring.axes import axes_of
     from telespring.reference import reference_of
 
