@@ -1,7 +1,8 @@
 //! Laws of whole trials in the virtual laboratory.
 
 use telespring::rig::{
-    Agent, Arm, Coupling, Laboratory, Recording, Schedule, Seen, Spots, Status, Target, Trial, trial_seed,
+    Agent, Arm, Coupling, Elbow, Laboratory, Recording, Schedule, Seen, Spots, Status, Target, Trial,
+    TwoLinkArm, trial_seed,
 };
 use telespring::{Delay, InvalidInput};
 
@@ -244,7 +245,9 @@ fn offsets(spots: Spots, tick: usize, seeds: u64) -> Vec<f64> {
     laboratory.sides[1].agent = Agent::Blurred { stiffness: 120.0, spots };
     laboratory.controller.sample_period = 0.01;
     laboratory.check().unwrap();
-    let schedule = Schedule { ticks: tick, stride: tick.max(1) };
+    // the shortest trial has the tick at its start alone
+    let schedule = Schedule::new((tick as f64 * 0.01).max(1e-6), 100.0, 0.01).unwrap();
+    assert_eq!(schedule.ticks(), tick);
     (0..seeds)
         .flat_map(|seed| {
             let trial = Trial { laboratory: &laboratory, coupling: None, seed, schedule };
@@ -335,4 +338,65 @@ fn law_what_is_out_of_range_is_refused_by_its_name() {
     assert_eq!(schedule(1.0, 2000.0), "record_rate");
     assert_eq!(schedule(-1.0, 100.0), "duration");
     assert_eq!(schedule(1e6, 100.0), "duration");
+}
+
+#[test]
+fn cross_two_links_without_mass_act_as_the_ideal_arm() {
+    // the torques are held while the pose turns a little: a first-order difference in the sample period
+    let massless = TwoLinkArm {
+        link_mass: [0.0; 2],
+        link_inertia: [0.0; 2],
+        joint_damping: [0.0; 2],
+        rotor_inertia: [0.0; 2],
+        torque_limit: [f64::INFINITY; 2],
+        ..TwoLinkArm::HEBI_X8
+    };
+    let apart = |period: f64| {
+        let mut laboratory = Laboratory::paper();
+        laboratory.controller.sample_period = period;
+        let mut linked = laboratory.clone();
+        linked.sides[0].arm = Arm::TwoLink(massless);
+        linked.sides[1].arm = Arm::TwoLink(TwoLinkArm { elbow: Elbow::Left, ..massless });
+        let schedule = Schedule::new(3.0, 100.0, period).unwrap();
+        let of = |laboratory| {
+            Trial { laboratory, coupling: coupling(71.2, 0.0836), seed: 1, schedule }
+                .record::<InvalidInput>([None, None])
+                .unwrap()
+        };
+        let (one, other) = (of(&laboratory), of(&linked));
+        assert_eq!(other.ending.status, Status::Completed);
+        let pairs = one.position.iter().flatten().flatten().zip(other.position.iter().flatten().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (apart(1e-3), apart(5e-4));
+    assert!(coarse > 0.0 && coarse < 1e-4, "{coarse}");
+    assert!((coarse / fine - 2.0).abs() < 0.1, "{coarse} {fine}");
+}
+
+#[test]
+fn law_an_arm_that_cannot_follow_ends_the_trial_and_says_when() {
+    let mut laboratory = Laboratory::paper();
+    laboratory.sides[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.64], ..TwoLinkArm::HEBI_X8 });
+    let recording = run(&laboratory, None, 1, 5.0);
+    let Status::OutOfReach { at } = recording.ending.status else { panic!("{:?}", recording.ending) };
+    assert_eq!(recording.position.len(), (at * 1000.0).round() as usize);
+    // one that cannot even begin is refused
+    laboratory.sides[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.9], ..TwoLinkArm::HEBI_X8 });
+    let schedule = Schedule::new(1.0, 100.0, 1e-3).unwrap();
+    let trial = Trial { laboratory: &laboratory, coupling: None, seed: 1, schedule };
+    let refusal = trial.record::<InvalidInput>([None, None]).unwrap_err();
+    assert_eq!(refusal.field, "arm1.base");
+    assert!(refusal.to_string().contains("reach"), "{refusal}");
+}
+
+#[test]
+fn law_two_links_take_every_imperfection_of_the_controllers() {
+    let mut laboratory = busy();
+    for side in &mut laboratory.sides {
+        side.arm = Arm::TwoLink(TwoLinkArm::HEBI_X8);
+    }
+    let recording = run(&laboratory, coupling(35.6, 0.05), 1, 2.0);
+    assert_eq!(recording.ending.status, Status::Completed);
+    let forces = recording.handle_force.iter().flatten().flatten();
+    assert!(forces.clone().all(|force| force.is_finite()) && forces.clone().any(|force| *force != 0.0));
 }

@@ -7,11 +7,11 @@
 
 use super::agent::{Mover, Seen};
 use super::network::Link;
-use super::plant::{Plant, RelaxingForce};
+use super::plant::{OutOfReach, Plant, RelaxingForce};
 use super::random::{Stream, generator};
 use super::record::{Ending, Record, Recording, Row, Status};
 use super::schedule::Schedule;
-use super::{Agent, Laboratory};
+use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
@@ -61,6 +61,17 @@ pub struct Trial<'a> {
     pub schedule: Schedule,
 }
 
+/// What acts on one side from a tick on, N.
+#[derive(Debug, Clone, Copy, Default)]
+struct Acting {
+    /// What the robot's controller asks for.
+    command: [f64; 2],
+    /// What the robot gives at the tick; behind a lag not yet what is asked for.
+    robot: [f64; 2],
+    /// What the agent asks of its arm.
+    hand: [f64; 2],
+}
+
 /// One side in the course of a trial.
 struct Station {
     plant: Plant,
@@ -88,6 +99,35 @@ impl Station {
             position
         };
         Motion { position, velocity: self.plant.velocity() }
+    }
+
+    /// Takes in what has arrived and gives the force of the spring, N.
+    fn spring(&mut self, now: Nanoseconds) -> [f64; 2] {
+        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
+        while let Some(packet) = link.deliver(now) {
+            endpoint.receive(now, &packet).expect("a packet of the other side");
+        }
+        endpoint.force(now)
+    }
+
+    /// What acts until the next tick where these forces have been computed now, N.
+    fn act(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> Acting {
+        let computed = [spring, hand];
+        let before = std::mem::replace(&mut self.computed, computed);
+        let [command, hand] = if controller.computing_tick { before } else { computed };
+        let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
+        Acting { command, robot, hand }
+    }
+
+    /// Moves on by one period.
+    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), OutOfReach> {
+        let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
+        if time_constant > 0.0 {
+            let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
+            self.actuator = force.after(period);
+            return self.plant.advance_relaxing(&force, acting.hand, period);
+        }
+        self.plant.advance(acting.command, acting.hand, period)
     }
 }
 
@@ -148,7 +188,7 @@ impl Trial<'_> {
         record: &mut Record<'_>,
     ) -> std::result::Result<Ending, E> {
         let Laboratory { sides, target, controller, .. } = self.laboratory;
-        let Schedule { ticks, stride } = self.schedule;
+        let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
         if let Some(coupling) = &self.coupling {
             coupling.check()?;
         }
@@ -186,15 +226,8 @@ impl Trial<'_> {
                     }
                 }
             }
-            let (mut aim, mut acting, mut forces) = (Row::default(), [Row::default(); 2], Row::default());
+            let (mut aim, mut acting) = (Row::default(), [Acting::default(); 2]);
             for (side, station) in stations.iter_mut().enumerate() {
-                let mut spring = [0.0; 2];
-                if let (Some(link), Some(endpoint)) = (&mut station.link, &mut station.endpoint) {
-                    while let Some(packet) = link.deliver(now) {
-                        endpoint.receive(now, &packet).expect("a packet of the other side");
-                    }
-                    spring = endpoint.force(now);
-                }
                 let seen = Seen {
                     time,
                     position: measured[side].position,
@@ -208,45 +241,27 @@ impl Trial<'_> {
                     }
                     _ => station.mover.act(&seen, &aim_here),
                 };
-                let computed = [spring, hand];
-                let [spring, hand] = if controller.computing_tick {
-                    std::mem::replace(&mut station.computed, computed)
-                } else {
-                    computed
-                };
-                let robot = if controller.actuator_lag > 0.0 { station.actuator } else { spring };
-                (acting[0][side], acting[1][side], forces[side]) = (robot, hand, spring);
+                let spring = station.spring(now);
+                acting[side] = station.act(spring, hand, controller);
             }
             if tick % stride == 0 {
                 record.target[rows] = aim_here.position;
                 record.aim[rows] = aim;
-                record.coupling_force[rows] = acting[0];
-                record.agent_force[rows] = acting[1];
                 for (side, station) in stations.iter().enumerate() {
+                    let Acting { robot, hand, .. } = acting[side];
+                    record.coupling_force[rows][side] = robot;
+                    record.agent_force[rows][side] = hand;
                     record.position[rows][side] = station.plant.position();
                     record.velocity[rows][side] = station.plant.velocity();
-                    record.handle_force[rows][side] =
-                        station.plant.handle_force(acting[0][side], acting[1][side]);
+                    record.handle_force[rows][side] = station.plant.handle_force(robot, hand);
                 }
                 rows += 1;
             }
             if tick == ticks {
                 break;
             }
-            for (side, station) in stations.iter_mut().enumerate() {
-                let hand = acting[1][side];
-                let moved = if controller.actuator_lag > 0.0 {
-                    let force = RelaxingForce {
-                        from: station.actuator,
-                        to: forces[side],
-                        time_constant: controller.actuator_lag,
-                    };
-                    station.actuator = force.after(period);
-                    station.plant.advance_relaxing(&force, hand, period)
-                } else {
-                    station.plant.advance(forces[side], hand, period)
-                };
-                if moved.is_err() {
+            for (station, acting) in stations.iter_mut().zip(&acting) {
+                if station.advance(acting, controller).is_err() {
                     let at = (tick + 1) as f64 * period;
                     return Ok(Ending { status: Status::OutOfReach { at }, rows });
                 }
@@ -267,7 +282,10 @@ fn missing_agent(side: usize) -> InvalidInput {
 
 fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
     for (axis, value) in force.into_iter().enumerate() {
-        quantity::FORCE.check(&format!("agents[{side}] at {time} s, force[{axis}]"), value)?;
+        quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {
+            field: format!("agents[{side}] at {time} s, force[{axis}]"),
+            ..refusal
+        })?;
     }
     Ok(force)
 }
