@@ -189,6 +189,7 @@ def analyse_command(
     export: Annotated[
         Path | None, typer.Option(help="Write the trials as CSV into this folder, too.")
     ] = None,
+    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
     template: Annotated[
         Path | None, typer.Option(help="Write an example of recorded trials into this folder, and stop.")
     ] = None,
@@ -224,7 +225,7 @@ def analyse_command(
             discard = float(asked.discard)
         trials = analysis.take_trials(dataset, discard)
         numbers = analysis.analyse_taken(trials, analysis.measure_trials(trials), baseline)
-        written = write_analysis(trials, numbers, out)
+        written = write_analysis(trials, numbers, out, figures=figures)
         if export is not None:
             written = (*written, analysis.write_recorded(dataset, export))
     if as_json:

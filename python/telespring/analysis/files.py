@@ -90,7 +90,7 @@ def open_trials(path: str | os.PathLike[str], task: Mapping[str, Any] | None = N
 
 
 def write_analysis(
-    trials: Trials, numbers: Mapping[str, Any], folder: str | os.PathLike[str]
+    trials: Trials, numbers: Mapping[str, Any], folder: str | os.PathLike[str], *, figures: bool = True
 ) -> tuple[Path, ...]:
     """Write ``analysis.json``, ``table1.csv`` and Figs. 7 and 8 as SVG and PNG.
 
@@ -102,6 +102,8 @@ def write_analysis(
         What `telespring.analysis.analyse_trials` found.
     folder : path
         Made where it is missing.
+    figures : bool
+        Whether to draw.
 
     Returns
     -------
@@ -119,11 +121,9 @@ def write_analysis(
         write_whole(place / "analysis.json", text),
         write_whole(place / "table1.csv", table1_csv(numbers["table1"])),
     ]
-    for name, figure in (
-        ("trajectories", draw_trajectories(trials)),
-        ("tracking-errors", draw_errors(numbers)),
-    ):
-        written += _write_figure(place / name, figure)
+    if figures:
+        written += _write_figure(place / "trajectories", draw_trajectories(trials))
+        written += _write_figure(place / "tracking-errors", draw_errors(numbers))
     return tuple(written)
 
 

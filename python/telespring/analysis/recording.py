@@ -12,7 +12,7 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring.analysis.columns import AXES, INDEX, QUANTITIES, TARGET, TIME, columns_of
 from telespring.analysis.recorded import target_of
-from telespring.analysis.trials import condition_label
+from telespring.analysis.trials import condition_label, status_of
 from telespring.files import replacing, write_whole
 
 if TYPE_CHECKING:
@@ -63,9 +63,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "folder", str(place), f"a folder without {INDEX} is needed", "Choose another, or remove that one."
         )
     shape = (dataset.sizes["condition"], dataset.sizes["trial"])
-    status = np.full(shape, "completed")
-    if "status" in dataset.variables:
-        status = np.asarray(dataset["status"].transpose("condition", "trial")).astype(str)
+    status = status_of(dataset, shape)
     order = ("condition", "trial", "time", "robot", "axis")
     present = [
         name for name in QUANTITIES if name in dataset.variables and set(order) == set(dataset[name].dims)
@@ -146,13 +144,14 @@ def write_template(folder: str | os.PathLike[str]) -> Path:
         [[np.stack([target_of(task, time - lag) for lag in pair], axis=1) for pair in row] for row in lags]
     ).round(6)
     spring = position[..., ::-1, :] - position
+    # Unconnected first, then the spring; adding 0 below turns −0 into 0.
     force = 36.0 * spring * np.array([0.0, 1.0])[:, None, None, None, None]
     per_sample = ("condition", "trial", "time", "robot", "axis")
     return write_recorded(
         xr.Dataset(
             {
                 "position": (per_sample, position),
-                "coupling_force": (per_sample, force.round(6)),
+                "coupling_force": (per_sample, force.round(6) + 0.0),
                 "target": (("time", "axis"), target.round(6)),
             },
             coords={

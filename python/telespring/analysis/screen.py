@@ -111,8 +111,8 @@ def _words(numbers: Mapping[str, Any]) -> Iterator[Text]:
     early = sum(row["ended_early"] for row in numbers["table1"])
     if early:
         yield Text(
-            f"{early} trials ended early: they have no tracking error and take no part in the tests, so that "
-            "their conditions look better than they are.",
+            f"{'1 trial ended early: it has' if early == 1 else f'{early} trials ended early: they have'} "
+            "no tracking error and no part in the tests, so that the condition looks better than it is.",
             style="red",
         )
 

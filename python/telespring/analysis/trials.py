@@ -15,7 +15,7 @@ from telespring._types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "condition_label", "take_trials"]
+__all__ = ["Trials", "condition_label", "status_of", "take_trials"]
 
 #: Share of a sample by which a sample's time may miss the end of the discarded part, for rounding.
 _ROUNDING = 1e-6
@@ -146,7 +146,7 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
     else:
         labels = tuple(condition_label(k, d) for k, d in zip(stiffness.tolist(), delay.tolist(), strict=True))
     shape = (sizes["condition"], sizes["trial"])
-    status = _status(dataset, shape)
+    status = status_of(dataset, shape)
     samples = np.full(shape, len(time))
     if "samples" in dataset.variables:
         samples = np.asarray(dataset["samples"].transpose("condition", "trial"), dtype=int)
@@ -170,11 +170,12 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
         )
     target = dataset["target"]
     if "condition" in target.dims:
-        goals = np.asarray(target.transpose("condition", "trial", "time", "axis"), dtype=float)
+        goals = np.ascontiguousarray(target.transpose("condition", "trial", "time", "axis"), dtype=float)
     else:
-        goals = np.asarray(target.transpose("time", "axis"), dtype=float)[None, None]
+        goals = np.ascontiguousarray(target.transpose("time", "axis"), dtype=float)[None, None]
+    # In one order of memory, so that sums round alike wherever the trials come from.
     series = {
-        name: np.asarray(dataset[name].transpose(*order), dtype=float)
+        name: np.ascontiguousarray(dataset[name].transpose(*order), dtype=float)
         if name in dataset.variables and set(order) == set(dataset[name].dims)
         else None
         for name in ("position", "velocity", "coupling_force", "agent_force")
@@ -209,10 +210,17 @@ def _not_trials(field: str, allowed: str) -> InvalidInput:
     )
 
 
-def _status(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
+def status_of(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
+    """Say in words how every trial ended, (condition, trial)."""
     if "status" not in dataset.variables:
         return np.full(shape, "completed")
-    raw: NDArray[Any] = np.asarray(dataset["status"].transpose("condition", "trial"))
+    status = dataset["status"].transpose("condition", "trial")
+    raw: NDArray[Any] = np.asarray(status)
+    meanings = status.attrs.get("flag_meanings")
+    if raw.dtype.kind in "iu" and meanings is not None:
+        # Numbers with their meaning beside, as the CF conventions write flags.
+        words = dict(zip(np.ravel(status.attrs["flag_values"]).tolist(), str(meanings).split(), strict=True))
+        return np.array([[words[int(each)].replace("_", " ") for each in row] for row in raw])
     return raw.astype(str)
 
 

@@ -143,7 +143,7 @@ def _reach(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
     goal = np.maximum(goal, 0.25 * goal.max())
     moved = goal
     for panel in panels:
-        there = np.isfinite(panel.position).all(axis=-1).any(axis=(1, 2))
+        there = np.isfinite(panel.position).all(axis=-1).any(axis=-1).any(axis=-1)
         if there.any():
             # Most trials count, so that a few that run away do not make the others small.
             farthest = np.nanmax(np.abs(panel.position[there]), axis=(1, 2))
