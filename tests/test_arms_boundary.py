@@ -59,6 +59,19 @@ def test_pin_first_windows_at_four_times_the_reference(found: ArmsBoundary) -> N
     assert 1e3 * np.array(y) == pytest.approx([117.6, 167.3], abs=0.5)
 
 
+def test_pin_windows_at_the_printed_stiffness() -> None:
+    found = boundary_in_arms(ts.hman(), [71.0, 142.0])
+    x, y = found.axes
+    assert (x.unstable_held[0], y.unstable_held[0]) == ((), ())
+    # to half a millisecond
+    assert 1e3 * np.array(x.unstable_held[1][:2]) == pytest.approx(
+        np.array([[78.3, 152.3], [247.3, 366.1]]), abs=0.5
+    )
+    assert 1e3 * np.array(y.unstable_held[1][:2]) == pytest.approx(
+        np.array([[119.0, 165.9], [339.8, 415.5]]), abs=0.5
+    )
+
+
 def test_law_agents_without_stiffness_leave_the_boundary_of_free_handles() -> None:
     found = boundary_in_arms(ts.hman(), [2 * REFERENCE], agent_stiffness=(0.0, 0.0))
     for axis in found.axes:

@@ -11,17 +11,24 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from scipy import stats
 from scipy.optimize import minimize
 
 import telespring as ts
-from telespring import _core, analysis
+from telespring import _core, analysis, figures
 from telespring._types import FloatArray
+from telespring.arms_boundary import boundary_in_arms
+from telespring.arms_boundary import draw as draw_boundary
 from telespring.calibration import (
     TABLE_I,
     Calibration,
     PublishedRow,
     calibrate,
+    draw_cells,
+    draw_pairs,
+    draw_profiles,
     null_prediction,
     predict,
     score,
@@ -330,3 +337,30 @@ def test_law_a_study_without_the_papers_agents_is_refused(
     with pytest.raises(ts.InvalidInput) as refused:
         calibrate(with_values(ts.Study.paper(), values))
     assert refused.value.field == field
+
+
+# ---- figures -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["cells", "profiles", "pairs", "arms"])
+def test_law_figures_are_whole_and_the_same_every_time(on_stand_in: Calibration, name: str) -> None:
+    def drawn() -> Figure:
+        if name == "arms":
+            conditions = [(k, delay) for k, delay in CONDITIONS.values() if k is not None]
+            found = boundary_in_arms(ts.hman(), [142.0], conditions=conditions)
+            return draw_boundary(found, points=40)
+        return {"cells": draw_cells, "profiles": draw_profiles, "pairs": draw_pairs}[name](on_stand_in)
+
+    figure = drawn()
+    text = figures.to_svg(figure, name, "title", "description")
+    assert text == figures.to_svg(drawn(), name, "title", "description")
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]
+    width, height = figure.get_size_inches()
+    # a hundredth of an inch: half of a line's width may stand over the edge
+    assert box.x0 > -0.01
+    assert box.y0 > -0.01
+    assert box.x1 < width + 0.01
+    assert box.y1 < height + 0.01

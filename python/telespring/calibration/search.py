@@ -14,7 +14,7 @@ Objective = Callable[[FloatArray], FloatArray]
 
 #: A round's box is this much smaller than the one before.
 _SHRINK = 0.5
-#: Samples beyond a bound are moved onto it, so that an optimum there is found exactly.
+#: Samples beyond a bound are moved onto it: an optimum there is found sooner.
 _OVERHANG = 0.15
 
 
