@@ -38,6 +38,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
         _budget(decision),
         *_decay(decision),
         *_uncertainty(decision),
+        *_in_arms(decision),
         _changes(decision),
     )
 
@@ -354,6 +355,35 @@ def _uncertainty(decision: Decision) -> list[RenderableType]:
             ),
         )
     return [Padding(title, (1, 0, 0, 0)), table]
+
+
+def _in_arms(decision: Decision) -> list[Padding]:
+    """Tell what the arms and agents that a study file names make of the answer."""
+    found = decision.in_arms
+    if found is None:
+        return []
+    if found.holding is None:
+        lines = [Text(f"In the rehearsal arms and agents hold the handles. In these arms: {found.in_words()}")]
+    else:
+        (one,) = found.conditions
+        style = "bold green" if one.stable else "bold red"
+        how = one.pace()
+        if one.worst_position is not None:
+            _, _, where = one.verdict().partition(", ")
+            how = f"{where}, {how}"
+        where = ""
+        if one.unstable_poses and found.poses is not None:
+            where = f" in {one.unstable_poses} of {len(found.poses.places)} poses"
+        elif one.unstable_axes:
+            where = f" on {' and '.join(one.unstable_axes)}"
+        held = f"In the rehearsal arms and agents hold the handles ({found.holding.in_words()}). In these arms: "
+        controllers = "" if decision.sampled_stable is None else " with continuous controllers"
+        lines = [
+            Text.assemble(held, ("stable" if one.stable else "unstable", style), f"{where}{controllers} ({how}).")
+        ]
+        if found.poses is not None:
+            lines.append(Text(f"{found.poses.in_words()}."))
+    return [Padding(Group(*lines), (1, 0, 0, 0))]
 
 
 def _changes(decision: Decision) -> Padding:
