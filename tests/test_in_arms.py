@@ -14,12 +14,13 @@ import oracle_collocation as oracle
 import telespring as ts
 from telespring import cli
 from telespring._types import FloatArray
-from telespring.holding import places_of
+from telespring.holding import holding_of, places_of
 from telespring.in_arms import InArms, names_arms_or_agents, stability_in_arms
+from telespring.pose_stability import pose_stability
 from telespring.report import render
 from telespring.study.arms import find_arms
-from telespring.study.part import Scene
 from telespring.study.laboratory import find_laboratory
+from telespring.study.part import Scene
 from telespring.study.robots import find_allowed
 from telespring.study_text import with_values
 
@@ -84,7 +85,9 @@ def test_cross_collocation_has_the_abscissa_in_lumped_arms() -> None:
     for i, each in enumerate(found.conditions):
         # 1e-8: what the oracle's refinement and ours leave
         assert each.spectral_abscissa == pytest.approx(expected[:, i].max(), abs=1e-8)
-        assert each.unstable_axes == tuple(name for name, a in zip("xy", expected[:, i], strict=True) if a > 0)
+        assert each.unstable_axes == tuple(
+            name for name, a in zip("xy", expected[:, i], strict=True) if a > 0
+        )
     assert {each.stable for each in found.conditions} == {True, False}
 
 
@@ -97,20 +100,24 @@ def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
         worst = max(ts.spectral_abscissa(dyad, each.stiffness, each.delay, axis) for axis in dyad.axes)
         assert each.spectral_abscissa == pytest.approx(worst, abs=1e-12)  # rounding of the sums
     # the report's boundary says the same of the same conditions
-    study = with_values(study, {"protocol": {"conditions": [{"stiffness": k, "delay": d} for k, d in CONDITIONS]}})
+    conditions = [{"stiffness": k, "delay": d} for k, d in CONDITIONS]
+    study = with_values(study, {"protocol": {"conditions": conditions}})
     numbers = find_arms(Scene.of(study)).numbers["arms"]
-    assert [each["in_arms"] == "stable" for each in numbers["conditions"]] == [c.stable for c in found.conditions]
+    assert [each["in_arms"] == "stable" for each in numbers["conditions"]] == [
+        c.stable for c in found.conditions
+    ]
     assert numbers["arm_mass"] == [[0.8, 0.5], [0.4, 0.4]]
     assert numbers["agent_damping"] == [2.0, 0.0]
     for axis, mass in zip(numbers["axes"], (0.8, 0.5), strict=True):
         i = "xy".index(axis["axis"])
         assert mass == LUMPED["arm1"]["mass"][i]
-        expected = ts.critical_stiffness(
-            *(dyad.robots[0].mass[i] + operators[0].mass[i], dyad.robots[0].damping[i] + operators[0].damping[i]),
-            *(dyad.robots[1].mass[i] + 0.4, dyad.robots[1].damping[i] + 0.6),
-            kh1=90.0,
-            kh2=120.0,
+        m1, m2 = (
+            dyad.robots[side].mass[i] + np.broadcast_to(operators[side].mass, 2)[i] for side in range(2)
         )
+        b1, b2 = (
+            dyad.robots[side].damping[i] + np.broadcast_to(operators[side].damping, 2)[i] for side in range(2)
+        )
+        expected = ts.critical_stiffness(m1, b1, m2, b2, kh1=90.0, kh2=120.0)
         assert axis["critical_stiffness_in_arms"] == pytest.approx(float(expected), rel=1e-12)
 
 
@@ -129,7 +136,8 @@ def handle_matrices(arm: dict[str, Any], position: FloatArray) -> tuple[FloatArr
         arm[key] for key in ("link_length", "link_mass", "link_centre", "link_inertia")
     )
     x, y = position - arm["base"]
-    bend = np.arccos((x * x + y * y - l1 * l1 - l2 * l2) / (2 * l1 * l2)) * (1 if arm["elbow"] == "right" else -1)
+    sign = 1 if arm["elbow"] == "right" else -1
+    bend = sign * np.arccos((x * x + y * y - l1 * l1 - l2 * l2) / (2 * l1 * l2))
     turn = np.arctan2(y, x) - np.arctan2(l2 * np.sin(bend), l1 + l2 * np.cos(bend))
     both = turn + bend
     jacobian = np.array(
@@ -189,9 +197,6 @@ def test_law_more_poses_find_no_pose_much_worse() -> None:
     (coarse,) = stability_in_arms(study, [(142.0, 0.15)]).conditions
     assert study.experiment is not None
     angle = np.linspace(0.0, 2 * np.pi, 500, endpoint=False)
-    from telespring.holding import holding_of
-    from telespring.pose_stability import pose_stability
-
     holding = holding_of(study, study.experiment)
     path = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
     fine = pose_stability(holding.held, holding.jointed, 142.0, 0.15, path)
@@ -276,7 +281,7 @@ def test_law_places_lie_on_the_targets_path_and_cover_it(tmp_path: Path) -> None
 def unknown(study: ts.Study, folder: Path | None = None) -> InArms:
     found = stability_in_arms(study, CONDITIONS, folder)
     assert found.holding is None
-    assert found.conditions == ()
+    assert not found.conditions
     assert found.unknown
     return found
 
@@ -317,7 +322,7 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
     written(tmp_path, ts.Study.paper(), '\n[agent1]\nkind = "skilled"\n')
     named = command("decide", path, "--stiffness", "142", "--delay", "0.084")
     assert named.exit_code == 0
-    assert "In these arms: unstable on x (growing by the factor e every 11" in named.stdout
+    assert "In these arms: unstable on x (growing by the factor e every 12 s)" in named.stdout
     told = json.loads(command("decide", path, "--stiffness", "142", "--delay", "0.084", "--json").stdout)
     assert told["in_arms"]["unstable_axes"] == ["x"]
     assert not told["in_arms"]["stable"]

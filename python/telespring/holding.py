@@ -67,11 +67,7 @@ class Holding:
         damping = _alike(self.agent_damping, "N·s/m") if any(self.agent_damping) else ""
         agents = f"agents with {stiffness}{f', {damping}' if damping else ''}"
         kinds = [
-            "two-link"
-            if jointed is not None
-            else "lumped"
-            if (mass, drag) != (_ZERO, _ZERO)
-            else "massless"
+            "two-link" if jointed is not None else "lumped" if (mass, drag) != (_ZERO, _ZERO) else "massless"
             for jointed, mass, drag in zip(self.jointed, self.arm_mass, self.arm_damping, strict=True)
         ]
         if kinds[0] == kinds[1]:

@@ -103,9 +103,10 @@ class Poses:
     def in_words(self) -> str:
         """Say where they are, and whether the axes are independent there."""
         one, two = (f"{100.0 * each:.2g} %" for each in self.cross_inertia.max(axis=0))
+        how = "nearly" if self.axes_are_independent else "not"
         return (
-            f"Worst of {len(self.places)} poses along {self.along}; x and y are "
-            f"{'nearly' if self.axes_are_independent else 'not'} independent, the cross-axis inertia is up to "
+            f"Worst of {len(self.places)} poses along {self.along}; x and y are {how} independent, the "
+            f"cross-axis inertia is up to "
             f"{one} (robot 1) and {two} (robot 2) of the diagonal"
         )
 

@@ -362,25 +362,22 @@ def _in_arms(decision: Decision) -> list[Padding]:
     found = decision.in_arms
     if found is None:
         return []
+    held = "In the rehearsal arms and agents hold the handles"
     if found.holding is None:
-        lines = [Text(f"In the rehearsal arms and agents hold the handles. In these arms: {found.in_words()}")]
+        lines = [Text(f"{held}. In these arms: {found.in_words()}")]
     else:
         (one,) = found.conditions
-        style = "bold green" if one.stable else "bold red"
-        how = one.pace()
+        verdict = ("stable", "bold green") if one.stable else ("unstable", "bold red")
+        where, how = "", one.pace()
         if one.worst_position is not None:
-            _, _, where = one.verdict().partition(", ")
-            how = f"{where}, {how}"
-        where = ""
+            how = f"{one.verdict().partition(', ')[2]}, {how}"
         if one.unstable_poses and found.poses is not None:
             where = f" in {one.unstable_poses} of {len(found.poses.places)} poses"
         elif one.unstable_axes:
             where = f" on {' and '.join(one.unstable_axes)}"
-        held = f"In the rehearsal arms and agents hold the handles ({found.holding.in_words()}). In these arms: "
         controllers = "" if decision.sampled_stable is None else " with continuous controllers"
-        lines = [
-            Text.assemble(held, ("stable" if one.stable else "unstable", style), f"{where}{controllers} ({how}).")
-        ]
+        arms = f"{held} ({found.holding.in_words()}). In these arms: "
+        lines = [Text.assemble(arms, verdict, f"{where}{controllers} ({how}).")]
         if found.poses is not None:
             lines.append(Text(f"{found.poses.in_words()}."))
     return [Padding(Group(*lines), (1, 0, 0, 0))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -67,7 +68,9 @@ def poses_figure(
         x, y = 1e3 * places.T
         for robot, (marker, colour) in enumerate((("o", blue), ("s", vermilion))):
             share = 100.0 * cross_inertia[:, robot]
-            path.scatter(x, y, s=(_WIDTH * share) ** 2 + 1.0, marker=marker, facecolors="none", edgecolors=colour)
+            path.scatter(
+                x, y, s=(_WIDTH * share) ** 2 + 1.0, marker=marker, facecolors="none", edgecolors=colour
+            )
         worst = sorted({each.worst_position for each in conditions})
         path.plot([1e3 * at[0] for at in worst], [1e3 * at[1] for at in worst], "*", color=black, ms=7.0)
         path.set(xlabel="x, mm", ylabel="y, mm")
@@ -79,7 +82,9 @@ def poses_figure(
         for row, each in enumerate(conditions):
             unstable = each.worst >= 0.0
             ranges.plot([each.least, each.worst], [row, row], color=blue, linewidth=2.0)
-            ranges.plot(each.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4)
+            ranges.plot(
+                each.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
+            )
             ranges.plot(
                 each.worst,
                 row,
@@ -96,7 +101,7 @@ def poses_figure(
         panel_label(ranges, "b", "over the poses; unstable above 0")
 
         one, two = 100.0 * cross_inertia.max(axis=0)
-        ours = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
+        ours: Any = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
         figure.legend(
             handles=[
                 Line2D([], [], marker="o", color=blue, label=f"robot 1 (width; largest {one:.2g} %)", **ours),

@@ -112,8 +112,8 @@ def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict
         ),
         "arms",
         "Stability in the poses along the target's path",
-        "Left: the path with the cross-axis inertia of both sides. Right: for each condition the range of the "
-        "spectral abscissa over the poses; above zero is unstable. " + " ".join(statements),
+        "Left: the path with the cross-axis inertia of both sides. Right: for each condition the range of "
+        "the spectral abscissa over the poses; above zero is unstable. " + " ".join(statements),
     )
     numbers = {
         "poses": len(poses.places),
