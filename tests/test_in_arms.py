@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from typer.testing import CliRunner, Result
 
 import oracle_collocation as oracle
 import telespring as ts
-from telespring import cli
+from telespring import cli, figures
 from telespring._types import FloatArray
 from telespring.holding import holding_of, places_of
 from telespring.in_arms import InArms, names_arms_or_agents, stability_in_arms
@@ -409,7 +411,26 @@ def test_law_a_torque_without_limit_is_told_as_such() -> None:
     assert limits == [None] * 4
 
 
-def test_law_the_figure_of_the_poses_is_whole_and_the_same_every_time() -> None:
-    found = page(jointed(protocol={"conditions": [{"stiffness": 142.0, "delay": 0.167}]}))[1]
-    again = page(jointed(protocol={"conditions": [{"stiffness": 142.0, "delay": 0.167}]}))[1]
-    assert found == again
+@pytest.mark.parametrize("count", [0, 1, 16])
+def test_law_the_figure_of_the_poses_is_whole_and_the_same_every_time(count: int) -> None:
+    def drawn() -> Figure:
+        angle = np.linspace(0.0, 2 * np.pi, 31, endpoint=False)
+        places = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
+        ranges = [
+            figures.PoseRange(f"{10 * i} N/m, {20 * i} ms", i - 9.0, i - 8.0, i - 8.5, (0.05, 0.07))
+            for i in range(count)
+        ]
+        return figures.poses_figure(ranges, places, np.abs(places) * 4.0)
+
+    figure = drawn()
+    text = figures.to_svg(figure, "arms", "title", "description")
+    assert text == figures.to_svg(drawn(), "arms", "title", "description")
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]
+    width, height = figure.get_size_inches()
+    # a hundredth of an inch: half of a line's width may stand over the edge
+    assert min(box.x0, box.y0) > -0.01
+    assert box.x1 < width + 0.01
+    assert box.y1 < height + 0.01

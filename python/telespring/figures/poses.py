@@ -76,7 +76,7 @@ def poses_figure(
         path.set(xlabel="x, mm", ylabel="y, mm")
         path.set_aspect("equal", adjustable="box")
         path.margins(0.12)
-        panel_label(path, "a", "cross-axis inertia along the path")
+        panel_label(path, "a", "cross-axis inertia (width)")
 
         ranges.axvline(0.0, color=GREY, linestyle=DASHES[1], linewidth=0.8)
         for row, each in enumerate(conditions):
@@ -99,20 +99,21 @@ def poses_figure(
         ranges.set_xlabel("Spectral abscissa, 1/s")
         ranges.margins(x=0.08)
         panel_label(ranges, "b", "over the poses; unstable above 0")
+        if not conditions:
+            ranges.clear()
+            ranges.set_axis_off()
 
         one, two = 100.0 * cross_inertia.max(axis=0)
         ours: Any = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
         figure.legend(
             handles=[
-                Line2D([], [], marker="o", color=blue, label=f"robot 1 (width; largest {one:.2g} %)", **ours),
-                Line2D(
-                    [], [], marker="s", color=vermilion, label=f"robot 2 (width; largest {two:.2g} %)", **ours
-                ),
+                Line2D([], [], marker="o", color=blue, label=f"robot 1 (largest {one:.2g} %)", **ours),
+                Line2D([], [], marker="s", color=vermilion, label=f"robot 2 (largest {two:.2g} %)", **ours),
                 Line2D([], [], marker="*", color=black, linestyle="none", label="where a condition is worst"),
                 Line2D([], [], color=blue, linewidth=2.0, label="from best to worst pose"),
                 Line2D([], [], marker="o", color=black, label="worst pose, stable", **ours),
                 Line2D([], [], marker="X", color=black, linestyle="none", label="worst pose, unstable"),
-                Line2D([], [], marker="D", color=vermilion, label="worst, axes taken as independent", **ours),
+                Line2D([], [], marker="D", color=vermilion, label="worst if uncoupled", **ours),
             ],
             loc="outside upper center",
             ncols=4,
