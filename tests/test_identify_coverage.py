@@ -10,7 +10,8 @@ import pytest
 import telespring as ts
 from telespring.identify import identify
 from telespring.identify.rig import RigLog, rig_log
-from telespring.identify.study import identification_study
+from telespring.identify.study import identification_study, study_identification
+from telespring.study_text import with_values
 
 #: Fixed before the first run.
 SEED = 20251122
@@ -79,6 +80,15 @@ def test_law_at_the_joints_the_arm_is_identified_too(log: RigLog) -> None:
         # the arm's inertia couples the axes, and the result says so
         assert found.independent is False
         assert any("not independent" in warning for warning in found.warnings)
+
+
+def test_law_a_study_with_friction_has_it_identified() -> None:
+    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [0.4, 0.3]}})
+    for robot, coulombs in zip(study_identification(1, rough).robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
+        for axis, coulomb in zip(robot[1].axes, coulombs, strict=True):
+            assert axis.coulomb is not None
+            # while the handle sticks its friction is not yet the full one
+            assert axis.coulomb.value == pytest.approx(coulomb, abs=0.03)
 
 
 def test_law_the_study_is_json_and_the_same_each_time() -> None:
