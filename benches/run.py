@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import criteria
+import rehearsal
 import roots
 import rustside
 import simulation
@@ -65,7 +66,7 @@ def main() -> None:
 def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
     rows: list[Row] = []
     with Progress(console=console, transient=True) as progress, tempfile.TemporaryDirectory() as folder:
-        task = progress.add_task("", total=5)
+        task = progress.add_task("", total=6)
 
         def step(what: str) -> None:
             progress.update(task, description=what, advance=1)
@@ -81,6 +82,7 @@ def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
             ("roots", roots.rows),
             ("criteria", criteria.rows),
             ("stability maps", stability_map.rows),
+            ("a rehearsal", rehearsal.rows),
         ]
         for what, group in groups:
             step(what)

@@ -52,13 +52,48 @@ def regions() -> Figure:
     return figures.region_map(panels, longest=[1.0, 2.0], marks=[(5.0, 0.1), None])
 
 
+def trajectories() -> Figure:
+    time = np.linspace(0.0, 12.0, 1500)
+    target = np.stack([0.05 * np.sin(2.0 * time), 0.1 * np.sin(time)], axis=-1)
+    position = np.stack([target, 0.9 * target], axis=1)[None] * np.linspace(0.9, 1.05, 8)[:, None, None, None]
+    panel = figures.TrialPanel("36 N/m, 84 ms", position, target)
+    away = position * np.exp(time / 4.0)[:, None, None]
+    away[0, 900:] = np.nan
+    leaving = figures.TrialPanel("142 N/m, 334 ms", away, target, "1 ended early")
+    return figures.trajectory_figure(panel, [[panel] * 4, [panel, None, panel, leaving]])
+
+
+def errors() -> Figure:
+    rng = np.random.default_rng(1)
+    groups = [
+        figures.ErrorGroup(
+            "UM" if i == 0 else "84",
+            "" if i == 0 else f"{36 if i < 3 else 71} N/m",
+            (0.03 + 0.001 * rng.normal(size=20), 0.04 + 0.002 * rng.normal(size=20)),
+            ("↓", "" if i < 3 else "↑"),
+            2 if i == 4 else 0,
+        )
+        for i in range(5)
+    ]
+    groups.append(
+        figures.ErrorGroup("334", "71 N/m", (np.full(20, np.nan), np.full(20, np.nan)), ("", ""), 20)
+    )
+    return figures.error_figure(groups, 0.04)
+
+
 DRAWINGS = {
     "nyquist": nyquist,
     "frequency": frequency,
     "responses": responses,
     "tiers": tiers,
     "regions": regions,
+    "dyad": figures.dyad_schematic,
+    "loop": figures.loop_schematic,
+    "laboratory": figures.laboratory_schematic,
+    "trajectories": trajectories,
+    "errors": errors,
 }
+SCHEMATICS = ("dyad", "loop", "laboratory")
 
 
 @pytest.fixture(params=DRAWINGS, scope="module")
@@ -81,7 +116,10 @@ def test_law_nothing_is_cut_off(drawing: tuple[str, Figure]) -> None:
 
 
 def test_law_every_outer_axis_has_a_label_with_a_unit(drawing: tuple[str, Figure]) -> None:
-    _, figure = drawing
+    name, figure = drawing
+    if name in SCHEMATICS:
+        assert not any(axes.axison for axes in figure.axes)
+        return
     labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
     labels += [figure.get_supxlabel(), figure.get_supylabel()]
     used = [label for label in labels if label]
@@ -108,3 +146,39 @@ def test_law_same_figure_same_text(drawing: tuple[str, Figure]) -> None:
     name, _ = drawing
     one, other = (figures.to_svg(DRAWINGS[name](), name, "t", "d") for _ in range(2))
     assert one == other
+
+
+@pytest.mark.parametrize("name", SCHEMATICS)
+def test_law_no_two_words_of_a_schematic_overlap(name: str) -> None:
+    figure = DRAWINGS[name]()
+    with figures.style.styled():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
+        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
+    words = [text for axes in figure.axes for text in axes.texts if text.get_text()]
+    assert len(words) > 8
+    # half a pixel: boxes of letters that touch
+    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in words]
+    for i, (one, box) in enumerate(boxes):
+        for other, another in boxes[i + 1 :]:
+            assert not box.overlaps(another), f"{one!r} and {other!r}"
+
+
+def test_law_trajectories_are_all_drawn_and_stay_small() -> None:
+    """17 conditions of 20 trials: every trial is a line, and the page can hold them."""
+    rng = np.random.default_rng(2)
+    time = np.linspace(0.0, 24.0, 2400)
+    target = np.stack([0.05 * np.sin(5.18 * time), 0.1 * np.sin(2.59 * time)], axis=-1)
+    lags = rng.uniform(0.1, 0.2, (20, 2))
+    path = np.stack(
+        [
+            np.stack([0.05 * np.sin(5.18 * (time - lag)), 0.1 * np.sin(2.59 * (time - lag))], axis=-1)
+            for lag in lags.T.reshape(-1)
+        ]
+    ).reshape(2, 20, len(time), 2)
+    drift = 0.3 * np.cumsum(rng.normal(0.0, 5e-4, path.shape), axis=2)
+    panel = figures.TrialPanel("36 N/m, 84 ms", np.moveaxis(path + drift, 0, 2), target)
+    figure = figures.trajectory_figure(panel, [[panel] * 4] * 4)
+    assert len(figure.axes) == 34
+    assert all(len(axes.collections[0].get_paths()) == 20 for axes in figure.axes)
+    assert len(figures.to_svg(figure, "trajectories", "t", "d")) < 1.5e6

@@ -91,6 +91,19 @@ def test_law_a_study_with_friction_has_it_identified() -> None:
             assert axis.coulomb.value == pytest.approx(coulomb, abs=0.03)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_law_robots_of_other_than_two_axes_are_driven_axis_by_axis(count: int) -> None:
+    one = ts.Robot([0.8 + 0.1 * i for i in range(count)], [7.0] * count)
+    other = ts.Robot([1.2] * count, [9.0 + i for i in range(count)])
+    log = rig_log(ts.Dyad(one, other))
+    assert log.position.shape[1:] == (2, count)
+    for robot, truth in enumerate((one, other)):
+        found = identify(log.time, log.position[:, robot], log.handle_force[:, robot])
+        for i, axis in enumerate(found.axes):
+            assert axis.mass.value == pytest.approx(truth.mass[i], abs=2e-4)
+            assert axis.damping.value == pytest.approx(truth.damping[i], abs=1e-3)
+
+
 def test_law_the_study_is_json_and_the_same_each_time() -> None:
     once, again = identification_study(3), identification_study(3)
     assert json.dumps(once, allow_nan=False) == json.dumps(again, allow_nan=False)

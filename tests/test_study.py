@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring import paper
 from telespring.misprints import held_partner_growth
-from telespring.report import Style, format_quantity, look_up
+from telespring.report import PLACES, SECTIONS, Style, format_quantity, look_up
 from telespring.study import STEPS, Analysis, analyse, write
 from telespring.summary import summarise
 
@@ -42,6 +41,7 @@ operator2 = {mass = 0.5, damping = 1.0}
 coupling.stiffness = 30.0
 network = {delay = 0.05, jitter = 0.01, max_gap = 0.004}
 controller = {sample_period = 0.002, computing_time = 0.0005}
+protocol = {stiffness = [30.0], delay = [0.05], trials = 3, duration = 8.0, discard = 2.0}
 """
 
 
@@ -72,6 +72,8 @@ class Page(HTMLParser):
         self.open: list[str] = []
         self.prose: list[str] = []
         self.current: tuple[str, str] | None = None
+        self.sentences: list[tuple[str, str]] = []
+        self.sentence: str | None = None
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -85,16 +87,21 @@ class Page(HTMLParser):
             self.identifiers.append(str(given["id"]))
         if tag in {"svg", "style", "data"}:
             self.open.append(tag)
+        self.sentence = given.get("data-text-key") or self.sentence
         if tag == "data":
             self.current = (str(given["data-key"]), given["value"] or "")
 
     def handle_endtag(self, tag: str) -> None:
+        if tag == "li":
+            self.sentence = None
         if self.open and self.open[-1] == tag:
             self.open.pop()
 
     def handle_data(self, data: str) -> None:
         if self.open and self.open[-1] == "data" and self.current is not None:
             self.data.append((*self.current, data))
+        elif self.sentence is not None:
+            self.sentences.append((self.sentence, data))
         elif not self.open:
             self.prose.append(data)
 
@@ -260,8 +267,8 @@ def test_law_the_page_says_what_its_limits_hold_for(analysis: Analysis, held: An
     assert not re.search(r"[.)][A-Z“]", caption)
     middle = "operators in the middle of their ranges"
     assert middle in part(held, '<h2 id="robots">', "</caption>")
-    assert middle in part(held, "<b>Figure 1.</b>", "</figcaption>")
-    assert "the worst over the ranges" in part(held, "<b>Figure 1.</b>", "</figcaption>")
+    assert middle in part(held, "<b>Map A.</b>", "</figcaption>")
+    assert "the worst over the ranges" in part(held, "<b>Map A.</b>", "</figcaption>")
     assert middle in part(held, '<h2 id="figure5">', "</p>")
     assert middle not in analysis.html
     assert "playout buffer (" not in part(analysis, '<table id="allowed">', "</caption>")
@@ -318,6 +325,8 @@ def test_law_every_number_of_the_page_is_in_study_json(analysis: Analysis) -> No
             assert shown == "no limit"
         else:
             assert float(value) == stored
+    for key, text in page.sentences:
+        assert look_up(numbers, key) == text
     # Outside of <data> no measured number stands: only names such as 2K, −180° and Eq. 5, and formulas.
     prose = re.sub(r"0\.5[KMBΔ]|4[KMBΔ]", "", " ".join(page.prose))
     allowed = {f"{k:g}" for k in (0.5, 0.99, 0.6)}
@@ -335,12 +344,17 @@ def test_law_every_misprint_carries_numbers_that_are_finite(analysis: Analysis) 
 
 def test_law_page_is_self_contained_and_holds_every_figure(analysis: Analysis) -> None:
     page = Page(analysis.html)
-    assert page.loaded == []
+    # a picture inside of a figure stands in the page itself
+    assert [each for each in page.loaded if not each.startswith("data:")] == []
     assert "http:" not in analysis.html
     assert "https:" not in analysis.html
     assert "@import" not in analysis.html
-    assert analysis.html.count("<svg ") == 5
-    for name in ("nyquist", "frequency", "responses", "map", "examples"):
+    drawn = (
+        *("dyad", "loop", "map", "nyquist", "frequency", "responses", "laboratory", "trajectories"),
+        *("tracking", "calibration", "profiles", "pairs", "arms", "excitation", "regression", "examples"),
+    )
+    assert analysis.html.count("<svg ") == len(drawn)
+    for name in drawn:
         assert f'aria-labelledby="{name}-title {name}-description"' in analysis.html
     assert len(page.identifiers) == len(set(page.identifiers))
 
@@ -459,15 +473,6 @@ def test_cross_growth_under_a_held_partner_against_stepping_in_time() -> None:
     assert growth > 1.0
 
 
-def test_ref_printed_delay_equals_the_exact_one_on_the_h_mans() -> None:
-    """Eqs. 6 to 9 hold where the dampings are alike; to 1e-9 through the roots of the cubic."""
-    for parameters, delay in (
-        ((0.8334, 7.7257, 0.7776, 7.4208), 0.16718632424),
-        ((1.0649, 10.1168, 1.3407, 9.3496), 0.23185110031),
-    ):
-        assert paper.maximum_delay(*parameters, 2 * 35.615987936).delay == pytest.approx(delay, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("value", "unit", "digits", "style", "text"),
     [
@@ -491,3 +496,39 @@ def test_law_quantities_as_a_person_reads_them(
     value: float | None, unit: str, digits: int, style: Style, text: str
 ) -> None:
     assert format_quantity(value, unit, digits, style=style) == text
+
+
+def test_law_every_place_of_the_paper_and_every_section_is_where_the_page_says(analysis: Analysis) -> None:
+    identifiers = set(Page(analysis.html).identifiers)
+    links = re.findall(r'<a href="#([^"]+)"', analysis.html)
+    assert set(links) <= identifiers
+    for part in SECTIONS:
+        shown = part.needs in analysis.numbers or f'id="figure-{part.needs}"' in analysis.html
+        assert (part.anchor in identifiers) == shown, part.template
+    templates = {part.template for part in SECTIONS}
+    assert {template for _, _, template in PLACES} <= templates
+    # the paper's ten figures and three tables, each once
+    numbered = [f"Fig. {i}" for i in range(1, 11)] + [f"Table {i}" for i in ("I", "II", "III")]
+    assert [name for name, _, _ in PLACES] == numbered
+    for name, anchor, _ in PLACES:
+        if anchor in identifiers:
+            assert anchor in links, name
+
+
+def test_law_every_top_key_of_study_json_is_documented(analysis: Analysis, root: Path) -> None:
+    text = (root / "docs" / "study-json.md").read_text(encoding="utf-8")
+    text = text[: text.index("# `telespring decide")]
+    documented = {
+        name for row in re.findall(r"^\| (`.*?) \|", text, re.M) for name in re.findall(r"`(\w+)", row)
+    }
+    assert set(analysis.numbers) <= documented
+
+
+def test_law_table_ii_stands_beside_the_printed_one_with_its_misprint(analysis: Analysis) -> None:
+    start = analysis.html.index('<table id="number-sets">')
+    table = analysis.html[start : analysis.html.index("</table>", start)]
+    # five rows of five sets, none of which differs from the printed one
+    assert table.count('class="same"') == 25
+    assert 'class="differs"' not in table
+    shown = {key for key, _, _ in Page(analysis.html).data}
+    assert {"table2.sign_change.ours", "table2.sign_change.printed", "table2.between.eta2"} <= shown

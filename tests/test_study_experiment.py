@@ -213,7 +213,7 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[robot]\nmass = [1, 1]", "robot1.damping = nothing"),
+        ("[robot]\nmass = [1, 1]", "Add damping = 5.0 (N·s/m) under [robot]. See [robot] in"),
         ("[robot]\nmass = [1, -1]\ndamping = 5", "robot1.mass[1] = -1"),
         ("[robot]\nmass = 1\ndamping = 5\nfriction = 2", "robot1.friction = 2"),
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),

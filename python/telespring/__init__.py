@@ -17,6 +17,7 @@ from telespring.criteria import (
     unstable_root_count,
 )
 from telespring.dde import DelaySolution, solve_dde
+from telespring.experiment import rehearse
 from telespring.model import (
     Coupling,
     DelaySystem,
@@ -118,6 +119,7 @@ __all__ = [
     "nyquist",
     "open_loop",
     "partner_response",
+    "rehearse",
     "simulate",
     "simulate_array",
     "solve_dde",

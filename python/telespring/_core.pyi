@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Final, Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,8 @@ __all__ = [
     "Robot",
     "Study",
     "Uncertainty",
+    "__version__",
+    "arm_operator",
     "characteristic_roots",
     "critical_stiffness",
     "crossings",
@@ -49,6 +51,7 @@ __all__ = [
     "open_loop",
     "partner_response",
     "simulate",
+    "simulate_handle",
     "solve_dde",
     "spectral_abscissa",
     "stability_map",
@@ -58,6 +61,8 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
+
+__version__: Final[str]
 
 @final
 class Robot:
@@ -358,3 +363,13 @@ def simulate(
     history: list[list[Any]] | None,
     velocities: bool,
 ) -> tuple[FloatArray, FloatArray | None, list[float | None], list[list[float]], list[list[float]]]: ...
+def simulate_handle(
+    handle: dict[str, Any],
+    arm: dict[str, Any],
+    hand_force: ArrayLike,
+    robot_force: ArrayLike,
+    sample_period: float,
+    position0: Sequence[float],
+    velocity0: Sequence[float] = ...,
+) -> dict[str, Any]: ...
+def arm_operator(arm: dict[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

@@ -1,4 +1,4 @@
-"""The commands `telespring decide`, `telespring simulate` and `telespring study`.
+"""The commands `telespring decide`, `simulate`, `identify`, `rehearse`, `analyse` and `study`.
 
 Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
 file that could not be read or written; 130 after Ctrl-C.
@@ -16,13 +16,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
 
 import telespring as ts
+from telespring.commands.rehearse import rehearse
 from telespring.files import replacing, write_whole
 from telespring.identify.command import identify_command
 from telespring.terminal import decision_screen, digits_down, refusal_screen
@@ -116,7 +117,6 @@ def decide(
             operator_ranges=read.operator_ranges,
             horizon=horizon,
             decay_rate=decay_rate,
-            uncertainty=read.uncertainty,
         )
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
@@ -167,6 +167,78 @@ def simulate(
         for line in _simulation_summary(found, asked, axes, forces):
             console.print(line)
         console.print(f"Written: {out}", markup=False)
+
+
+@app.command("analyse")
+def analyse_command(
+    path: Annotated[
+        Path | None,
+        typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
+    ] = None,
+    study: Annotated[
+        Path | None, typer.Option(help="Study whose task is the target of trials recorded without one.")
+    ] = None,
+    discard: Annotated[
+        float | None,
+        typer.Option(help="First part of every trial to leave out, s; as recorded unless given."),
+    ] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="Condition whose TE2 all is compared with; unconnected unless given.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
+        "out/analysis"
+    ),
+    export: Annotated[
+        Path | None, typer.Option(help="Write the trials as CSV into this folder, too.")
+    ] = None,
+    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
+    template: Annotated[
+        Path | None, typer.Option(help="Write an example of recorded trials into this folder, and stop.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print analysis.json instead of the table.")
+    ] = False,
+) -> None:
+    """Measure the trials of an experiment, rehearsed or recorded, and compare its conditions."""
+    console = Console(highlight=False)
+    with _refusals():
+        from telespring import analysis
+        from telespring.analysis.files import open_trials, write_analysis
+        from telespring.analysis.screen import analysis_screen
+
+        if template is not None:
+            console.print(f"Written: {analysis.write_template(template)}", markup=False)
+            return
+        if path is None:
+            raise ts.InvalidInput(
+                "PATH", "missing", "a rehearsal or recorded trials are needed", "Name a file or a folder."
+            )
+        # Any: a study without an experiment has None there.
+        asked: Any = None if study is None else getattr(ts.Study.read(study), "experiment", None)
+        if study is not None and asked is None:
+            raise ts.InvalidInput(
+                "study",
+                str(study),
+                "a study whose robots have the axes x and y is needed",
+                "Only those have a task.",
+            )
+        dataset = open_trials(path, None if asked is None else asked.task)
+        if discard is None and asked is not None and "discard" not in dataset.attrs:
+            discard = float(asked.discard)
+        trials = analysis.take_trials(dataset, discard)
+        numbers = analysis.analyse_taken(trials, analysis.measure_trials(trials), baseline)
+        written = write_analysis(trials, numbers, out, figures=figures)
+        if export is not None:
+            written = (*written, analysis.write_recorded(dataset, export))
+    if as_json:
+        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
+        typer.echo(json.dumps(numbers, indent=1, ensure_ascii=escape_letters, allow_nan=False))
+        return
+    console.print(analysis_screen(numbers, str(path)))
+    if "resampled_to" in dataset.attrs:
+        period = 1e3 * dataset.attrs["resampled_to"]
+        console.print(f"The trials' samples lay at different times: put on a grid of {period:.4g} ms.")
+    console.print(f"Written: {', '.join(str(each) for each in written)}", markup=False)
 
 
 @app.command("study")
@@ -256,6 +328,7 @@ def _refusals() -> Iterator[None]:
 
 
 app.command("identify")(_refusals()(identify_command))
+app.command()(_refusals()(rehearse))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

@@ -7,7 +7,6 @@ the true one. Equation and table numbers are the paper's.
 from __future__ import annotations
 
 import cmath
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,14 +15,13 @@ from numpy.typing import NDArray
 __all__ = [
     "EXPERIMENT_DELAYS",
     "EXPERIMENT_STIFFNESSES",
+    "TABLE_II",
     "TABLE_III",
-    "PrintedDelay",
     "PrintedTableIII",
     "cubic_equation_8",
     "delay_equation_9",
     "identical_roots_equation_16",
     "loop_in_figure_3",
-    "maximum_delay",
     "sign_of_equation_9",
 ]
 
@@ -42,17 +40,18 @@ class PrintedTableIII:
 
 TABLE_III = PrintedTableIII()
 
+#: Table II, a row per range of stiffness from small to large: sets of η₁, η₂, ξ₁, ξ₂ and ξ₃.
+TABLE_II = (
+    ("R-", "R+", "R-", "R-", "R-"),
+    ("R-", "0", "R-", "R-", "R-"),
+    ("R-", "R-", "R-", "C", "C"),
+    ("0", "R-", "0", "C", "C"),
+    ("R+", "R-", "R+", "C", "C"),
+)
+
 #: Section IV-D: stiffness in N/m and one-way delay in s of the experiment.
 EXPERIMENT_STIFFNESSES = (18.0, 36.0, 71.0, 142.0)
 EXPERIMENT_DELAYS = (0.0, 0.084, 0.167, 0.334)
-
-
-@dataclass(frozen=True)
-class PrintedDelay:
-    """What Eqs. 6 to 9 return: the delay (s) and the frequency (rad/s) it was found at."""
-
-    delay: float
-    frequency: float
 
 
 def cubic_equation_8(m1: float, b1: float, m2: float, b2: float, k: float) -> NDArray[np.float64]:
@@ -76,21 +75,6 @@ def sign_of_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, fre
     if b1 == 0.0 and b2 == 0.0:
         return 0.0
     return frequency**2 - k * (b1 + b2) / (m1 * b2 + m2 * b1)
-
-
-def maximum_delay(m1: float, b1: float, m2: float, b2: float, k: float) -> PrintedDelay:
-    """Evaluate Eqs. 5 to 9 as printed: infinite up to Eq. 5, else the smallest delay over the roots of F.
-
-    Where B = 0 the printed sign(B) is 0, so z is 0 and its argument, and with it the delay, is 0.
-    """
-    if k <= (b1**2 + b2**2) / (2 * (m1 + m2)):
-        return PrintedDelay(math.inf, math.nan)
-    found = [
-        PrintedDelay(delay_equation_9(m1, b1, m2, b2, k, math.sqrt(root.real)), math.sqrt(root.real))
-        for root in np.roots(cubic_equation_8(m1, b1, m2, b2, k))
-        if abs(root.imag) < 1e-9 * max(1.0, abs(root)) and root.real > 0.0
-    ]
-    return min(found, key=lambda each: each.delay, default=PrintedDelay(math.inf, math.nan))
 
 
 def delay_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, frequency: float) -> float:

@@ -9,15 +9,81 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Any, Literal
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-__all__ = ["Style", "format_quantity", "look_up", "render"]
+__all__ = ["PLACES", "SECTIONS", "Section", "Style", "format_quantity", "look_up", "render"]
 
-Style = Literal["nearest", "limit", "given"]
+Style = Literal["nearest", "limit", "given", "hundredths"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of the page: a file of `templates/report`, shown where its numbers are there.
+
+    Attributes
+    ----------
+    template
+        Name of the file, without its endings.
+    title
+        In the contents; empty for what stands before them.
+    anchor
+        Identifier of its heading.
+    needs
+        The key of `study.json`, or the name of the drawing, without which there is nothing to show.
+    of_paper
+        Which of the paper's figures and tables it holds.
+    """
+
+    template: str
+    title: str
+    anchor: str
+    needs: str
+    of_paper: str = ""
+
+
+#: In the paper's order; what the paper does not have stands beside what it belongs to.
+SECTIONS = (
+    Section("summary", "", "summary", "summary"),
+    Section("model", "The model", "model", "dyad", "Figs. 1 and 2"),
+    Section("robots", "The robots, K and Δ", "robots", "table3", "Table III"),
+    Section("map", "The stability map", "map", "stability_map"),
+    Section("nyquist", "Nyquist loci", "figure3", "nyquist", "Fig. 3"),
+    Section("frequency", "Frequency response", "figure4", "frequency_response", "Fig. 4"),
+    Section("responses", "Responses in time", "figure5", "responses", "Fig. 5"),
+    Section("laboratory", "The virtual laboratory", "laboratory", "laboratory", "Fig. 6"),
+    Section("experiment", "The experiment", "experiment", "experiment", "Figs. 7 and 8, Table I"),
+    Section("calibration", "What the real arms must have been", "calibration", "calibration"),
+    Section("arms", "What the arms' own stiffness does to the boundary", "arms", "arms"),
+    Section("number_sets", "Roots of two robots alike", "table2", "table2", "Table II"),
+    Section(
+        "identification", "Identification", "identification", "identification", "Figs. 9 and 10, Table III"
+    ),
+    Section("examples", "Where the paper's formulas fail", "examples", "examples"),
+    Section("misprints", "The paper's misprints, with numbers", "misprints", "misprints"),
+    Section("reading", "How to read this page", "reading", "study"),
+)
+
+#: Where each figure and table of the paper stands in the page, and the section that holds it.
+PLACES = (
+    ("Fig. 1", "figure-dyad", "model"),
+    ("Fig. 2", "figure-loop", "model"),
+    ("Fig. 3", "figure-nyquist", "nyquist"),
+    ("Fig. 4", "figure-frequency", "frequency"),
+    ("Fig. 5", "figure-responses", "responses"),
+    ("Fig. 6", "figure-laboratory", "laboratory"),
+    ("Fig. 7", "figure-trajectories", "experiment"),
+    ("Fig. 8", "figure-tracking", "experiment"),
+    ("Fig. 9", "figure-excitation", "identification"),
+    ("Fig. 10", "figure-regression", "identification"),
+    ("Table I", "table1", "experiment"),
+    ("Table II", "number-sets", "number_sets"),
+    ("Table III", "table3", "robots"),
+)
 
 #: Units that a person reads, by the SI unit in `study.json`: the shown unit and its factor.
 _SHOWN = {"s": ("ms", 1e3), "m": ("mm", 1e3), "m/N": ("mm/N", 1e3), "rad": ("°", 180.0 / math.pi)}
@@ -69,7 +135,8 @@ def format_quantity(
         Significant digits.
     style
         "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
-        within it; "given" leaves away zeros at the end, as a person writes a value.
+        within it; "given" leaves away zeros at the end, as a person writes a value; "hundredths" has two
+        decimals whatever the size, as a table's columns do.
 
     Returns
     -------
@@ -84,16 +151,21 @@ def format_quantity(
     '167.1 ms'
     >>> format_quantity(0.8334, "kg", 6, style="given")
     '0.8334 kg'
+    >>> format_quantity(29.111, "s")
+    '29.11 s'
     >>> format_quantity(None, "s")
     'no limit'
     """
     if value is None:
         return "no limit"
-    shown, factor = _SHOWN.get(unit, (unit, 1.0))
+    # A delay is told in milliseconds, the length of a trial in seconds.
+    shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
     # In decimals, so that 0.029 s is 29 ms and not a bit less, which would be rounded down.
     scaled = Decimal(repr(float(value))) * Decimal(factor)
     with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
-        if scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
+        if style == "hundredths":
+            text = f"{scaled:.2f}"
+        elif scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
             mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
             text = f"{mantissa}·10{_superscript(int(exponent))}"
         elif scaled == scaled.to_integral_value():
@@ -143,8 +215,12 @@ def render(numbers: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
             exact, key, format_quantity(value, unit, digits, style=style)
         )
 
+    shown = [each for each in SECTIONS if each.needs in numbers or each.needs in drawings]
+    templates = {each.template for each in shown}
     return environment.get_template("report.html.jinja").render(
         numbers=numbers,
         drawings={name: Markup(text) for name, text in drawings.items()},
         q=quantity,
+        parts=shown,
+        places=[(name, anchor) for name, anchor, template in PLACES if template in templates],
     )

@@ -161,8 +161,11 @@ def with_robot(study: ts.Study, side: int, robot_toml: str | Path) -> ts.Study:
     try:
         return _read(tables)
     except ts.InvalidInput as refused:
-        remedy = f"{refused.remedy} See [robot] in {where}."
-        raise ts.InvalidInput(refused.field, refused.value, refused.allowed, remedy) from None
+        allowed, remedy = (
+            text.replace(f"[robot{side}]", "[robot]") for text in (refused.allowed, refused.remedy)
+        )
+        remedy = f"{remedy} See [robot] in {where}."
+        raise ts.InvalidInput(refused.field, refused.value, allowed, remedy) from None
 
 
 def _plain(field: str, value: object) -> Any:

@@ -11,6 +11,7 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod model;
+mod plant;
 mod response;
 mod rig;
 mod simulation;
@@ -23,6 +24,10 @@ use pyo3::prelude::*;
 /// The compiled core of `telespring`; use the functions of `telespring` itself.
 #[pymodule]
 mod _core {
+    /// Version of the core.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name for it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::criteria::{
         critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
@@ -36,6 +41,8 @@ mod _core {
     use crate::experiment::{Experiment, Uncertainty};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,

@@ -14,6 +14,14 @@ use crate::arguments::{Argument, DelayChoice, Number};
 use crate::errors::{Failure, Outcome};
 
 /// Two robots in two arms, their agents, a target and a network, in virtual time.
+///
+/// Examples
+/// --------
+/// >>> from telespring import _core
+/// >>> laboratory = _core.Laboratory.paper()
+/// >>> trial = laboratory.run(71.2, 0.0836, seed=1, duration=2.0, record_rate=100.0)
+/// >>> trial["position"].shape, trial["status"]
+/// ((201, 2, 2), 'completed')
 #[pyclass(frozen, eq, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory(pub rig::Laboratory);
@@ -29,7 +37,44 @@ impl Laboratory {
         Self(rig::Laboratory::paper())
     }
 
-    /// One trial; arrays end where it ended.
+    /// One trial.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : float or None
+    ///     Of the virtual spring, N/m; None is the unconnected mode.
+    /// delay : float or (float, float)
+    ///     One-way haptic delay, s, or the pair (forward, backward).
+    /// seed : int
+    ///     From which everything random is drawn; see trial_seed.
+    /// duration : float
+    ///     Length of the trial, s.
+    /// record_rate : float
+    ///     Rows kept per second, Hz; divides the controllers' rate.
+    /// agents : (callable or None, callable or None), optional
+    ///     For each agent that is a program of the caller's: f(time, position, velocity, target) ->
+    ///     force, called at every tick; s, m, m/s, m and N, each vector (2,).
+    /// target : (ticks + 1, 2) array, optional
+    ///     Positions at every tick of the controllers, m, in place of the laboratory's own target.
+    /// coupling_damping : float
+    ///     Of the damper beside the spring, N·s/m.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Row j is at tick j/record_rate; the arrays end where the trial ended. ``time`` (n,), s;
+    ///     ``target`` (n, 2), m; each (n, 2 robots, 2 axes): ``position``, m, ``velocity``, m/s,
+    ///     ``coupling_force`` of the robot on its handle, ``agent_force`` of the agent on its arm and
+    ///     ``handle_force`` of the arm on the handle, N, all from that tick on, ``aim``, where the agent
+    ///     takes the target to be, m. ``status`` is "completed", "diverged" (a handle went beyond 10 m) or
+    ///     "out of reach" (of a two-link arm), ``ended_at`` the first tick that is left out, s, NaN where
+    ///     completed.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where a value is out of range, an arm cannot reach the start, an agent's program is missing,
+    ///     not wanted, or gives no finite force.
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=Number::Given(0.0)),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
@@ -52,7 +97,7 @@ impl Laboratory {
         let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
         let mut laboratory = self.0.clone();
         if let Some(target) = target {
-            laboratory.target = sampled(target.as_array(), schedule.ticks + 1)?;
+            laboratory.target = sampled(target.as_array(), schedule.ticks() + 1)?;
         }
         let agents = agents.unwrap_or([None, None]);
         for (side, agent) in agents.iter().enumerate() {
@@ -93,7 +138,29 @@ impl Laboratory {
         Ok(result)
     }
 
-    /// Many trials on all cores; what comes after an early end is NaN.
+    /// Many trials on all cores, each with the numbers that `run` gives it.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : (trials,) array_like of float
+    ///     N/m; NaN is the unconnected mode.
+    /// delay : (trials,) array_like of float
+    ///     One-way haptic delay, s.
+    /// seed : (trials,) array_like of int
+    ///     One seed per trial.
+    /// duration, record_rate, coupling_damping : float
+    ///     As in `run`.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     As of `run`, with the trial as first dimension, NaN after an early end; ``time`` (n,);
+    ///     ``status`` a list, ``ended_at`` (trials,).
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     As `run`, and where the numbers of values differ; no agent may be a program.
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, coupling_damping=Number::Given(0.0)),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, coupling_damping=0.0)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
@@ -184,6 +251,24 @@ impl Laboratory {
 }
 
 /// The seed of one trial of a rehearsal; it depends on nothing but the three numbers.
+///
+/// Parameters
+/// ----------
+/// seed : int
+///     Of the rehearsal.
+/// condition, trial : int
+///     Counted from 0.
+///
+/// Returns
+/// -------
+/// int
+///     From 0 to 2⁶⁴ − 1.
+///
+/// Examples
+/// --------
+/// >>> from telespring import _core
+/// >>> _core.trial_seed(1, 0, 0)
+/// 7424550030962593201
 #[pyfunction]
 pub fn trial_seed(seed: Argument<u64>, condition: Argument<u64>, trial: Argument<u64>) -> Outcome<u64> {
     Ok(rig::trial_seed(seed.named("seed")?, condition.named("condition")?, trial.named("trial")?))

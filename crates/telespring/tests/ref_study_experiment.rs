@@ -212,6 +212,11 @@ fn ref_messages_verbatim() {
              50 was meant in mm, write 0.05. See line 6.",
         ),
         (
+            "laboratory.sample_period = 0.01\n[agent2]\nspot_lifetime = 0.002",
+            "agent2.spot_lifetime = 0.002: a spot lives for one sample period at least, here 0.01 s. Give a \
+             lifetime in s, such as 0.2. See line 7.",
+        ),
+        (
             "[laboratory]\nloss = 2",
             "laboratory.loss = 2: a probability must be a number from 0 to 1. Everything is in SI units: if 2 was \
              meant in %, write 0.02. See line 6.",
@@ -318,7 +323,7 @@ fn ref_the_document_lists_every_key() {
     let document = include_str!("../../../docs/study-file.md");
     for key in keys() {
         // robots, operators, arms and agents share their lists
-        let dotted = key.replace(|c: char| matches!(c, '1' | '2'), "N");
+        let dotted = key.replace(['1', '2'], "N");
         assert!(document.contains(&format!("| `{dotted}` |")), "{dotted} is not in docs/study-file.md");
     }
     let documented = document.lines().filter(|line| line.starts_with("| `")).count();

@@ -1,26 +1,54 @@
-"""The figures of the paper's sections II to IV-A, drawn from numbers that somebody else computed.
+"""The figures of the paper, drawn from numbers that somebody else computed.
 
 Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none touches pyplot or
 computes stability. `to_svg` makes the text that stands in the report.
 """
 
+from telespring.figures.arms import ArmsPanel, arms_figure
+from telespring.figures.calibration import (
+    CellSeries,
+    PairPanel,
+    ProfileCurve,
+    ProfilePanel,
+    cells_figure,
+    pairs_figure,
+    profiles_figure,
+)
 from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.figures.responses import ResponsePanel, response_figure
+from telespring.figures.schematics import dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.figures.style import to_svg
+from telespring.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
 
 __all__ = [
+    "ArmsPanel",
+    "CellSeries",
+    "ErrorGroup",
     "FrequencyCurve",
     "FrequencyFamily",
     "MapAxis",
     "MapColumn",
     "NyquistPanel",
+    "PairPanel",
+    "ProfileCurve",
+    "ProfilePanel",
     "ResponsePanel",
+    "TrialPanel",
+    "arms_figure",
+    "cells_figure",
+    "dyad_schematic",
+    "error_figure",
     "frequency_figure",
+    "laboratory_schematic",
+    "loop_schematic",
     "nyquist_figure",
+    "pairs_figure",
+    "profiles_figure",
     "region_map",
     "response_figure",
     "tier_map",
     "to_svg",
+    "trajectory_figure",
 ]

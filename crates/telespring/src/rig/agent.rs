@@ -85,7 +85,8 @@ impl Cloud {
             // renewal j comes at j·L/N: spot N−1 is the oldest at the start
             let next = self.renewals + 1;
             let birth = self.scale.lifetime * (next as f64 / count as f64);
-            if birth > time {
+            // a birth at a tick belongs to that tick, though the products round apart
+            if birth > time * (1.0 + 4.0 * f64::EPSILON) {
                 break;
             }
             let oldest = (count - 1 - self.renewals % count) as usize;
@@ -105,7 +106,7 @@ impl Cloud {
 #[derive(Debug, Clone)]
 pub(crate) enum Mover {
     Skilled { stiffness: f64, damping: f64 },
-    Blurred { stiffness: f64, cloud: Cloud },
+    Blurred { stiffness: f64, cloud: Box<Cloud> },
     External,
 }
 
@@ -114,7 +115,8 @@ impl Mover {
         match *agent {
             Agent::Skilled { stiffness, damping } => Self::Skilled { stiffness, damping },
             Agent::Blurred { stiffness, spots } => {
-                Self::Blurred { stiffness, cloud: Cloud::new(spots, generator(seed, Stream::Agent(side))) }
+                let cloud = Box::new(Cloud::new(spots, generator(seed, Stream::Agent(side))));
+                Self::Blurred { stiffness, cloud }
             }
             Agent::External => Self::External,
         }

@@ -1,6 +1,6 @@
 //! The values of a laboratory, checked once at the door.
 
-use super::{Agent, Arm, Controller, Handle, Laboratory, Network, Side, Spots, Target, TwoLinkArm};
+use super::{Agent, Arm, Controller, Handle, Laboratory, Network, Side, Spots, Target};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
@@ -75,7 +75,21 @@ impl Laboratory {
         }
         self.target.check().map_err(|refusal| refusal.within("task"))?;
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
-        self.network.check().map_err(|refusal| refusal.within("laboratory"))
+        self.network.check().map_err(|refusal| refusal.within("laboratory"))?;
+        let period = self.controller.sample_period;
+        for (index, side) in self.sides.iter().enumerate() {
+            if let Agent::Blurred { spots, .. } = side.agent
+                && spots.lifetime < period
+            {
+                return Err(InvalidInput::new(
+                    format!("agent{}.spot_lifetime", index + 1),
+                    spots.lifetime,
+                    format!("a spot lives for one sample period at least, here {period} s"),
+                    "Give a lifetime in s, such as 0.2.",
+                ));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -104,32 +118,8 @@ impl Arm {
                 pair(quantity::ADDED_MASS, "mass", *mass)?;
                 pair(quantity::DAMPING, "damping", *damping)
             }
-            Self::TwoLink(arm) => arm.check(),
+            Self::TwoLink(arm) => arm.checked().map(|_| ()),
         }
-    }
-}
-
-impl TwoLinkArm {
-    /// Refuses what is out of range.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] with a field such as `link_length[0]`.
-    pub fn check(&self) -> Result<()> {
-        pair(quantity::PLACE, "base", self.base)?;
-        pair(quantity::LENGTH, "link_length", self.link_length)?;
-        pair(quantity::ADDED_MASS, "link_mass", self.link_mass)?;
-        pair(quantity::OFFSET, "link_centre", self.link_centre)?;
-        pair(quantity::INERTIA, "link_inertia", self.link_inertia)?;
-        pair(quantity::JOINT_DAMPING, "joint_damping", self.joint_damping)?;
-        pair(quantity::INERTIA, "rotor_inertia", self.rotor_inertia)?;
-        for (index, limit) in self.torque_limit.into_iter().enumerate() {
-            // infinite is no limit
-            if limit != f64::INFINITY {
-                quantity::TORQUE.check(&format!("torque_limit[{index}]"), limit)?;
-            }
-        }
-        Ok(())
     }
 }
 

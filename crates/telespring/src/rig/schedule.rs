@@ -9,10 +9,8 @@ pub const MOST_TICKS: usize = 100_000_000;
 /// Which ticks are run and which are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schedule {
-    /// How many periods.
-    pub ticks: usize,
-    /// Every how many ticks a row is kept, from tick 0 on.
-    pub stride: usize,
+    ticks: usize,
+    stride: usize,
 }
 
 impl Schedule {
@@ -27,7 +25,7 @@ impl Schedule {
     ///
     /// ```
     /// let schedule = telespring::rig::Schedule::new(29.111, 100.0, 0.001)?;
-    /// assert_eq!((schedule.ticks, schedule.stride, schedule.rows()), (29_111, 10, 2_912));
+    /// assert_eq!((schedule.ticks(), schedule.stride(), schedule.rows()), (29_111, 10, 2_912));
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn new(duration: f64, record_rate: f64, sample_period: f64) -> Result<Self> {
@@ -54,6 +52,16 @@ impl Schedule {
             ));
         }
         Ok(Self { ticks: ticks as usize, stride: stride as usize })
+    }
+
+    /// How many periods are run.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// Every how many ticks a row is kept, from tick 0 on.
+    pub fn stride(&self) -> usize {
+        self.stride
     }
 
     /// How many rows are kept of a complete trial.

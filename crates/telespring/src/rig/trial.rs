@@ -7,17 +7,18 @@
 
 use super::agent::{Mover, Seen};
 use super::network::Link;
-use super::plant::{Plant, RelaxingForce};
+use super::plant::{OutOfReach, Plant, RelaxingForce};
 use super::random::{Stream, generator};
 use super::record::{Ending, Record, Recording, Row, Status};
 use super::schedule::Schedule;
-use super::{Agent, Laboratory};
+use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, wire};
 
-/// A trial ends as diverged where a handle is further from the origin than this, m: no handle reaches it.
+/// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
+/// robot reaches that far.
 pub const LIMIT: f64 = 10.0;
 
 /// How the two sides are coupled.
@@ -60,6 +61,17 @@ pub struct Trial<'a> {
     pub schedule: Schedule,
 }
 
+/// What acts on one side from a tick on, N.
+#[derive(Debug, Clone, Copy, Default)]
+struct Acting {
+    /// What the robot's controller asks for.
+    command: [f64; 2],
+    /// What the robot gives at the tick; behind a lag not yet what is asked for.
+    robot: [f64; 2],
+    /// What the agent asks of its arm.
+    hand: [f64; 2],
+}
+
 /// One side in the course of a trial.
 struct Station {
     plant: Plant,
@@ -74,6 +86,11 @@ struct Station {
 }
 
 impl Station {
+    fn diverged(&self) -> bool {
+        let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
+        beyond(self.plant.position(), LIMIT) || beyond(self.plant.velocity(), wire::LARGEST)
+    }
+
     fn measure(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
@@ -83,11 +100,35 @@ impl Station {
         };
         Motion { position, velocity: self.plant.velocity() }
     }
-}
 
-/// What no measurement inside [`LIMIT`] and no packet of the other side leads to.
-fn impossible(refused: crate::session::Refused) -> InvalidInput {
-    InvalidInput::new("motion", "of a handle", refused.to_string(), "Check masses and stiffnesses.")
+    /// Takes in what has arrived and gives the force of the spring, N.
+    fn spring(&mut self, now: Nanoseconds) -> [f64; 2] {
+        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
+        while let Some(packet) = link.deliver(now) {
+            endpoint.receive(now, &packet).expect("a packet of the other side");
+        }
+        endpoint.force(now)
+    }
+
+    /// What acts until the next tick where these forces have been computed now, N.
+    fn act(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> Acting {
+        let computed = [spring, hand];
+        let before = std::mem::replace(&mut self.computed, computed);
+        let [command, hand] = if controller.computing_tick { before } else { computed };
+        let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
+        Acting { command, robot, hand }
+    }
+
+    /// Moves on by one period.
+    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), OutOfReach> {
+        let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
+        if time_constant > 0.0 {
+            let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
+            self.actuator = force.after(period);
+            return self.plant.advance_relaxing(&force, acting.hand, period);
+        }
+        self.plant.advance(acting.command, acting.hand, period)
+    }
 }
 
 impl Trial<'_> {
@@ -147,7 +188,7 @@ impl Trial<'_> {
         record: &mut Record<'_>,
     ) -> std::result::Result<Ending, E> {
         let Laboratory { sides, target, controller, .. } = self.laboratory;
-        let Schedule { ticks, stride } = self.schedule;
+        let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
         if let Some(coupling) = &self.coupling {
             coupling.check()?;
         }
@@ -173,27 +214,20 @@ impl Trial<'_> {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
             let aim_here = target.at(tick, period);
-            if stations.iter().any(|station| station.plant.position().iter().any(|p| !(p.abs() <= LIMIT))) {
+            if stations.iter().any(Station::diverged) {
                 return Ok(Ending { status: Status::Diverged { at: time }, rows });
             }
             let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
-                    let packet = endpoint.send(now, measured[side]).map_err(impossible)?;
+                    let packet = endpoint.send(now, measured[side]).expect("a motion inside the limits");
                     if let Some(link) = &mut stations[1 - side].link {
                         link.send(now, packet);
                     }
                 }
             }
-            let (mut aim, mut acting, mut forces) = (Row::default(), [Row::default(); 2], Row::default());
+            let (mut aim, mut acting) = (Row::default(), [Acting::default(); 2]);
             for (side, station) in stations.iter_mut().enumerate() {
-                let mut spring = [0.0; 2];
-                if let (Some(link), Some(endpoint)) = (&mut station.link, &mut station.endpoint) {
-                    while let Some(packet) = link.deliver(now) {
-                        endpoint.receive(now, &packet).map_err(impossible)?;
-                    }
-                    spring = endpoint.force(now);
-                }
                 let seen = Seen {
                     time,
                     position: measured[side].position,
@@ -207,45 +241,27 @@ impl Trial<'_> {
                     }
                     _ => station.mover.act(&seen, &aim_here),
                 };
-                let computed = [spring, hand];
-                let [spring, hand] = if controller.computing_tick {
-                    std::mem::replace(&mut station.computed, computed)
-                } else {
-                    computed
-                };
-                let robot = if controller.actuator_lag > 0.0 { station.actuator } else { spring };
-                (acting[0][side], acting[1][side], forces[side]) = (robot, hand, spring);
+                let spring = station.spring(now);
+                acting[side] = station.act(spring, hand, controller);
             }
             if tick % stride == 0 {
                 record.target[rows] = aim_here.position;
                 record.aim[rows] = aim;
-                record.coupling_force[rows] = acting[0];
-                record.agent_force[rows] = acting[1];
                 for (side, station) in stations.iter().enumerate() {
+                    let Acting { robot, hand, .. } = acting[side];
+                    record.coupling_force[rows][side] = robot;
+                    record.agent_force[rows][side] = hand;
                     record.position[rows][side] = station.plant.position();
                     record.velocity[rows][side] = station.plant.velocity();
-                    record.handle_force[rows][side] =
-                        station.plant.handle_force(acting[0][side], acting[1][side]);
+                    record.handle_force[rows][side] = station.plant.handle_force(robot, hand);
                 }
                 rows += 1;
             }
             if tick == ticks {
                 break;
             }
-            for (side, station) in stations.iter_mut().enumerate() {
-                let hand = acting[1][side];
-                let moved = if controller.actuator_lag > 0.0 {
-                    let force = RelaxingForce {
-                        from: station.actuator,
-                        to: forces[side],
-                        time_constant: controller.actuator_lag,
-                    };
-                    station.actuator = force.after(period);
-                    station.plant.advance_relaxing(&force, hand, period)
-                } else {
-                    station.plant.advance(forces[side], hand, period)
-                };
-                if moved.is_err() {
+            for (station, acting) in stations.iter_mut().zip(&acting) {
+                if station.advance(acting, controller).is_err() {
                     let at = (tick + 1) as f64 * period;
                     return Ok(Ending { status: Status::OutOfReach { at }, rows });
                 }
@@ -266,7 +282,10 @@ fn missing_agent(side: usize) -> InvalidInput {
 
 fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
     for (axis, value) in force.into_iter().enumerate() {
-        quantity::FORCE.check(&format!("agents[{side}] at {time} s, force[{axis}]"), value)?;
+        quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {
+            field: format!("agents[{side}] at {time} s, force[{axis}]"),
+            ..refusal
+        })?;
     }
     Ok(force)
 }

@@ -33,21 +33,24 @@
 //! there are the sections [arm1], [arm2], [agent1], [agent2], [task], [laboratory] and [protocol].
 //! `docs/study-file.md` lists every key with its meaning, unit, range and default.
 
+mod entry;
 mod keys;
 mod laboratory;
 mod protocol;
 mod python;
 mod reader;
+mod rehearsal;
 mod robot;
+mod verdict;
 mod writer;
 
 use crate::criteria::verdicts::{Network, OperatorRange};
-use crate::error::{InvalidInput, Result};
-use crate::model::{Delay, Dyad, Operator, hman};
+use crate::error::Result;
+use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
-use crate::rig;
-use reader::{Reader, Span};
-use robot::{RobotSection, check_count, robot};
+use reader::Reader;
+use robot::{RobotSection, robot};
+use verdict::{network, operator, optional};
 
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
@@ -193,150 +196,6 @@ impl Study {
     pub fn uncertainty(&self) -> [Option<&Uncertainty>; 2] {
         self.robots.each_ref().map(|robot| robot.uncertainty.as_ref())
     }
-
-    /// Each robot's Coulomb friction per axis, N.
-    pub fn coulomb(&self) -> [&[f64]; 2] {
-        self.robots.each_ref().map(|robot| robot.coulomb.as_slice())
-    }
-
-    /// What the file says of the rehearsal: arms, agents, task, controllers and network.
-    pub fn setup(&self) -> &Setup {
-        &self.setup
-    }
-
-    /// Whether the robots have exactly the two axes x and y, so that the study can be rehearsed.
-    pub fn is_planar(&self) -> bool {
-        self.dyad.axis_names() == PLANE
-    }
-
-    /// The sample period of the laboratory's controllers, s: [laboratory]'s, else [controller]'s, else 1 ms.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] where both sections name one and they differ, or [controller]'s is none that the
-    /// laboratory can run at.
-    pub fn sample_period(&self) -> Result<f64> {
-        let of_controller = self.network.sample_period();
-        match self.setup.sample_period {
-            Some(period) if of_controller > 0.0 && period != of_controller => Err(InvalidInput::new(
-                "laboratory.sample_period",
-                format!("{period:?}"),
-                format!("[controller] says {of_controller:?} s, and both mean the same controllers"),
-                "Name it once, or alike.",
-            )),
-            Some(period) => Ok(period),
-            None if of_controller > 0.0 => {
-                quantity::SAMPLE_PERIOD.check("controller.sample_period", of_controller)
-            }
-            None => Ok(SAMPLE_PERIOD),
-        }
-    }
-
-    /// The virtual laboratory of this study.
-    ///
-    /// An agent of Python stands in it as [`rig::Agent::External`], a target of Python as
-    /// [`rig::Target::Sampled`] without samples: whoever runs it gives the forces and the positions.
-    /// Operators are left out, since arms and agents hold the handles here.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] where the robots have other axes than x and y or the sample period is no good, by
-    /// its dotted field.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// let laboratory = telespring::study::Study::paper().laboratory()?;
-    /// assert_eq!(laboratory.controller.sample_period, 0.001);
-    /// # Ok::<(), telespring::InvalidInput>(())
-    /// ```
-    pub fn laboratory(&self) -> Result<rig::Laboratory> {
-        self.require_plane()?;
-        let pair = |values: &[f64]| [values[0], values[1]];
-        let side = |i: usize| rig::Side {
-            handle: rig::Handle {
-                mass: pair(self.dyad.robots()[i].mass()),
-                damping: pair(self.dyad.robots()[i].damping()),
-                coulomb: pair(&self.robots[i].coulomb),
-            },
-            arm: self.setup.arms[i],
-            agent: match self.setup.agents[i] {
-                AgentChoice::Skilled { stiffness, damping } => rig::Agent::Skilled { stiffness, damping },
-                AgentChoice::Blurred { stiffness, spots } => rig::Agent::Blurred { stiffness, spots },
-                AgentChoice::Python(_) => rig::Agent::External,
-            },
-        };
-        Ok(rig::Laboratory {
-            sides: [side(0), side(1)],
-            target: match self.setup.task {
-                Task::FigureEight { amplitude, angular_frequency } => {
-                    rig::Target::FigureEight { amplitude, angular_frequency }
-                }
-                Task::Python(_) => rig::Target::Sampled(Vec::new()),
-            },
-            controller: rig::Controller {
-                sample_period: self.sample_period()?,
-                computing_tick: self.setup.computing_tick,
-                actuator_lag: self.setup.actuator_lag,
-                encoder_resolution: self.setup.encoder_resolution,
-            },
-            network: rig::Network { jitter: self.setup.jitter, loss: self.setup.loss },
-        })
-    }
-
-    /// Which trials are run; what the file leaves away follows from robots, task and controllers.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] where the robots have other axes than x and y, give no reference stiffness where
-    /// one is needed, or the parts do not fit together, by its dotted field.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// let protocol = telespring::study::Study::paper().protocol()?;
-    /// assert_eq!((protocol.conditions.len(), protocol.trials), (17, 20));
-    /// assert_eq!((protocol.duration, protocol.discard), (29.111, 4.852));
-    /// # Ok::<(), telespring::InvalidInput>(())
-    /// ```
-    pub fn protocol(&self) -> Result<rig::Protocol> {
-        self.require_plane()?;
-        self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
-    }
-
-    fn require_plane(&self) -> Result<()> {
-        if self.is_planar() {
-            return Ok(());
-        }
-        Err(InvalidInput::new(
-            "robot1.axes",
-            format!("{:?}", self.dyad.axis_names()),
-            "a rehearsal needs robots with exactly the two axes \"x\" and \"y\"",
-            "Give both robots these axes to rehearse the study.",
-        ))
-    }
-
-    /// Where the file says anything of a rehearsal, the rehearsal must be possible.
-    fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
-        let Some(section) = reader.rehearsal_section() else { return Ok(()) };
-        if !self.is_planar() {
-            return Err(reader.refuse_section(
-                section,
-                format!(
-                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have {:?}",
-                    self.dyad.axis_names()
-                ),
-                "Remove the section, or give both robots these axes.",
-            ));
-        }
-        let laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
-        // a target of Python has no samples yet
-        if matches!(laboratory.target, rig::Target::FigureEight { .. }) {
-            laboratory.check().map_err(|error| reader.locate(error))?;
-        }
-        self.protocol().map_err(|error| reader.locate(error))?;
-        Ok(())
-    }
 }
 
 /// Every key of a study file as `section.key`, in order, `name` first.
@@ -353,69 +212,6 @@ pub fn keys() -> Vec<String> {
     std::iter::once("name".to_owned()).chain(dotted).collect()
 }
 
-/// The axes of a rehearsal.
-const PLANE: [&str; 2] = ["x", "y"];
-/// Period of the laboratory's controllers where the study names none, s.
-const SAMPLE_PERIOD: f64 = 0.001;
-
 /// Twice Eq. 5 on the x axis, N/m.
 const PAPER_STIFFNESS: f64 = (7.7257 * 7.7257 + 7.4208 * 7.4208) / (0.8334 + 0.7776);
 const UNNAMED: &str = "unnamed study";
-
-/// A value that is 0 where it is not given.
-fn optional(reader: &Reader<'_>, section: &str, key: &str, quantity: quantity::Quantity) -> Result<f64> {
-    reader.get(section, key).map_or(Ok(0.0), |entry| entry.number(quantity, "a number"))
-}
-
-fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
-    let keys = [
-        ("mass", quantity::ADDED_MASS),
-        ("damping", quantity::DAMPING),
-        ("stiffness", quantity::GROUND_STIFFNESS),
-    ];
-    let mut spans = Vec::with_capacity(3);
-    for (key, quantity) in keys {
-        spans.push(match reader.get(section, key) {
-            None => vec![Span { low: 0.0, high: 0.0 }; axes],
-            Some(entry) => {
-                let values = entry.per_axis(quantity, true)?;
-                check_count(&entry, &values, axes)?;
-                values.spread(axes)
-            }
-        });
-    }
-    let end = |end: fn(&Span) -> f64| {
-        let mut values = spans.iter().map(|spans| spans.iter().map(end).collect::<Vec<f64>>());
-        let mut next = || values.next().unwrap_or_default();
-        Operator::new(next(), next(), next())
-    };
-    let place = |error: InvalidInput| reader.place(section, error);
-    let (low, high) = (end(|span| span.low).map_err(place)?, end(|span| span.high).map_err(place)?);
-    OperatorRange::new(low, high).map_err(place)
-}
-
-fn network(reader: &Reader<'_>) -> Result<Network> {
-    let entry = reader.need("network", "delay", "delay = 0.05 (s, one way)")?;
-    let delay = match entry.pair(["forward", "backward"], "or give one number")? {
-        Some([forward, backward]) => Delay::new(
-            forward.number(quantity::DELAY, "a number")?,
-            backward.number(quantity::DELAY, "a number")?,
-        ),
-        None => Delay::each_way(entry.number(quantity::DELAY, "a number or {forward = …, backward = …}")?),
-    };
-    Network::new(
-        delay.map_err(|error| reader.place("network", error))?,
-        optional(reader, "network", "jitter", quantity::SPAN)?,
-        optional(reader, "network", "max_gap", quantity::SPAN)?,
-        optional(reader, "controller", "sample_period", quantity::SPAN)?,
-        optional(reader, "controller", "computing_time", quantity::SPAN)?,
-    )
-    .map_err(|error| {
-        let section =
-            if matches!(error.field.as_str(), "jitter" | "max_gap") { "network" } else { "controller" };
-        match reader.get(section, &error.field) {
-            Some(entry) => entry.place(error.within(section)),
-            None => error.within(section),
-        }
-    })
-}

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use toml::de::DeValue;
 
-use super::reader::{Entry, Reader};
+use super::entry::Entry;
+use super::reader::Reader;
 use crate::error::Result;
 
 /// A value of an option.

@@ -1,6 +1,7 @@
 //! The sections [robot1] and [robot2].
 
-use super::reader::{Entry, PerAxis, Reader};
+use super::entry::{Entry, PerAxis};
+use super::reader::Reader;
 use crate::error::Result;
 use crate::model::Robot;
 use crate::quantity::{self, Quantity};

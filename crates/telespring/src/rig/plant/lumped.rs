@@ -38,7 +38,7 @@ struct Step {
 }
 
 /// φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z, z ≥ 0.
-fn averages(z: f64) -> (f64, f64) {
+pub(super) fn averages(z: f64) -> (f64, f64) {
     if z > 0.5 {
         let first = -(-z).exp_m1() / z;
         return (first, (1.0 - first) / z);
@@ -139,12 +139,8 @@ impl Axis {
         }
     }
 
-    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ).
+    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ), without a look at the friction.
     fn advance_relaxing(&mut self, held: f64, relaxing: f64, time_constant: f64, span: f64) {
-        if self.coulomb > 0.0 {
-            let (mean, _) = averages(span / time_constant);
-            return self.advance(held + relaxing * mean, span);
-        }
         if self.relaxation.span != span {
             self.relaxation = Relaxation::new(self.mass, self.damping, time_constant, span);
         }
@@ -196,6 +192,15 @@ impl LumpedPlant {
         Self { axes: [axis(0), axis(1)] }
     }
 
+    /// The same at `velocity`, m/s.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
+        for (axis, velocity) in self.axes.iter_mut().zip(velocity) {
+            axis.velocity = velocity;
+        }
+        self
+    }
+
     /// Where the handle is, m.
     pub fn position(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.position)
@@ -216,7 +221,12 @@ impl LumpedPlant {
     /// Moves on by `span` s while the robot's force relaxes; exact without Coulomb friction, with it the
     /// mean of the force over the span is held.
     pub fn advance_relaxing(&mut self, robot_force: &RelaxingForce, hand_force: [f64; 2], span: f64) {
+        let mean = robot_force.mean(span);
         for (index, axis) in self.axes.iter_mut().enumerate() {
+            if axis.coulomb > 0.0 {
+                axis.advance(mean[index] + hand_force[index], span);
+                continue;
+            }
             let held = robot_force.to[index] + hand_force[index];
             let relaxing = robot_force.from[index] - robot_force.to[index];
             axis.advance_relaxing(held, relaxing, robot_force.time_constant, span);

@@ -1,8 +1,10 @@
 //! What moves: a robot's handle with the arm that holds it.
 
 mod lumped;
+mod two_link;
 
 pub use lumped::LumpedPlant;
+pub use two_link::{SMALLEST_ELBOW_SINE, TwoLinkPlant};
 
 use super::{Arm, Handle};
 use crate::error::{InvalidInput, Result};
@@ -11,7 +13,7 @@ use crate::error::{InvalidInput, Result};
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the arm cannot reach x = {} m, y = {} m", .position[0], .position[1])]
 pub struct OutOfReach {
-    /// Where it should be, m.
+    /// Where it should be, or where it was last in reach, m.
     pub position: [f64; 2],
 }
 
@@ -32,6 +34,12 @@ impl RelaxingForce {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
+
+    /// Its mean over `span` s, N per axis: held that long, it has the same impulse.
+    pub fn mean(&self, span: f64) -> [f64; 2] {
+        let (rest, _) = lumped::averages(span / self.time_constant);
+        [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
+    }
 }
 
 /// A handle in the hands of an arm.
@@ -39,6 +47,8 @@ impl RelaxingForce {
 pub enum Plant {
     /// An arm that is the same in every pose.
     Lumped(LumpedPlant),
+    /// Two links in the plane, whose mass and damping change with the pose.
+    TwoLink(TwoLinkPlant),
 }
 
 impl Plant {
@@ -52,12 +62,18 @@ impl Plant {
             Arm::Lumped { mass, damping } => {
                 Ok(Self::Lumped(LumpedPlant::new(handle, mass, damping, position)))
             }
-            Arm::TwoLink(_) => Err(InvalidInput::new(
-                "kind",
-                "\"two-link\"",
-                "a lumped arm is needed",
-                "Choose kind = \"lumped\".",
-            )),
+            Arm::TwoLink(arm) => {
+                let plant = TwoLinkPlant::new(handle, arm, position).map_err(|outside| {
+                    InvalidInput::new(
+                        "base",
+                        format!("{:?}", arm.base),
+                        format!("{outside} where the handle starts"),
+                        "Move the base so that its distance from there is between the difference and the sum of \
+                         the links' lengths, with room to both.",
+                    )
+                })?;
+                Ok(Self::TwoLink(plant))
+            }
         }
     }
 
@@ -65,6 +81,7 @@ impl Plant {
     pub fn position(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.position(),
+            Self::TwoLink(plant) => plant.position(),
         }
     }
 
@@ -72,6 +89,16 @@ impl Plant {
     pub fn velocity(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.velocity(),
+            Self::TwoLink(plant) => plant.velocity(),
+        }
+    }
+
+    /// The same at `velocity`, m/s.
+    #[must_use]
+    pub fn with_velocity(self, velocity: [f64; 2]) -> Self {
+        match self {
+            Self::Lumped(plant) => Self::Lumped(plant.with_velocity(velocity)),
+            Self::TwoLink(plant) => Self::TwoLink(plant.with_velocity(velocity)),
         }
     }
 
@@ -88,9 +115,12 @@ impl Plant {
         span: f64,
     ) -> std::result::Result<(), OutOfReach> {
         match self {
-            Self::Lumped(plant) => plant.advance(robot_force, hand_force, span),
+            Self::Lumped(plant) => {
+                plant.advance(robot_force, hand_force, span);
+                Ok(())
+            }
+            Self::TwoLink(plant) => plant.advance(robot_force, hand_force, span),
         }
-        Ok(())
     }
 
     /// As [`Plant::advance`] while the robot's force relaxes: exact where the plant is linear, elsewhere
@@ -106,15 +136,19 @@ impl Plant {
         span: f64,
     ) -> std::result::Result<(), OutOfReach> {
         match self {
-            Self::Lumped(plant) => plant.advance_relaxing(robot_force, hand_force, span),
+            Self::Lumped(plant) => {
+                plant.advance_relaxing(robot_force, hand_force, span);
+                Ok(())
+            }
+            Self::TwoLink(plant) => plant.advance(robot_force.mean(span), hand_force, span),
         }
-        Ok(())
     }
 
     /// The force of the arm on the handle under these forces, N per axis.
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.handle_force(robot_force, hand_force),
+            Self::TwoLink(plant) => plant.handle_force(robot_force, hand_force),
         }
     }
 }

@@ -6,26 +6,29 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import telespring as ts
 from telespring import figures, paper
-from telespring.axes import Axis, axes_of, finite_or_none, free_axis
+from telespring.axes import Axis, finite_or_none, free_axis
 from telespring.decision import decide
 from telespring.misprints import RETURNING
-from telespring.reference import MAP_POINTS, MAP_WIDTH, Reference, classify
+from telespring.reference import MAP_POINTS, MAP_WIDTH, classify
+from telespring.study.part import Found, Scene
 
-__all__ = ["example_maps", "tier_map"]
+__all__ = ["find_examples", "find_map"]
 
 
-def tier_map(study: ts.Study, axes: list[Axis], base: Reference) -> tuple[dict[str, Any], str]:
+def find_map(scene: Scene) -> Found:
     """Draw the study's own map with the verdicts' limits, worst over the ranges of operators if given."""
+    study, axes, base = scene.study, scene.axes, scene.reference
     widest, longest = MAP_WIDTH * base.stiffness, 2.4 * base.delay
     stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
     shown = []
     for axis in axes:
         printed = None
         if axis.is_plain:
-            printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
+            printed = _printed_delay(axis, stiffness)
         shown.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
     decision = decide(study.dyad, study.stiffness, base.delay, operator_ranges=study.operator_ranges)
     any_network = decision.verdict("any network").stiffness_allowed
@@ -36,9 +39,10 @@ def tier_map(study: ts.Study, axes: list[Axis], base: Reference) -> tuple[dict[s
         # Without sampling the bound is a constant over the age of the oldest sample.
         product = varying.stiffness_allowed * base.delay
         bounded = (stiffness, product / stiffness)
-    own = _same_robots(study.dyad, ts.hman())
     conditions = [
-        (k, delay) for k in (paper.EXPERIMENT_STIFFNESSES if own else ()) for delay in paper.EXPERIMENT_DELAYS
+        (k, delay)
+        for k in (paper.EXPERIMENT_STIFFNESSES if scene.of_the_paper else ())
+        for delay in paper.EXPERIMENT_DELAYS
     ]
     svg = figures.to_svg(
         figures.tier_map(
@@ -84,7 +88,12 @@ def tier_map(study: ts.Study, axes: list[Axis], base: Reference) -> tuple[dict[s
             for k, delay in conditions
         ],
     }
-    return numbers, svg
+    return Found(numbers={"stability_map": numbers}, drawings={"map": svg})
+
+
+def _printed_delay(axis: Axis, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Eqs. 5 to 9 as printed, s."""
+    return np.asarray(ts.maximum_delay(*axis.parameters, stiffness, method="paper"), dtype=float)
 
 
 def _largest_difference(each: figures.MapAxis) -> float | None:
@@ -97,16 +106,13 @@ def _largest_difference(each: figures.MapAxis) -> float | None:
     return float(np.max(np.abs(each.printed[both] / each.exact[both] - 1.0)))
 
 
-def _same_robots(one: ts.Dyad, other: ts.Dyad) -> bool:
-    return [axis.parameters for axis in axes_of(one)] == [axis.parameters for axis in axes_of(other)]
-
-
-def example_maps() -> tuple[dict[str, Any], str]:
-    """Draw two dyads on which the paper's formulas fail."""
+def find_examples(_scene: Scene) -> Found:
+    """Draw two dyads on which the paper's formulas fail; they are the same in every study."""
     unequal = free_axis(1.0, 1.0, 1.0, 10.0)
     parameters, returning_stiffness = RETURNING
     returning = free_axis(*parameters)
-    panels, numbers = [], {}
+    panels = []
+    numbers: dict[str, Any] = {}
     settings = (
         ("unequal_damping", unequal, "m = 1, 1 kg, b = 1, 10 N·s/m", 40.0, 0.8),
         ("stability_returns", returning, "m = 0.98, 0.30 kg, b = 2.2, 4.6 N·s/m", 16.0, 3.0),
@@ -116,7 +122,7 @@ def example_maps() -> tuple[dict[str, Any], str]:
         columns = [
             figures.MapColumn(float(k), axis.stable_delays(float(k), 1.01 * longest)) for k in stiffness
         ]
-        printed = np.array([paper.maximum_delay(*axis.parameters, float(k)).delay for k in stiffness])
+        printed = _printed_delay(axis, stiffness)
         panels.append((title, columns, printed))
         numbers[key] = {
             "mass": list(axis.masses),
@@ -154,4 +160,4 @@ def example_maps() -> tuple[dict[str, Any], str]:
         "delay": 1.95,
         "verdict": classify(returning, returning_stiffness, 1.95),
     }
-    return numbers, svg
+    return Found(numbers={"examples": numbers}, drawings={"examples": svg})

@@ -1,0 +1,121 @@
+//! A two-link arm by itself: checks at the door, an example, and what the handle feels of it.
+
+use super::OutOfReach;
+use super::dynamics::Rig;
+use super::kinematics::Pose;
+use crate::error::{InvalidInput, Result};
+use crate::rig::{Elbow, Handle, TwoLinkArm};
+
+/// A pair of quantities of an arm: field, what it is, unit, range.
+struct Pair(&'static str, &'static str, &'static str, [f64; 2]);
+
+impl TwoLinkArm {
+    /// Two links of HEBI X-series parts, 0.45 m behind the middle of the task: a stated stand-in, as the
+    /// paper gives neither lengths nor inertias of its arms.
+    ///
+    /// | what | from |
+    /// |---|---|
+    /// | links of 0.325 m | the X-series arm kits of HEBI Robotics' `hebi-hrdf` |
+    /// | tube: 0.402 kg, its centre in the middle, a thin rod's inertia | `link.xacro` of their `hebi_description`: 0.4 (length + 0.03) + 0.26 kg |
+    /// | elbow actuator X8-9: 0.480 kg, 0.463 g·m², 20 N·m, damping 0.5 N·m·s/rad | `actuator.xacro` there; it hangs at the end of the upper link and is counted with it |
+    /// | rotor inertia 0.01 kg·m² | assumed: what the series-elastic torque loop leaves of it is not published |
+    /// | shoulder at (0, −0.45) m, elbow on the right | assumed; the figure of eight then stays 0.1 m or more inside the reach |
+    ///
+    /// `actuator.xacro` itself calls its damping untuned, and 20 N·m is more than it holds for long: replace
+    /// both by what an identification finds.
+    pub const HEBI_X8: Self = Self {
+        base: [0.0, -0.45],
+        elbow: Elbow::Right,
+        link_length: [0.325, 0.325],
+        link_mass: [0.882, 0.402],
+        link_centre: [0.2509, 0.1625],
+        link_inertia: [0.00986, 0.00362],
+        joint_damping: [0.5, 0.5],
+        rotor_inertia: [0.01, 0.01],
+        torque_limit: [20.0, 20.0],
+    };
+
+    /// The same arm where every value is in its range.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] that names the first value out of its range.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::rig::TwoLinkArm;
+    /// let arm = TwoLinkArm { link_mass: [-1.0, 0.4], ..TwoLinkArm::HEBI_X8 };
+    /// assert_eq!(arm.checked().unwrap_err().field, "link_mass[0]");
+    /// ```
+    pub fn checked(self) -> Result<Self> {
+        const PAIRS: [Pair; 8] = [
+            Pair("base", "a coordinate", "m", [-10.0, 10.0]),
+            Pair("link_length", "a length of a link", "m", [1e-2, 10.0]),
+            Pair("link_mass", "a mass of a link", "kg", [0.0, 1e3]),
+            Pair("link_centre", "a distance from the joint", "m", [-10.0, 10.0]),
+            Pair("link_inertia", "a moment of inertia", "kg·m²", [0.0, 1e3]),
+            Pair("joint_damping", "a damping of a joint", "N·m·s/rad", [0.0, 1e4]),
+            Pair("rotor_inertia", "a reflected inertia", "kg·m²", [0.0, 1e3]),
+            Pair("torque_limit", "a limit of torque", "N·m", [0.0, f64::INFINITY]),
+        ];
+        let values = [
+            self.base,
+            self.link_length,
+            self.link_mass,
+            self.link_centre,
+            self.link_inertia,
+            self.joint_damping,
+            self.rotor_inertia,
+            self.torque_limit,
+        ];
+        for (Pair(field, name, unit, [least, most]), pair) in PAIRS.iter().zip(values) {
+            for (index, value) in pair.into_iter().enumerate() {
+                if !(value >= *least && value <= *most) {
+                    return Err(InvalidInput::new(
+                        format!("{field}[{index}]"),
+                        value,
+                        format!("{name} must be a number from {least} to {most} {unit}"),
+                        format!("Check the sign and the unit: {unit} is expected."),
+                    ));
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Mass matrix, kg, and damping matrix, N·s/m, that the handle feels of the arm in the pose that
+    /// holds it at `position`, m: J⁻ᵀ M J⁻¹ and J⁻ᵀ D J⁻¹, symmetric, in the axes x and y.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfReach`] where no pose, or only one too near to straight or folded, holds it there.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::rig::TwoLinkArm;
+    /// let (mass, damping) = TwoLinkArm::HEBI_X8.operator_at([0.0, 0.0]).unwrap();
+    /// assert_eq!(mass[0][1], mass[1][0]);
+    /// assert!(mass[0][0] > 0.0 && damping[1][1] > 0.0);
+    /// assert!(TwoLinkArm::HEBI_X8.operator_at([0.0, 0.2]).is_err());
+    /// ```
+    #[expect(clippy::type_complexity, reason = "two matrices")]
+    pub fn operator_at(
+        &self,
+        position: [f64; 2],
+    ) -> std::result::Result<([[f64; 2]; 2], [[f64; 2]; 2]), OutOfReach> {
+        let none = Handle { mass: [0.0; 2], damping: [0.0; 2], coulomb: [0.0; 2] };
+        let (mass, damping) = Rig::new(none, *self).operator(&Pose::at(self, position)?);
+        Ok((mass.rows(), damping.rows()))
+    }
+
+    /// Angles of shoulder and elbow, rad, that hold the handle at `position`, m.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfReach`] as in [`TwoLinkArm::operator_at`].
+    pub fn joint_angles_at(&self, position: [f64; 2]) -> std::result::Result<[f64; 2], OutOfReach> {
+        Ok(Pose::at(self, position)?.joint_angles())
+    }
+}

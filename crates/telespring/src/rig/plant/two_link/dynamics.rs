@@ -1,0 +1,109 @@
+//! The forces on the handle at one instant.
+
+use super::OutOfReach;
+use super::kinematics::{Pose, Symmetric};
+use crate::rig::{Handle, TwoLinkArm};
+
+/// The robot and the arm that holds it, with what does not change with the pose computed once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rig {
+    pub handle: Handle,
+    pub arm: TwoLinkArm,
+    /// Inertia about the shoulder of all that turns with the upper link, its actuator included, kg·m².
+    first: f64,
+    /// Inertia of the lower link about the elbow, kg·m².
+    second: f64,
+    /// Mass of the lower link times its lever times the upper link's length, kg·m².
+    coupling: f64,
+}
+
+/// mass · acceleration = push + the Coulomb friction: the handle with all that hangs on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Balance {
+    /// Robot and arm, kg.
+    pub mass: Symmetric,
+    /// All forces but friction, those that come from the turning of the links included, N.
+    pub push: [f64; 2],
+    arm_mass: Symmetric,
+    arm_push: [f64; 2],
+}
+
+impl Balance {
+    /// The force of the arm on the robot while the handle accelerates so, N.
+    pub fn arm_force(&self, acceleration: [f64; 2]) -> [f64; 2] {
+        let inertial = self.arm_mass.times(acceleration);
+        [self.arm_push[0] - inertial[0], self.arm_push[1] - inertial[1]]
+    }
+}
+
+impl Rig {
+    pub fn new(handle: Handle, arm: TwoLinkArm) -> Self {
+        let TwoLinkArm { link_length, link_mass, link_centre, link_inertia, rotor_inertia, .. } = arm;
+        Self {
+            handle,
+            arm,
+            first: link_inertia[0]
+                + link_mass[0] * link_centre[0].powi(2)
+                + link_mass[1] * link_length[0].powi(2)
+                + rotor_inertia[0],
+            second: link_inertia[1] + link_mass[1] * link_centre[1].powi(2),
+            coupling: link_mass[1] * link_length[0] * link_centre[1],
+        }
+    }
+
+    /// The arm's inertia over the turning rates of the links: of the first, mixed, of the second.
+    #[inline]
+    fn inertia(&self, pose: &Pose) -> [f64; 3] {
+        // the elbow's actuator turns with the difference of both rates
+        let rotor = self.arm.rotor_inertia[1];
+        [self.first + rotor, self.coupling * pose.cosine - rotor, self.second + rotor]
+    }
+
+    /// The arm's mass and damping as the handle feels them in this pose, kg and N·s/m.
+    pub fn operator(&self, pose: &Pose) -> (Symmetric, Symmetric) {
+        let [shoulder, elbow] = self.arm.joint_damping;
+        (pose.at_handle(self.inertia(pose)), pose.at_handle([shoulder + elbow, -elbow, elbow]))
+    }
+
+    /// The balance at this position and velocity under torques of the joints and a force of the robot.
+    #[inline]
+    pub fn balance(
+        &self,
+        position: [f64; 2],
+        velocity: [f64; 2],
+        torque: [f64; 2],
+        robot_force: [f64; 2],
+    ) -> Result<Balance, OutOfReach> {
+        let pose = Pose::at(&self.arm, position)?;
+        let [w1, w2] = pose.rates(velocity);
+        let [l1, l2] = self.arm.link_length;
+        let [shoulder, elbow] = self.arm.joint_damping;
+        let centrifugal = self.coupling * pose.sine;
+        // moments on the links: the elbow's actuator pushes one against the other
+        let hinge = torque[1] - elbow * (w2 - w1);
+        let moment =
+            [torque[0] - shoulder * w1 - hinge + centrifugal * w2 * w2, hinge - centrifugal * w1 * w1];
+        // while the handle moves on steadily the links' rates change by this
+        let (inward1, inward2) = (l1 * w1 * w1, l2 * w2 * w2);
+        let turning = [
+            (inward1 * pose.cosine + inward2) / (l1 * pose.sine),
+            -(inward1 + inward2 * pose.cosine) / (l2 * pose.sine),
+        ];
+        let inertia @ [first, cross, second] = self.inertia(&pose);
+        let arm_push = pose.force([
+            moment[0] - first * turning[0] - cross * turning[1],
+            moment[1] - cross * turning[0] - second * turning[1],
+        ]);
+        let arm_mass = pose.at_handle(inertia);
+        let damping = self.handle.damping;
+        Ok(Balance {
+            mass: arm_mass.plus_diagonal(self.handle.mass),
+            push: [
+                robot_force[0] - damping[0] * velocity[0] + arm_push[0],
+                robot_force[1] - damping[1] * velocity[1] + arm_push[1],
+            ],
+            arm_mass,
+            arm_push,
+        })
+    }
+}

@@ -1,0 +1,156 @@
+//! A robot's handle in the hand of a two-link arm under torque control.
+//!
+//! The arm of Section IV-B of the paper: two actuated joints, a free bearing at the handle, the plane
+//! horizontal. The equations are those of the arm in the turning rates of its links, carried over to the
+//! handle, where the robot's own mass, damping and friction are: with Λ = J⁻ᵀ M J⁻¹,
+//!
+//! (m + Λ) p″ = F_robot − b p′ − friction + J⁻ᵀ (τ − C θ′ − D θ′) + Λ J′ θ′.
+
+mod arm;
+mod dynamics;
+mod friction;
+mod kinematics;
+mod stepping;
+#[cfg(test)]
+mod tests;
+
+use self::dynamics::Rig;
+use self::kinematics::Pose;
+use self::stepping::{Held, State};
+use super::OutOfReach;
+use crate::rig::{Handle, TwoLinkArm};
+
+pub use self::kinematics::SMALLEST_ELBOW_SINE;
+
+/// One robot in one arm, in motion.
+///
+/// # Examples
+///
+/// A push of 1 N away from the shoulder for 10 ms:
+///
+/// ```
+/// use telespring::rig::{Handle, TwoLinkArm, plant::TwoLinkPlant};
+/// let handle = Handle { mass: [0.8, 0.7], damping: [7.0, 6.0], coulomb: [0.0, 0.0] };
+/// let mut plant = TwoLinkPlant::new(handle, TwoLinkArm::HEBI_X8, [0.0, 0.0])?;
+/// for _ in 0..10 {
+///     plant.advance([0.0, 0.0], [0.0, 1.0], 1e-3)?;
+/// }
+/// assert!(plant.velocity()[1] > 0.0);
+/// # Ok::<(), telespring::rig::OutOfReach>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwoLinkPlant {
+    rig: Rig,
+    state: State,
+    torque: [f64; 2],
+    step: f64,
+}
+
+impl TwoLinkPlant {
+    /// At rest, the handle at `position`, m.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfReach`] where the arm cannot hold it there.
+    pub fn new(handle: Handle, arm: TwoLinkArm, position: [f64; 2]) -> Result<Self, OutOfReach> {
+        Pose::at(&arm, position)?;
+        let state = [position[0], position[1], 0.0, 0.0];
+        Ok(Self { rig: Rig::new(handle, arm), state, torque: [0.0; 2], step: f64::INFINITY })
+    }
+
+    /// The same at `velocity`, m/s.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
+        self.state[2..].copy_from_slice(&velocity);
+        self
+    }
+
+    /// Position of the handle, m.
+    pub fn position(&self) -> [f64; 2] {
+        [self.state[0], self.state[1]]
+    }
+
+    /// Velocity of the handle, m/s.
+    pub fn velocity(&self) -> [f64; 2] {
+        [self.state[2], self.state[3]]
+    }
+
+    /// Torques of shoulder and elbow that were held last, N·m.
+    pub fn torque(&self) -> [f64; 2] {
+        self.torque
+    }
+
+    fn pose(&self) -> Pose {
+        // every position that is kept has been in reach
+        Pose::at(&self.rig.arm, self.position()).expect("the arm holds the handle")
+    }
+
+    /// Angles of shoulder and elbow, rad.
+    pub fn joint_angles(&self) -> [f64; 2] {
+        self.pose().joint_angles()
+    }
+
+    /// Turning rates of shoulder and elbow, rad/s.
+    pub fn joint_velocities(&self) -> [f64; 2] {
+        let [first, second] = self.pose().rates(self.velocity());
+        [first, second - first]
+    }
+
+    /// The torques that a hand force, N, commands in this pose: J(θ)ᵀ F of Eqs. 13 and 14, each cut to
+    /// its limit, N·m.
+    pub fn torque_for(&self, hand_force: [f64; 2]) -> [f64; 2] {
+        let limit = self.rig.arm.torque_limit;
+        let torque = self.pose().torque(&self.rig.arm, hand_force);
+        [torque[0].clamp(-limit[0], limit[0]), torque[1].clamp(-limit[1], limit[1])]
+    }
+
+    /// Moves on by `span`, s, under the force of the robot's actuators and the torques that
+    /// `hand_force` commands now, N, both held.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfReach`] where the handle leaves the reach on the way; it is then left where it last was
+    /// inside.
+    pub fn advance(
+        &mut self,
+        robot_force: [f64; 2],
+        hand_force: [f64; 2],
+        span: f64,
+    ) -> Result<(), OutOfReach> {
+        self.advance_by_torque(robot_force, self.torque_for(hand_force), span)
+    }
+
+    /// Moves on under torques of the joints, N·m, that are held over the span as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfReach`] as in [`TwoLinkPlant::advance`].
+    pub fn advance_by_torque(
+        &mut self,
+        robot_force: [f64; 2],
+        torque: [f64; 2],
+        span: f64,
+    ) -> Result<(), OutOfReach> {
+        self.torque = torque;
+        let held = Held { torque, robot_force };
+        stepping::advance(&self.rig, held, span, &mut self.state, &mut self.step)
+    }
+
+    /// The force of the arm on the robot's handle at this instant under these forces, N: what a force
+    /// sensor between both measures.
+    pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
+        let torque = self.torque_for(hand_force);
+        let (position, velocity, level) = (self.position(), self.velocity(), self.rig.handle.coulomb);
+        let balance =
+            self.rig.balance(position, velocity, torque, robot_force).expect("the arm holds the handle");
+        let contact = friction::contacts(&balance, velocity, level);
+        balance.arm_force(friction::motion(&balance, contact, level).acceleration)
+    }
+
+    /// Kinetic energy of robot and arm, J.
+    pub fn kinetic_energy(&self) -> f64 {
+        let velocity = self.velocity();
+        let mass = self.rig.operator(&self.pose()).0.plus_diagonal(self.rig.handle.mass);
+        0.5 * kinematics::dot(velocity, mass.times(velocity))
+    }
+}

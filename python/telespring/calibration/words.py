@@ -1,0 +1,284 @@
+"""What the numbers of a calibration say, in sentences; each is written from the numbers alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from telespring._types import FloatArray
+from telespring.calibration.comparison import Prediction, Score
+from telespring.calibration.fit import Fit
+from telespring.calibration.likelihood import Likelihood
+from telespring.calibration.published import PublishedRow
+from telespring.calibration.unknowns import UNKNOWNS
+
+__all__ = ["statements"]
+
+#: From here on two unknowns count as hard to tell apart.
+_CORRELATED = 0.7
+
+_WORDS = {
+    "arm_mass": "arm mass",
+    "arm_damping": "arm damping",
+    "coulomb": "Coulomb friction",
+    "spot_velocity": "spot velocity",
+}
+_TITLES = {"inside": "inertia inside Table III", "on top": "inertia on top of Table III"}
+
+
+def statements(
+    table: Sequence[PublishedRow],
+    fitted: Sequence[int],
+    held_out: Sequence[int],
+    fits: Mapping[str, Fit],
+    predictions: Mapping[str, Prediction],
+    scores: Mapping[str, Mapping[str, Score]],
+) -> list[str]:
+    """Say how good the fit is, what the unknowns are worth, and what does not agree and why.
+
+    Parameters
+    ----------
+    table
+        The published rows.
+    fitted, held_out
+        Their places.
+    fits
+        Per variant.
+    predictions, scores
+        By laboratory.
+
+    Returns
+    -------
+    list of str
+        Sentences.
+    """
+    seen = ", ".join(table[i].label for i in fitted)
+    said = [
+        (
+            f"The conditions are run at the stiffness and delay that the table prints, not at the unrounded "
+            f"multiples of K_xy and Δ_xy. The fit sees {seen}; the other {len(held_out)} are predicted."
+        )
+    ]
+    for name, found in fits.items():
+        said += _of_fit(name, found, table, fitted)
+    said += _of_variants(fits)
+    # one model need not be described twice
+    same = len({tuple(np.round(found.point, 2)) for found in fits.values()}) == 1
+    titles = {"inside": "either variant"} if same and "inside" in fits else dict(_TITLES)
+    for name, title in titles.items():
+        said += _of_held_out(name, title, scores)
+        said += _of_shape(title, predictions[name], table)
+    said += _of_growth(predictions, table)
+    said += _of_scatter(predictions, table)
+    return said
+
+
+def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequence[int]) -> list[str]:
+    sampling = Likelihood.of([table[i] for i in fitted]).sampling_variance ** 0.5
+    common, difference = found.misfit
+    said = [
+        f"With {_TITLES[name]} the fit is {_listed(found.values)}. It misses the mean of TE1 and TE2 of a "
+        f"condition by {_mm(common)} (root mean square) and half their difference by {_mm(difference)}; the "
+        f"sampling error of either is {_mm(sampling)}. "
+        + (
+            "The model does not hold to within that error."
+            if max(common, difference) > 2 * sampling
+            else "The model holds to within twice that error."
+        )
+    ]
+    if name == "inside":
+        said.append(
+            "With the arm's inertia inside Table III the moving mass is Table III's, whatever part of it is "
+            "the arm's: the arm mass has no effect on any cell and is not an unknown."
+        )
+    at_zero = [_WORDS[key] for key, value in found.values.items() if value < 1e-3 * _high(key)]
+    if at_zero:
+        said.append(
+            f"With {_TITLES[name]} the best {' and '.join(at_zero)} is none: the deviance only rises from "
+            "there."
+        )
+    unbounded = [
+        f"{_WORDS[key]} ({_interval(found, key)}"
+        + (", the whole range that was searched)" if each.open_below and each.open_above else ")")
+        for key, each in found.profiles.items()
+        if each.open_below or each.open_above
+    ]
+    if unbounded:
+        said.append(
+            f"With {_TITLES[name]} the 95 % profile interval reaches an end of the searched range for "
+            f"{', '.join(unbounded)}."
+        )
+    close = [
+        f"{_WORDS[one]} and {_WORDS[two]} ({found.correlation[i, j]:+.2f})"
+        for i, one in enumerate(found.values)
+        for j, two in enumerate(found.values)
+        if i < j and abs(found.correlation[i, j]) >= _CORRELATED
+    ]
+    if close:
+        said.append(f"With {_TITLES[name]} hard to tell apart, by their correlation: {'; '.join(close)}.")
+    return said
+
+
+def _of_variants(fits: Mapping[str, Fit]) -> list[str]:
+    if set(fits) != {"inside", "on top"}:
+        return []
+    gain = fits["inside"].deviance - fits["on top"].deviance
+    mass = fits["on top"].values["arm_mass"]
+    if mass < 1e-3 * _high("arm_mass"):
+        interval = _interval(fits["on top"], "arm_mass")
+        sentence = (
+            "Let free, an arm mass on top of Table III goes to none, where both variants are one model: the "
+            f"fitted cells give no sign of inertia beyond Table III (interval {interval})."
+        )
+    else:
+        sentence = (
+            f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f}, with one "
+            f"unknown more; {fits['on top'].threshold:.1f} would be significant at 95 %."
+        )
+    return [sentence]
+
+
+def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]]) -> list[str]:
+    ours, null = scores[name]["both"], scores["as unconnected"]["both"]
+    if not np.isfinite(ours.rms_error):
+        return [f"With {title} trials of the held-out conditions diverged: there is no score."]
+    better = "nearer to" if ours.rms_error < null.rms_error else "farther from"
+    ranks = ", ".join(f"{key.upper()} {_rank(scores[name][key])}" for key in ("te1", "te2"))
+    return [
+        (
+            f"With {title} the {ours.cells} held-out cells are missed by {_mm(ours.rms_error)} (r.m.s., "
+            f"mean {1e3 * ours.mean_error:+.1f} mm), {better} the published ones than the prediction that "
+            f"nothing changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the "
+            f"published means: {ranks}."
+        )
+    ]
+
+
+def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> list[str]:
+    """Compare effects, not values: of the delay, of connecting, and the gap between both agents."""
+    said: list[str] = []
+    stronger = 0
+    measured = np.array([row.mean for row in table])
+    for stiffness in sorted({row.stiffness for row in table if row.stiffness is not None}, reverse=True):
+        rows = [i for i, row in enumerate(table) if row.stiffness == stiffness]
+        first, last = min(rows, key=lambda i: table[i].delay), max(rows, key=lambda i: table[i].delay)
+        ours, theirs = (each[last] - each[first] for each in (found.mean, measured))
+        if np.isfinite(ours).all() and (np.abs(ours - theirs) > 2e-3).any():
+            said.append(
+                f"With {title}, {stiffness:.0f} N/m: the longest delay changes TE1 and TE2 by "
+                f"{_pair(ours)} in the model and by {_pair(theirs)} in the table."
+            )
+            stronger += int((ours > theirs).all())
+    if stronger > 1 and stronger == len(said):
+        said.append(
+            f"With {title} the model overstates the delay's effect wherever it misses it: the unknowns act "
+            "on each side alone, and none of them lets a delayed spring of known stiffness do less."
+        )
+    at_zero = [i for i, row in enumerate(table) if row.stiffness is not None and row.delay == 0.0]
+    baseline = next((i for i, row in enumerate(table) if row.stiffness is None), None)
+    if baseline is not None and at_zero:
+        softest = min(at_zero, key=lambda i: table[i].stiffness or 0.0)
+        stiffest = max(at_zero, key=lambda i: table[i].stiffness or 0.0)
+        ours, theirs = (each[softest] - each[baseline] for each in (found.mean, measured))
+        if np.isfinite(ours).all() and abs(ours[0] - theirs[0]) > 1e-3:
+            said.append(
+                f"With {title}, connecting the robots by {table[softest].stiffness:.0f} N/m without delay "
+                f"changes TE1 by {1e3 * ours[0]:+.1f} mm in the model and by {1e3 * theirs[0]:+.1f} mm in "
+                "the table"
+                + (
+                    ": nothing in the model lets the skilled agent gain from a partner who is worse."
+                    if theirs[0] < 0
+                    else "."
+                )
+            )
+        gap, published_gap = (float(each[stiffest, 1] - each[stiffest, 0]) for each in (found.mean, measured))
+        alone, published_alone = (
+            float(each[baseline, 1] - each[baseline, 0]) for each in (found.mean, measured)
+        )
+        if np.isfinite(gap) and published_gap - gap > 1e-3:
+            said.append(
+                f"With {title}, TE2 less TE1 falls from {1e3 * alone:.1f} mm alone to {1e3 * gap:.1f} mm at "
+                f"{table[stiffest].stiffness:.0f} N/m without delay, for a stiff spring makes both handles "
+                f"move alike; in the table it goes from {1e3 * published_alone:.1f} to "
+                f"{1e3 * published_gap:.1f} mm: as if the real spring coupled the handles less than its "
+                "stiffness says."
+            )
+    agree = found.arrows_agreeing(table)
+    wrong = [
+        f"TE{robot + 1} {row.label}"
+        for row, one in zip(table, agree, strict=True)
+        for robot in (0, 1)
+        if one[robot] is False
+    ]
+    count = sum(one is not None for pair in agree for one in pair)
+    said.append(
+        f"With {title}, {count - len(wrong)} of {count} arrows agree"
+        + (f"; not those of {', '.join(wrong)}." if wrong else ".")
+    )
+    return said
+
+
+def _of_growth(predictions: Mapping[str, Prediction], table: Sequence[PublishedRow]) -> list[str]:
+    ideal = predictions["ideal"]
+    grown = [
+        f"{row.label} ({1e3 * max(ideal.mean[i]):.0f} mm)"
+        if np.isfinite(ideal.mean[i]).all()
+        else f"{row.label} (ended early)"
+        for i, row in enumerate(table)
+        if not np.isfinite(ideal.mean[i]).all() or max(ideal.mean[i]) > 2.5 * max(row.mean)
+    ]
+    if not grown:
+        return []
+    return [
+        (
+            f"In the study's own laboratory the handles run away in {', '.join(grown)}; nothing like it was "
+            "published, so the real arms and robots have more damping or friction than the study gives them."
+        )
+    ]
+
+
+def _of_scatter(predictions: Mapping[str, Prediction], table: Sequence[PublishedRow]) -> list[str]:
+    baseline = next((i for i, row in enumerate(table) if row.stiffness is None), None)
+    if baseline is None:
+        return []
+    ours = ", ".join(
+        f"{1e3 * each.standard_deviation[baseline, 0]:.1f} mm ({name})" for name, each in predictions.items()
+    )
+    theirs = 1e3 * table[baseline].standard_deviation[0]
+    return [
+        (
+            f"Alone, TE1 scatters by {theirs:.1f} mm between the published trials and by {ours} between "
+            "simulated ones: the real skilled agent was not as exact a copy of itself, and no unknown here "
+            "stands for that."
+        )
+    ]
+
+
+def _listed(values: Mapping[str, float]) -> str:
+    units = {each.name: each.unit for each in UNKNOWNS}
+    return ", ".join(f"{_WORDS[key]} {value:.2f} {units[key]}" for key, value in values.items())
+
+
+def _interval(found: Fit, key: str) -> str:
+    low, high = found.profiles[key].interval
+    return f"{low:.2f} to {high:.2f} {next(each.unit for each in UNKNOWNS if each.name == key)}"
+
+
+def _high(key: str) -> float:
+    return next(each.high for each in UNKNOWNS if each.name == key)
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.2f} mm" if length < 1e-3 else f"{1e3 * length:.1f} mm"
+
+
+def _pair(change: FloatArray) -> str:
+    return f"{1e3 * change[0]:+.1f} and {1e3 * change[1]:+.1f} mm"
+
+
+def _rank(found: Score) -> str:
+    if found.rank_correlation is None or found.p_value is None:
+        return "none"
+    p = f"p = {found.p_value:.3f}" if found.p_value >= 0.001 else "p < 0.001"
+    return f"{found.rank_correlation:+.2f} ({p})"

@@ -1,0 +1,1 @@
+"""Commands of the program `telespring` that stand in files of their own."""

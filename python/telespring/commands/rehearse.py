@@ -1,0 +1,127 @@
+"""The command `telespring rehearse`."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+from telespring import Study
+from telespring.terminal import refusal_screen
+
+if TYPE_CHECKING:
+    from telespring.experiment import Outcome
+
+__all__ = ["rehearse"]
+
+
+def rehearse(
+    study: Annotated[
+        Path | None,
+        typer.Argument(metavar="[STUDY.toml]", help="Laboratory and protocol; the paper's own unless given."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the trials and in the end for rehearsal.nc.")] = Path(
+        "out/rehearsal"
+    ),
+    workers: Annotated[
+        int | None, typer.Option(help="Trials that run at the same time; all cores unless given.")
+    ] = None,
+    robot1: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 1."),
+    ] = None,
+    robot2: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 2."),
+    ] = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Remove the rehearsal that is in the folder and start anew.")
+    ] = False,
+) -> None:
+    """Run a study's whole experiment on simulated robots, arms, agents and network.
+
+    Stopped at any moment, by Ctrl-C or by a crash, the same command goes on where it was.
+    """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from telespring.experiment import run_protocol
+
+    console = Console(highlight=False)
+    asked = Study.paper() if study is None else Study.read(study)
+    for side, robot in ((1, robot1), (2, robot2)):
+        if robot is not None:
+            from telespring.study_text import with_robot
+
+            asked = with_robot(asked, side, robot)
+    modules = None if study is None else study.parent
+    finished, trials = 0, 0
+    begin = time.perf_counter()
+    try:
+        with Progress(
+            TextColumn("trials"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        ) as bar:
+            task = bar.add_task("trials", total=None)
+
+            def progress(done: int, total: int) -> None:
+                nonlocal finished, trials
+                finished, trials = done, total
+                bar.update(task, completed=done, total=total)
+
+            outcome = run_protocol(asked, out, progress, workers, fresh=fresh, modules=modules)
+    except KeyboardInterrupt:
+        console.print(f"Stopped. {_kept(finished, trials)}", markup=False)
+        raise typer.Exit(130) from None
+    except OSError as trouble:
+        if not trials:  # nothing was begun: a file to read, or the folder itself
+            raise
+        refusal_screen(
+            Console(stderr=True, highlight=False),
+            "out",
+            str(trouble.filename or out),
+            f"a folder that can be written, with enough room, is needed ({trouble.strerror or trouble})",
+            f"Mend that. {_kept(finished, trials)}",
+        )
+        raise typer.Exit(2) from None
+    _tell(console, outcome, time.perf_counter() - begin)
+
+
+def _kept(finished: int, trials: int) -> str:
+    if not finished:
+        return "No trial is finished yet."
+    return f"{finished} of {trials} trials are kept; the same command goes on with the others."
+
+
+def _tell(console: Console, outcome: Outcome, seconds: float) -> None:
+    import h5netcdf
+
+    with h5netcdf.File(outcome.dataset, "r") as file:
+        name = str(file.attrs["name"])
+        status = Counter(file.variables["status"][...].ravel().tolist())
+        meanings = file.variables["status"].attrs["flag_meanings"].split()
+        conditions = len(file.dimensions["condition"])
+        duration = float(file.attrs["duration"])
+    console.print(f"[bold]{escape(name)}[/bold]")
+    each = outcome.trials // conditions
+    length = f"{conditions} conditions × {each} trials of {duration:.4g} s"
+    if outcome.found == outcome.trials:
+        console.print(f"{length}, complete already", markup=False)
+    else:
+        before = f", after {outcome.found} that were kept" if outcome.found else ""
+        ran = outcome.trials - outcome.found
+        console.print(f"{length}; {ran} run in {seconds:.1f} s{before}", markup=False)
+    for value, meaning in enumerate(meanings):
+        if value and status[value]:
+            told = f"  {status[value]} of {outcome.trials} ended early: {meaning.replace('_', ' ')}"
+            console.print(told, markup=False)
+    console.print(f"Dataset: {outcome.dataset}", markup=False)
