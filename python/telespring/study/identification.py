@@ -37,7 +37,7 @@ def find_identification(scene: Scene) -> Found:
     dyad = scene.dyad
     names = list(dyad.axes)
     movement, designed = paper_excitation(), design_excitation()
-    log = rig_log(dyad, movement)
+    log = rig_log(scene.study, movement)
     measured = {at: log.measured(np.random.default_rng(_SEED), at=at) for at in ("handle", "joints")}
 
     def estimate(robot: int, at: str, method: Any) -> Identification:
