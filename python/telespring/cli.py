@@ -117,6 +117,7 @@ def decide(
             operator_ranges=read.operator_ranges,
             horizon=horizon,
             decay_rate=decay_rate,
+            uncertainty=read.uncertainty,
         )
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
