@@ -10,7 +10,8 @@ import pytest
 import telespring as ts
 from telespring.identify import identify
 from telespring.identify.rig import RigLog, rig_log
-from telespring.identify.study import identification_study
+from telespring.identify.study import identification_study, study_identification
+from telespring.study_text import with_values
 
 #: Fixed before the first run.
 SEED = 20251122
@@ -79,6 +80,28 @@ def test_law_at_the_joints_the_arm_is_identified_too(log: RigLog) -> None:
         # the arm's inertia couples the axes, and the result says so
         assert found.independent is False
         assert any("not independent" in warning for warning in found.warnings)
+
+
+def test_law_a_study_with_friction_has_it_identified() -> None:
+    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [0.4, 0.3]}})
+    for robot, coulombs in zip(study_identification(1, rough).robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
+        for axis, coulomb in zip(robot[1].axes, coulombs, strict=True):
+            assert axis.coulomb is not None
+            # while the handle sticks its friction is not yet the full one
+            assert axis.coulomb.value == pytest.approx(coulomb, abs=0.03)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_law_robots_of_other_than_two_axes_are_driven_axis_by_axis(count: int) -> None:
+    one = ts.Robot([0.8 + 0.1 * i for i in range(count)], [7.0] * count)
+    other = ts.Robot([1.2] * count, [9.0 + i for i in range(count)])
+    log = rig_log(ts.Dyad(one, other))
+    assert log.position.shape[1:] == (2, count)
+    for robot, truth in enumerate((one, other)):
+        found = identify(log.time, log.position[:, robot], log.handle_force[:, robot])
+        for i, axis in enumerate(found.axes):
+            assert axis.mass.value == pytest.approx(truth.mass[i], abs=2e-4)
+            assert axis.damping.value == pytest.approx(truth.damping[i], abs=1e-3)
 
 
 def test_law_the_study_is_json_and_the_same_each_time() -> None:

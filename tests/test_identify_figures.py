@@ -29,8 +29,8 @@ def test_law_fig_9_shows_the_movement_in_its_units() -> None:
         (position, command.position, 1e3),
         (acceleration, command.acceleration, 1.0),
     ):
-        time, values = axes.lines[1].get_data()
-        np.testing.assert_allclose(values, scale * quantity(np.asarray(time)))
+        time, values = (np.asarray(each, dtype=float) for each in axes.lines[1].get_data())
+        np.testing.assert_allclose(values, scale * quantity(time))
     assert "mm" in position.get_ylabel()
 
 
@@ -45,7 +45,9 @@ def test_law_fig_10_has_force_and_plane_for_every_robot_and_axis(found: Identifi
 
 def test_law_residuals_that_were_left_out_are_marked(found: Identification) -> None:
     drawn = residual_figure(found)
-    labels = [text.get_text() for text in drawn.axes[0].get_legend().get_texts()]
+    legend = drawn.axes[0].get_legend()
+    assert legend is not None
+    labels = [text.get_text() for text in legend.get_texts()]
     assert labels == ["counted", "left out"]
 
 

@@ -119,6 +119,7 @@ def decide(
             operator_ranges=read.operator_ranges,
             horizon=horizon,
             decay_rate=decay_rate,
+            uncertainty=read.uncertainty,
         )
         if study is not None:
             decision = _with_arms(decision, read, study)

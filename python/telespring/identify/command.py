@@ -25,12 +25,15 @@ def identify_command(
     time: Annotated[str, typer.Option("--time", help="Column of the time, s.")] = "time",
     position: Annotated[
         list[str] | None,
-        typer.Option("--position", help="Column of a position, m; once per axis. [position_x, position_y]"),
+        typer.Option(
+            "--position", help="Column of a position, m; once per axis; position_x, position_y unless given."
+        ),
     ] = None,
     force: Annotated[
         list[str] | None,
         typer.Option(
-            "--force", help="Column of a force, N; once per axis, in the same order. [force_x, force_y]"
+            "--force",
+            help="Column of a force, N; once per axis, in the same order; force_x, force_y unless given.",
         ),
     ] = None,
     axis: Annotated[

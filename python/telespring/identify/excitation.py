@@ -181,7 +181,7 @@ class Excitation:
         return float(np.linalg.cond(columns))
 
     def _grid(self, points: int) -> FloatArray:
-        return np.arange(points) * (self.period / points)
+        return np.arange(points, dtype=np.float64) * (self.period / points)
 
     def _times(self, factor: float) -> Excitation:
         return Excitation(

@@ -6,6 +6,7 @@ the handle by a sensor, or instead of the latter the force that the arm's joint 
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,6 +40,9 @@ ARM: dict[str, Any] = {
     "rotor_inertia": [0.01, 0.01],
     "torque_limit": [20.0, 20.0],
 }
+
+#: What moves an axis alone, kg and N·s/m: about as heavy as such an arm is to its hand.
+_ONE_AXIS_ARM = {"kind": "lumped", "mass": 0.5, "damping": 1.0}
 
 
 @dataclass(frozen=True)
@@ -104,13 +108,13 @@ class RigLog:
 
 
 def rig_log(
-    study: ts.Study | None = None,
+    robots: ts.Study | ts.Dyad | None = None,
     movement: Excitation | None = None,
     *,
     arm: dict[str, Any] | None = None,
     periods: float = PERIODS,
 ) -> RigLog:
-    """Drive both robots of a study on both axes, y a quarter of a period after x.
+    """Drive both robots on all axes, each axis a quarter of a period after the one before.
 
     The paper commands the same movement on both axes. Then no log can tell whether one axis feels the
     other's acceleration; a quarter of a period apart it can. The noise of the sensors does not enter the
@@ -118,12 +122,14 @@ def rig_log(
 
     Parameters
     ----------
-    study
-        The robots, Coulomb friction included; the paper's unless given.
+    robots
+        A study, whose robots are taken with their Coulomb friction, or a dyad, without; the paper's unless
+        given. What holds the handles is left out.
     movement
         What the servo follows; the paper's unless given.
     arm
-        Both arms, as in a study file; `ARM` unless given.
+        Both arms, as in a study file; unless given `ARM`, and where there are not two axes, which no planar
+        arm can move, a mass and a damping on every axis alone.
     periods
         How many periods are logged.
 
@@ -135,32 +141,75 @@ def rig_log(
     Raises
     ------
     telespring.InvalidInput
-        Where the robots have not two axes, or the movement leaves the arm's reach.
+        Where the movement leaves the arm's reach.
     """
+    command = movement or paper_excitation()
+    sections = _bare_robots(robots)
+    count = len(sections[0]["mass"])
+    if count == 2:
+        return _run(sections, command, (0.0, 0.25), arm or ARM, periods)
+    alone = [
+        _run(
+            [{key: [values[i]] * 2 for key, values in section.items()} for section in sections],
+            command,
+            (0.25 * i, 0.25 * i),
+            arm or _ONE_AXIS_ARM,
+            periods,
+        )
+        for i in range(count)
+    ]
+    return RigLog(
+        alone[0].time,
+        *(
+            np.concatenate([getattr(each, name)[:, :, :1] for each in alone], axis=2)
+            for name in ("position", "handle_force", "joint_force")
+        ),
+    )
+
+
+def _bare_robots(robots: ts.Study | ts.Dyad | None) -> list[dict[str, list[float]]]:
+    """List mass, damping and Coulomb friction of both robots, per axis."""
+    dyad = ts.hman() if robots is None else robots.dyad if isinstance(robots, ts.Study) else robots
+    tables = tomllib.loads(robots.to_toml()) if isinstance(robots, ts.Study) else {}
+    sections = []
+    for side, robot in enumerate(dyad.robots, start=1):
+        friction = tables.get(f"robot{side}", {}).get("coulomb", 0.0)
+        sections.append(
+            {
+                "mass": robot.mass.tolist(),
+                "damping": robot.damping.tolist(),
+                "coulomb": np.broadcast_to(friction, robot.mass.shape).tolist(),
+            }
+        )
+    return sections
+
+
+def _run(
+    sections: list[dict[str, list[float]]],
+    command: Excitation,
+    lags: tuple[float, float],
+    arm: dict[str, Any],
+    periods: float,
+) -> RigLog:
+    """Drive two robots of two axes; `lags` are in periods of the movement."""
     from telespring.study_text import with_values
 
-    command = movement or paper_excitation()
-    arms = arm or ARM
     driven = with_values(
-        study or ts.Study.paper(),
+        ts.Study.paper(),
         {
-            "arm1": arms,
-            "arm2": arms,
+            "robot1": sections[0],
+            "robot2": sections[1],
+            "arm1": arm,
+            "arm2": arm,
             "agent1": _SERVO,
             "agent2": _SERVO,
             "laboratory": {"sample_period": 1.0 / RATE},
         },
     )
-    if driven.experiment is None:
-        raise ts.InvalidInput(
-            "axes",
-            ", ".join(driven.dyad.axes),
-            "the arms move robots of two axes",
-            "Identify other robots from logs of their own (telespring identify).",
-        )
+    assert driven.experiment is not None  # robots of two axes have one
     ticks = int(periods * command.period * RATE)
     time = np.arange(ticks + 1) / RATE
-    target = np.column_stack([command.position(time), command.position(time - 0.25 * command.period)])
+    target = np.column_stack([command.position(time - lag * command.period) for lag in lags])
     run = driven.experiment.laboratory.run(
         None, 0.0, 0, ticks / RATE, RATE, target=np.ascontiguousarray(target)
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,10 +100,11 @@ def study_identification(seed: int = 1, study: ts.Study | None = None) -> Identi
     handle, joints = log.measured(random), log.measured(random, at="joints")
     names = [name or f"robot {i + 1}" for i, name in enumerate(source.robot_names)]
     axes = [str(name) for name in dyad.axes]
+    friction = _has_friction(source)
     robots, at_handle = [], []
     for i, name in enumerate(names):
         found = {
-            place: identify(log.time, position[:, i], force[:, i], axes=axes)
+            place: identify(log.time, position[:, i], force[:, i], axes=axes, coulomb=friction)
             for place, (position, force) in (("handle", handle), ("joints", joints))
         }
         at_handle.append(found["handle"])
@@ -129,6 +131,12 @@ def study_identification(seed: int = 1, study: ts.Study | None = None) -> Identi
     )
 
 
+def _has_friction(study: ts.Study) -> bool:
+    """Tell whether a robot of the study has Coulomb friction, which must then be identified too."""
+    tables = tomllib.loads(study.to_toml())
+    return any(np.any(tables[robot].get("coulomb", 0.0)) for robot in ("robot1", "robot2"))
+
+
 def _movement(movement: Excitation) -> dict[str, Any]:
     position, velocity, acceleration = movement.extremes()
     return {
@@ -147,12 +155,14 @@ def _paper_method(
     time: Any, position: Any, force: Any, axes: list[str], robust: Identification
 ) -> list[dict[str, Any]]:
     """Per axis: the estimate after the one step that is printed, and where further steps lead."""
-    once = identify(time, position, force, axes=axes, method="paper", cutoff=robust.cutoff)
+    friction = robust.axes[0].coulomb is not None
+    once = identify(time, position, force, axes=axes, coulomb=friction, method="paper", cutoff=robust.cutoff)
     rows = []
     for axis in once.axes:
         signals = robust.signals
         row = axis.signals_index
-        regressor = np.column_stack([signals.acceleration[row], signals.velocity[row]])
+        columns = [signals.acceleration[row], signals.velocity[row]]
+        regressor = np.column_stack([*columns, signals.direction[row]] if friction else columns)
         steps = paper_reweightings(regressor, signals.force[row], _ITERATIONS)
         rows.append({**axis.to_json(), "iterations": [step.to_json() for step in steps]})
     return rows
