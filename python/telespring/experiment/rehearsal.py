@@ -127,12 +127,14 @@ def run_protocol(
     workers: int | None = None,
     *,
     fresh: bool = False,
+    replace_others: bool = False,
     modules: Path | None = None,
 ) -> Outcome:
     """Do what `rehearse` does, and leave the dataset on the disk.
 
-    Parameters, errors and what is kept are those of `rehearse`. `modules` is where agents and targets in
-    Python are looked up first: the folder of the study's file unless given.
+    Parameters, errors and what is kept are those of `rehearse`. With `replace_others` a rehearsal of another
+    study is removed instead of refused. `modules` is where agents and targets in Python are looked up first:
+    the folder of the study's file unless given.
 
     Returns
     -------
@@ -152,6 +154,7 @@ def run_protocol(
     trials = schedule(experiment)
     home = RehearsalFolder(Path(folder), identity)
     home.make()
+    fresh = fresh or (replace_others and home.foreign())
     if not fresh and home.complete():
         _tidy_if_free(home)
         return Outcome(home.dataset, len(trials), len(trials))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import telespring as ts
 from telespring import figures
 from telespring.calibration.published import TABLE_I
 from telespring.study.part import Found, Scene
 from telespring.study.reported import reported
+
+if TYPE_CHECKING:
+    import xarray
 
 __all__ = ["find_experiment"]
 
@@ -25,8 +28,7 @@ def find_experiment(scene: Scene) -> Found:
     experiment = scene.study.experiment
     if experiment is None:
         return Found()
-    with TemporaryDirectory(prefix="telespring-") as folder:
-        trials = take_trials(ts.rehearse(scene.study, folder))
+    trials = take_trials(_rehearsed(scene))
     analysed = analyse_taken(trials, measure_trials(trials))
     rows = analysed["table1"]
     drawings = {
@@ -70,6 +72,18 @@ def find_experiment(scene: Scene) -> Found:
         },
         drawings=drawings,
     )
+
+
+def _rehearsed(scene: Scene) -> xarray.Dataset:
+    """Run the protocol, or go on with it, in the folder that keeps it."""
+    import xarray
+
+    from telespring.experiment.rehearsal import run_protocol
+
+    with TemporaryDirectory(prefix="telespring-") as aside:
+        folder = scene.rehearsal or Path(aside)
+        outcome = run_protocol(scene.study, folder, modules=scene.modules, replace_others=True)
+        return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
 def _printed(row: Any) -> dict[str, Any] | None:
