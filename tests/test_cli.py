@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import PaperStudy
 from typer.testing import CliRunner, Result
 
 import telespring as ts
+from conftest import PaperStudy
 from telespring import cli
 from telespring.axes import Axis
 from telespring.decision import decide

@@ -379,7 +379,7 @@ def test_law_the_trials_of_a_study_are_kept_and_gone_on_with(tmp_path: Path) -> 
         found = analyse(ts.Study.from_toml(text), rehearsal=tmp_path, parts=EXPERIMENT)
         return found.numbers["table1"]
 
-    def stopped(done: int, total: int) -> None:
+    def stopped(done: int, _total: int) -> None:
         if done == 2:
             raise KeyboardInterrupt
 

@@ -247,7 +247,9 @@ def study_command(
     study: StudyFile = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
-    out: Annotated[Path, typer.Option(help="Folder for report.html, study.json and rehearsal.nc.")] = Path("out/study"),
+    out: Annotated[Path, typer.Option(help="Folder for report.html, study.json and rehearsal.nc.")] = Path(
+        "out/study"
+    ),
 ) -> None:
     """Run the whole paper on a study's robots, stability and experiment, and write a report.
 

@@ -201,8 +201,8 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         if np.isfinite(ours).all() and abs(ours[0] - theirs[0]) > 1e-3:
             said.append(
                 f"With {title}, connecting the robots by {table[softest].stiffness:.0f} N/m without delay "
-                f"changes TE1 by {signed(1e3 * ours[0])} mm in the model and by {signed(1e3 * theirs[0])} mm in "
-                "the table"
+                f"changes TE1 by {signed(1e3 * ours[0])} mm in the model and by {signed(1e3 * theirs[0])} mm "
+                "in the table"
                 + (
                     ": nothing in the model lets the skilled agent gain from a partner who is worse."
                     if theirs[0] < 0
@@ -215,9 +215,9 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         )
         if np.isfinite(gap) and published_gap - gap > 1e-3:
             said.append(
-                f"With {title}, TE2 less TE1 falls from {_plain(1e3 * alone)} mm alone to {_plain(1e3 * gap)} mm at "
-                f"{table[stiffest].stiffness:.0f} N/m without delay, for a stiff spring makes both handles "
-                f"move alike; in the table it goes from {_plain(1e3 * published_alone)} to "
+                f"With {title}, TE2 less TE1 falls from {_plain(1e3 * alone)} mm alone to "
+                f"{_plain(1e3 * gap)} mm at {table[stiffest].stiffness:.0f} N/m without delay, for a stiff "
+                f"spring makes both handles move alike; in the table it goes from {_plain(1e3 * published_alone)} to "
                 f"{_plain(1e3 * published_gap)} mm: as if the real spring coupled the handles less than its "
                 "stiffness says."
             )

@@ -158,16 +158,16 @@ def _estimate(
     coulomb: bool,
 ) -> Identification:
     position, force = measured
-    return identify(
-        log.time, position[:, robot], force[:, robot], axes=axes, method=method, coulomb=coulomb
-    )
+    return identify(log.time, position[:, robot], force[:, robot], axes=axes, method=method, coulomb=coulomb)
 
 
 def _coulomb(study: ts.Study) -> FloatArray:
     """Find the Coulomb friction of the study's robots, N, per robot and axis."""
     tables = tomllib.loads(study.to_toml())
     count = len(study.dyad.axes)
-    return np.array([np.broadcast_to(tables[each].get("coulomb", 0.0), count) for each in ("robot1", "robot2")])
+    return np.array(
+        [np.broadcast_to(tables[each].get("coulomb", 0.0), count) for each in ("robot1", "robot2")]
+    )
 
 
 def _movement(movement: Excitation) -> dict[str, Any]:
@@ -206,9 +206,7 @@ def _reweightings(found: Identification) -> dict[str, Any]:
     }
 
 
-def _verdict(
-    robots: tuple[Identification, Identification], reference: Reference
-) -> dict[str, Any] | None:
+def _verdict(robots: tuple[Identification, Identification], reference: Reference) -> dict[str, Any] | None:
     """Carry the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
 
     None where an estimate is no robot's.
