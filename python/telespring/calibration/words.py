@@ -218,8 +218,8 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
                 f"With {title}, TE2 less TE1 falls from {_plain(1e3 * alone)} mm alone to "
                 f"{_plain(1e3 * gap)} mm at {table[stiffest].stiffness:.0f} N/m without delay, for a stiff "
                 f"spring makes both handles move alike; in the table it goes from "
-                f"{_plain(1e3 * published_alone)} to {_plain(1e3 * published_gap)} mm: as if the real spring coupled the handles less than its "
-                "stiffness says."
+                f"{_plain(1e3 * published_alone)} to {_plain(1e3 * published_gap)} mm: as if the real "
+                "spring coupled the handles less than its stiffness says."
             )
     agree = found.arrows_agreeing(table)
     wrong = [
