@@ -20,8 +20,10 @@ from telespring.misprints import held_partner_growth
 from telespring.report import PLACES, SECTIONS, Style, format_quantity, look_up
 from telespring.study import PARTS, STEPS, Analysis, analyse, write
 from telespring.study.experiment import find_experiment
-from telespring.study.identification import find_identification
+from telespring.study.maps import find_examples
+from telespring.study.misprints import find_misprints
 from telespring.study.robots import find_allowed
+from telespring.study.schematics import find_schematics
 from telespring.summary import summarise
 
 # An unequal pair with one axis and an arm on one side, as far from the H-MANs as the file allows.
@@ -63,8 +65,8 @@ def sampled_at_1_khz() -> ts.Study:
 #: What the page begins with, and the experiment.
 EXPERIMENT = [part for part in PARTS if part.find in (find_allowed, find_experiment)]
 
-#: All that is drawn of any robots without running them.
-DRAWN = [part for part in PARTS if part.find is not find_identification]
+#: All but what is the same for every study.
+OWN = [part for part in PARTS if part.find not in (find_schematics, find_examples, find_misprints)]
 
 
 class Page(HTMLParser):
@@ -456,7 +458,7 @@ def test_law_what_the_study_cannot_draw_is_refused_by_what_was_written(
 def test_law_robots_within_the_ranges_are_drawn(mass: float, damping: float) -> None:
     robot = f"{{mass = {mass}, damping = {damping}}}"
     text = f"robot1 = {robot}\nrobot2 = {robot}\ncoupling.stiffness = 1.0\nnetwork.delay = 0.05\n"
-    found = analyse(ts.Study.from_toml(text), parts=DRAWN)
+    found = analyse(ts.Study.from_toml(text), parts=OWN)
     json.dumps(found.numbers, allow_nan=False)
     assert found.numbers["table3"]["Delta"]["ours"] == pytest.approx(math.pi * mass / (2 * damping), rel=1e-8)
 
