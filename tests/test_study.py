@@ -400,6 +400,8 @@ def test_law_the_trials_of_a_study_are_kept_and_gone_on_with(tmp_path: Path) -> 
         run_protocol(ts.Study.from_toml(HELD), tmp_path, stopped, fresh=True)
     assert [row["trials"] for row in table1(other)] == [2, 2]
     assert sorted(each.name for each in tmp_path.iterdir()) == [".rehearsal.lock", "rehearsal.nc"]
+    analyse(ts.Study.from_toml(OTHER), rehearsal=tmp_path, parts=EXPERIMENT)
+    assert [each.name for each in tmp_path.iterdir()] == [".rehearsal.lock"]
 
 
 def test_law_a_part_alone_finds_what_it_finds_among_all(held: Analysis) -> None:

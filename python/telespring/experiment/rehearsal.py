@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from telespring._core import Experiment
 
-__all__ = ["Outcome", "rehearse", "run_protocol"]
+__all__ = ["Outcome", "forget", "rehearse", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -185,6 +185,22 @@ def run_protocol(
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
+
+
+def forget(folder: str | os.PathLike[str]) -> None:
+    """Remove whatever rehearsal is in a folder, and nothing else.
+
+    Raises
+    ------
+    InvalidInput
+        Where another process is at work on it.
+    OSError
+        Where it cannot be removed.
+    """
+    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, VERSION))
+    if home.foreign():
+        with locked(home.path):
+            home.empty()
 
 
 def _experiment(study: Study) -> Experiment:

@@ -24,9 +24,13 @@ def find_experiment(scene: Scene) -> Found:
     from telespring.analysis.measures import measure_trials
     from telespring.analysis.results import analyse_taken
     from telespring.analysis.trials import take_trials
+    from telespring.experiment.rehearsal import forget
 
     experiment = scene.study.experiment
     if experiment is None:
+        if scene.rehearsal is not None:
+            # no page beside another study's trials
+            forget(scene.rehearsal)
         return Found()
     trials = take_trials(_rehearsed(scene))
     analysed = analyse_taken(trials, measure_trials(trials))
