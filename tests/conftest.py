@@ -46,6 +46,13 @@ def root() -> Path:
     return ROOT
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give the tests that may have to run the whole study first more time: a core may be shared."""
+    for item in items:
+        if isinstance(item, pytest.Function) and "paper_study" in item.fixturenames:
+            item.add_marker(pytest.mark.timeout(600))
+
+
 @dataclass(frozen=True)
 class PaperStudy:
     """What `telespring study` said, and the folder that it wrote."""
