@@ -13,7 +13,7 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -30,6 +30,8 @@ from telespring.terminal import decision_screen, digits_down, refusal_screen
 
 if TYPE_CHECKING:
     import xarray
+
+    from telespring.decision import Decision
 
 __all__ = ["app", "main"]
 
@@ -119,6 +121,8 @@ def decide(
             decay_rate=decay_rate,
             uncertainty=read.uncertainty,
         )
+        if study is not None:
+            decision = _with_arms(decision, read, study)
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
         escape_letters = not sys.stdout.encoding.lower().startswith("utf")
@@ -338,6 +342,16 @@ def _refusals() -> Iterator[None]:
 
 app.command("identify")(_refusals()(identify_command))
 app.command()(_refusals()(rehearse))
+
+
+def _with_arms(decision: Decision, study: ts.Study, study_file: Path) -> Decision:
+    """Add what arms and agents change, where the file says which hold the handles."""
+    from telespring.in_arms import names_arms_or_agents, stability_in_arms
+
+    if study.experiment is None or not names_arms_or_agents(study_file):
+        return decision
+    asked = [(decision.stiffness, decision.constant_delay)]
+    return replace(decision, in_arms=stability_in_arms(study, asked, study_file.parent))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

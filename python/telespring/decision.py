@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import telespring as ts
 from telespring.axes import Axis, axes_of, finite_or_none, holds
 from telespring.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
+
+if TYPE_CHECKING:
+    from telespring.in_arms import InArms
 
 __all__ = [
     "TIERS",
@@ -306,6 +309,7 @@ class Decision:
     over_operator_ranges: bool
     decay: Decay | None
     uncertainty: MarginUncertainty | None
+    in_arms: InArms | None = None
 
     @property
     def mean_delay(self) -> float:
@@ -381,6 +385,7 @@ class Decision:
             },
             "decay": None if self.decay is None else self.decay.to_json(),
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_json(),
+            "in_arms": None if self.in_arms is None else self.in_arms.to_json(),
         }
 
 

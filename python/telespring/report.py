@@ -58,7 +58,7 @@ SECTIONS = (
     Section("laboratory", "The virtual laboratory", "laboratory", "laboratory", "Fig. 6"),
     Section("experiment", "The experiment", "experiment", "experiment", "Figs. 7 and 8, Table I"),
     Section("calibration", "What the real arms must have been", "calibration", "calibration"),
-    Section("arms", "What the arms' own stiffness does to the boundary", "arms", "arms"),
+    Section("arms", "What the arms do to the boundary", "arms", "arms"),
     Section("number_sets", "Roots of two robots alike", "table2", "table2", "Table II"),
     Section(
         "identification", "Identification", "identification", "identification", "Figs. 9 and 10, Table III"
