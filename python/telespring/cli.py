@@ -251,9 +251,14 @@ def study_command(
     study: StudyFile = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
-    out: Annotated[Path, typer.Option(help="Folder for report.html and study.json.")] = Path("out/study"),
+    out: Annotated[Path, typer.Option(help="Folder for report.html, study.json and rehearsal.nc.")] = Path(
+        "out/study"
+    ),
 ) -> None:
-    """Run the paper's sections II to IV-A on a study's robots and write a report."""
+    """Run the whole paper on a study's robots, stability and experiment, and write a report.
+
+    Stopped at any moment, the same command goes on with the trials that are not yet run.
+    """
     console = Console(highlight=False)
     with _refusals():
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -273,7 +278,8 @@ def study_command(
             def progress(step: str) -> None:
                 bar.update(task, description=step, completed=STEPS.index(step))
 
-            analysis = analyse(asked, progress)
+            modules = None if study is None else study.parent
+            analysis = analyse(asked, progress, rehearsal=out, modules=modules)
         report, numbers = write(analysis, out)
     summary = analysis.numbers["summary"]
     row = summary["rows"][summary["highlight"]]
@@ -289,6 +295,8 @@ def study_command(
             limit = f"{digits_down(entry['stiffness'])} N/m (axis {entry['axis']})"
         console.print(f"  {limit:<24} {tier['name']}", markup=False)
     console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
+    if "experiment" in analysis.numbers:
+        console.print(f"Trials:  {out / 'rehearsal.nc'}", markup=False)
 
 
 def main() -> None:

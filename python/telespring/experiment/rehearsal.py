@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from telespring._core import Experiment
 
-__all__ = ["Outcome", "rehearse", "run_protocol"]
+__all__ = ["Outcome", "forget", "rehearse", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -127,12 +127,14 @@ def run_protocol(
     workers: int | None = None,
     *,
     fresh: bool = False,
+    replace_others: bool = False,
     modules: Path | None = None,
 ) -> Outcome:
     """Do what `rehearse` does, and leave the dataset on the disk.
 
-    Parameters, errors and what is kept are those of `rehearse`. `modules` is where agents and targets in
-    Python are looked up first: the folder of the study's file unless given.
+    Parameters, errors and what is kept are those of `rehearse`. With `replace_others` a rehearsal of another
+    study is removed instead of refused. `modules` is where agents and targets in Python are looked up first:
+    the folder of the study's file unless given.
 
     Returns
     -------
@@ -152,6 +154,7 @@ def run_protocol(
     trials = schedule(experiment)
     home = RehearsalFolder(Path(folder), identity)
     home.make()
+    fresh = fresh or (replace_others and home.foreign())
     if not fresh and home.complete():
         _tidy_if_free(home)
         return Outcome(home.dataset, len(trials), len(trials))
@@ -182,6 +185,22 @@ def run_protocol(
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
+
+
+def forget(folder: str | os.PathLike[str]) -> None:
+    """Remove whatever rehearsal is in a folder, and nothing else.
+
+    Raises
+    ------
+    InvalidInput
+        Where another process is at work on it.
+    OSError
+        Where it cannot be removed.
+    """
+    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, VERSION))
+    if home.foreign():
+        with locked(home.path):
+            home.empty()
 
 
 def _experiment(study: Study) -> Experiment:
