@@ -218,10 +218,12 @@ impl Controller {
         if resolution > 0.0 && resolution < Self::FINEST_RESOLUTION {
             return Err(InvalidInput::new(
                 "encoder_resolution",
-                resolution,
-                format!("an encoder resolution is 0 for none, or {} to {} m", Self::FINEST_RESOLUTION, {
+                format!("{resolution:?}"),
+                format!(
+                    "an encoder resolution is 0 for none, or {:?} to {:?} m",
+                    Self::FINEST_RESOLUTION,
                     quantity::RESOLUTION.maximum()
-                }),
+                ),
                 "Write 0 for a sensor without steps.",
             ));
         }
