@@ -16,6 +16,7 @@ __all__ = ["SCHEMA", "VERSION", "Identity"]
 #: Changes when a variable or attribute of the dataset changes its meaning or goes away.
 SCHEMA = "telespring rehearsal 1"
 
+
 def _version() -> str:
     """Name the compiled core that computes, the build included: another build may give other numbers."""
     built = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
