@@ -299,6 +299,65 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     assert json.loads(certain.stdout)["uncertainty"] is None
 
 
+def coupled(table: pd.DataFrame) -> pd.DataFrame:
+    """Let each axis feel 0.1 kg of the other's acceleration."""
+    command, time = paper_excitation(), table["time"].to_numpy()
+    return table.assign(
+        force_x=table["force_x"] + 0.1 * command.acceleration(time - 1.25),
+        force_y=table["force_y"] + 0.1 * command.acceleration(time),
+    )
+
+
+def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    assert run(written(coupled(frame()), tmp_path / "log.csv"), "--out", robot).exit_code == 0
+    asked = ["decide", "--robot1", str(robot), "--stiffness", "20", "--delay", "0.1"]
+    answer = json.loads(CliRunner().invoke(cli.app, [*asked, "--json"]).stdout)
+    assert answer["axes_independent"] is False
+    assert answer["uncertainty"] is None
+    assert any("axes of robot 1 are NOT independent" in warning for warning in answer["warnings"])
+    assert any("kg" in warning and "acceleration on y" in warning for warning in answer["warnings"])
+    screen = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(cli.app, asked).stdout
+    text = " ".join(screen.split())
+    assert "STABLE AXIS BY AXIS ONLY" in text
+    assert "Beware: The axes of robot 1 are NOT independent" in text
+    assert "probability of stability is not given" in text
+    assert "stable with probability" not in text
+
+
+def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_path: Path) -> None:
+    table = frame().rename(columns={"force_x": "volt_x"})
+    robot = tmp_path / "robot.toml"
+    options = [
+        "--force",
+        "volt_x",
+        "--position",
+        "position_x",
+        "--force",
+        "force_y",
+        "--position",
+        "position_y",
+    ]
+    assert run(written(table, tmp_path / "log.csv"), *options, "--out", robot).exit_code == 0
+    asked = ["decide", "--robot2", str(robot), "--stiffness", "20", "--delay", "0.1", "--json"]
+    answer = json.loads(CliRunner().invoke(cli.app, asked).stdout)
+    assert answer["axes_independent"] is None
+    [identified, exact] = answer["warnings"]
+    assert "Robot 2, when it was identified" in identified
+    assert "volt_x" in identified
+    assert "Robot 1 carries no errors" in exact
+    both = json.loads(CliRunner().invoke(cli.app, [*asked, "--robot1", str(robot)]).stdout)
+    assert both["axes_independent"] is True
+    assert not any("no errors" in warning for warning in both["warnings"])
+    # a robot file that somebody spoilt
+    robot.write_text(
+        robot.read_text(encoding="utf-8").replace("axes_independent = true", "axes_independent = 1")
+    )
+    refused = CliRunner().invoke(cli.app, asked)
+    assert refused.exit_code == 2
+    assert "axes_independent" in refused.stderr
+
+
 def test_law_no_robot_file_is_written_of_what_is_no_robot(tmp_path: Path) -> None:
     table = frame()
     found = identify(table["time"], table[["position_x"]], -table[["force_x"]])

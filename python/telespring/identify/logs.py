@@ -18,8 +18,8 @@ _SLOWEST_RATE, _FASTEST_RATE = 20.0, 100_000.0
 _FARTHEST, _STRONGEST = 10.0, 5_000.0
 #: A position that stands still for this long, s, and then jumps was stuck.
 _STUCK = 0.05
-#: The same for one that stands still within its sensor's step or noise: at least so long, s, for this share of
-#: the log, while the force varies by this share of what it does elsewhere.
+#: The same for one that stands still within its sensor's step or noise: at least so long, s, for this share
+#: of the log, while the force varies by this share of what it does elsewhere.
 _RESTS, _REST_SHARE, _PUSHED = 0.5, 0.05, 0.5
 #: A step between two samples that is so many times the largest usual one is a jump.
 _JUMP = 4.0
@@ -269,8 +269,8 @@ def _refuse_resting(name: str, position: FloatArray, force: FloatArray, step: fl
     if duration >= _REST_SHARE * position.size * step and pushed:
         raise InvalidInput(
             name,
-            f"stands still within {1e3 * still:.2g} mm for {duration:.3g} s from sample {first + 1}, while the "
-            "force goes on as before",
+            f"stands still within {1e3 * still:.2g} mm for {duration:.3g} s from sample {first + 1}, while "
+            "the force goes on as before",
             "a position that follows the robot all the time is needed",
             "The sensor was stuck. Choose a piece of the log without this (--start, --end).",
         )
@@ -283,9 +283,10 @@ def _jumps(name: str, position: FloatArray, time: FloatArray) -> list[str]:
     if usual == 0.0 or not wild.size:
         return []
     largest = int(wild[np.argmax(moves[wild])])
+    more = f" and {wild.size - 1} more times" if wild.size > 1 else ""
+    size, when = 1e3 * moves[largest], time[largest]
     return [
-        f"The {name} jumps by {1e3 * moves[largest]:.3g} mm between two samples, at {time[largest]:.4g} s"
-        f"{f' and {wild.size - 1} more times' if wild.size > 1 else ''}: did the sensor slip?"
+        f"The {name} jumps by {size:.3g} mm between two samples, at {when:.4g} s{more}: did the sensor slip?"
     ]
 
 

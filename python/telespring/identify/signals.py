@@ -109,7 +109,7 @@ def movement_bandwidth(position: FloatArray, rate: float) -> float:
     True
     """
     frequency, power, floor = _spectrum(position, rate)
-    # A periodogram's noise is exponentially distributed: so far above its mean none of the bins lies by chance.
+    # A periodogram's noise is exponentially distributed: so far above its mean no bin lies by chance.
     above = floor * math.log(frequency.size / _BY_CHANCE)
     velocity = np.where(power > above, power, 0.0) * frequency**2
     total = float(velocity.sum())
@@ -188,8 +188,8 @@ def _spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray
     # The sum over the bins is the mean square of the position.
     power *= 2.0 / (length * float((window**2).sum()))
     frequency = np.asarray(fft.rfftfreq(length, 1.0 / rate))
-    # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its mean, not
-    # its median: the noise of an encoder on a periodic movement is made of lines.
+    # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its mean,
+    # not its median: the noise of an encoder on a periodic movement is made of lines.
     return frequency, power, float(power[power.size // 2 :].mean())
 
 
