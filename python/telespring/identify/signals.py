@@ -145,7 +145,7 @@ def largest_cutoff(position: FloatArray, rate: float) -> float:
     >>> noise = np.random.default_rng(1).normal(size=time.size)
     >>> movement = 0.1 * np.sin(2 * np.pi * 0.5 * time)
     >>> [round(largest_cutoff(movement + size * noise, 1000.0)) for size in (1e-4, 1e-5)]
-    [6, 15]
+    [4, 10]
     """
     frequency, power, floor = _spectrum(position, rate)
     noise = floor * np.cumsum(frequency**4)

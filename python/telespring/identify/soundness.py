@@ -189,7 +189,7 @@ def implausible(found: Sequence[AxisIdentification], signals: Signals) -> list[s
             told.append(
                 f"Axis {axis.axis} moves at {speed:.3g} m/s and {hard:.3g} m/s², more than a robot that a "
                 "person holds. Is the time in s (--time-scale 60 for minutes) and the position in m "
-                "(--position-scale 0.001 for mm)?"
+                "(--position-scale 0.001 for mm, 0.01 for cm)?"
             )
         if abs(axis.mass.value) < _LIGHTEST:
             told.append(
