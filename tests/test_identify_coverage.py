@@ -71,6 +71,20 @@ def test_law_a_coarse_encoder_costs_precision_and_not_truth(log: RigLog, noise: 
     assert held > 143
 
 
+@pytest.mark.parametrize("corner", [20.0, 60.0, 150.0])
+def test_law_noise_that_a_filter_has_cut_is_no_movement(log: RigLog, corner: float) -> None:
+    """A filter before the recorder empties the upper part of the spectrum; the noise below it stays."""
+    from scipy import signal
+
+    position, force = log.measured(
+        np.random.default_rng(SEED + 4), Noise(position_step=1e-6, position_jitter=3e-4)
+    )
+    smooth = signal.sosfiltfilt(signal.butter(4, corner, fs=1000.0, output="sos"), position[:, 0], axis=0)
+    found = identify(log.time, smooth, force[:, 0])
+    for axis, mass in zip(found.axes, ts.hman().robots[0].mass, strict=True):
+        assert abs(axis.mass.value - mass) < 4.0 * axis.mass.standard_error
+
+
 def sound(found: Identification, mass: float) -> bool:
     """Tell whether the interval holds the truth, within chance, or there is a warning."""
     estimate = found.axes[0].mass

@@ -194,6 +194,12 @@ def test_law_units_that_no_such_robot_has_are_told() -> None:
     assert "--force-scale" in warned(table.assign(force_x=table["force_x"] / 35))
 
 
+def test_law_a_position_that_was_read_less_often_than_logged_is_told() -> None:
+    table = frame()
+    held = np.repeat(table["position_x"].to_numpy()[::5], 5)
+    assert "has every value 5 times" in warned(table.assign(position_x=held))
+
+
 def test_law_a_robot_that_rests_without_a_force_is_not_stuck() -> None:
     table, random = frame(), np.random.default_rng(3)
     still = pd.DataFrame({name: np.full(2000, table[name][0]) for name in table})

@@ -61,6 +61,7 @@ def even_times(
         _refuse_stuck(f"position (column {i + 1})", row, step)
         _refuse_resting(f"position (column {i + 1})", row, force[i], step)
         notes += _jumps(f"position (column {i + 1})", row, time)
+        notes += _held(f"position (column {i + 1})", row, step)
     for i, row in enumerate(force):
         notes += _stuck_force(f"force (column {i + 1})", row, step)
     for i in range(1, len(position)):
@@ -274,6 +275,20 @@ def _refuse_resting(name: str, position: FloatArray, force: FloatArray, step: fl
             "a position that follows the robot all the time is needed",
             "The sensor was stuck. Choose a piece of the log without this (--start, --end).",
         )
+
+
+def _held(name: str, position: FloatArray, step: float) -> list[str]:
+    """Tell of positions that were read less often than they were logged: each stands there several times."""
+    _, lengths = _still(position)
+    usual = int(np.median(lengths))
+    if usual < 2 or np.mean(lengths == usual) < 0.8:
+        return []
+    period, age = 1e3 * usual * step, 500.0 * (usual - 1) * step
+    text = (
+        f"The {name} has every value {usual} times: it was read every {period:.3g} ms only and is {age:.2g} ms "
+        f"old on average, which shifts the mass. Keep the first of each {usual} samples only."
+    )
+    return [text]
 
 
 def _jumps(name: str, position: FloatArray, time: FloatArray) -> list[str]:

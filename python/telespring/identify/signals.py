@@ -38,6 +38,8 @@ _BY_CHANCE = 1e-3
 #: Noise in the acceleration makes the mass too small by its share of the acceleration's power. At this share
 #: that is a small part of any interval: a mass known within 0.02 % is shifted by a twentieth of that.
 _NOISE_SHARE = 1e-5
+#: No movement of a robot reaches this frequency, Hz, nor this share of the sample rate.
+_NO_MOVEMENT, _NO_MOVEMENT_SHARE = 60.0, 1.0 / 32.0
 #: A cut-off of more than this share of the sample rate leaves nothing to filter.
 _LARGEST_SHARE = 0.4
 _ORDER = 4
@@ -189,8 +191,15 @@ def _spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray
     power *= 2.0 / (length * float((window**2).sum()))
     frequency = np.asarray(fft.rfftfreq(length, 1.0 / rate))
     # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its mean,
-    # not its median: the noise of an encoder on a periodic movement is made of lines.
-    return frequency, power, float(power[power.size // 2 :].mean())
+    # not its median: the noise of an encoder on a periodic movement is made of lines. Where a filter before
+    # the recorder has emptied that half, the octaves below tell, down to where a movement may reach.
+    lowest = max(_NO_MOVEMENT, _NO_MOVEMENT_SHARE * rate)
+    top = frequency.size // 2
+    floor = float(power[top:].mean())
+    while frequency[top // 2] >= lowest:
+        floor = max(floor, float(power[top // 2 : top].mean()))
+        top //= 2
+    return frequency, power, floor
 
 
 def choose_cutoff(position: FloatArray, rate: float) -> float:
