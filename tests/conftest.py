@@ -8,14 +8,19 @@ import os
 # eigenvalues of a hundred rows take seconds instead of milliseconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import json
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
+from typer.testing import CliRunner, Result
 
 import telespring as ts
+from telespring.cli import app
+from telespring.study import Analysis
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -39,6 +44,39 @@ def pytest_report_header() -> str:
 def root() -> Path:
     """Return the repository's folder."""
     return ROOT
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give the tests that may have to run the whole study first more time: a core may be shared."""
+    for item in items:
+        if isinstance(item, pytest.Function) and "paper_study" in item.fixturenames:
+            item.add_marker(pytest.mark.timeout(600))
+
+
+@dataclass(frozen=True)
+class PaperStudy:
+    """What `telespring study` said, and the folder that it wrote."""
+
+    result: Result
+    folder: Path
+
+
+@pytest.fixture(scope="session")
+def paper_study(tmp_path_factory: pytest.TempPathFactory) -> PaperStudy:
+    """Run the whole of the paper's study, by the command, once for all tests: it takes its time."""
+    folder = tmp_path_factory.mktemp("paper") / "deep" / "study"
+    runner = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"})
+    return PaperStudy(runner.invoke(app, ["study", "--out", str(folder)]), folder)
+
+
+@pytest.fixture(scope="session")
+def analysis(paper_study: PaperStudy) -> Analysis:
+    """Return what the paper's study found."""
+    assert paper_study.result.exit_code == 0, paper_study.result.output
+    return Analysis(
+        numbers=json.loads((paper_study.folder / "study.json").read_text(encoding="utf-8")),
+        html=(paper_study.folder / "report.html").read_text(encoding="utf-8"),
+    )
 
 
 @pytest.fixture

@@ -339,6 +339,11 @@ def test_law_a_study_without_the_papers_agents_is_refused(
     assert refused.value.field == field
 
 
+def test_law_the_same_study_gives_the_same_calibration(on_stand_in: Calibration) -> None:
+    again = calibrate(ts.Study.paper(), sizes=SIZES, simulator=StandIn())
+    assert json.dumps(again.numbers()) == json.dumps(on_stand_in.numbers())
+
+
 # ---- figures -----------------------------------------------------------------------------------------
 
 

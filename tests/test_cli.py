@@ -16,6 +16,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import telespring as ts
+from conftest import PaperStudy
 from telespring import cli
 from telespring.axes import Axis
 from telespring.decision import decide
@@ -527,35 +528,35 @@ def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path) -> None:
     assert process.stdout.readline() == "begun\n"
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
-    # Whole files or none: where the study was quicker than the signal, both stand.
-    left = sorted(each.name for each in out.iterdir()) if out.exists() else []
-    if process.returncode == 130:
-        assert left == []
-    else:
-        assert process.returncode == 0
-        assert left == ["report.html", "study.json"]
+    assert process.returncode == 130
+    assert not out.exists()
 
 
 WAITS_FOR_ITS_FIRST_STEP = """
-import sys
-from telespring import cli, study
-whole = study._nyquist
-def told(*arguments):
+import sys, time
+from telespring import cli
+from telespring.study import run
+def waits(scene):
     sys.stdout.write("begun\\n")
     sys.stdout.flush()
-    return whole(*arguments)
-study._nyquist = told
+    time.sleep(60)
+run.PARTS = (run.PARTS[0], run.Part("waits", waits))
+run.STEPS = cli_steps = (*(part.name for part in run.PARTS), "report")
+import telespring.study
+telespring.study.STEPS = cli_steps
 cli.app(["study", "--out", sys.argv[1]])
 """
 
 
-def test_law_study_writes_two_whole_files_and_tells_the_answer(tmp_path: Path) -> None:
-    out = tmp_path / "deep" / "study"
-    found = run("study", "--out", str(out))
+def test_law_study_writes_whole_files_and_tells_the_answer(paper_study: PaperStudy) -> None:
+    found, out = paper_study.result, paper_study.folder
     assert found.exit_code == 0, found.stderr
-    assert sorted(each.name for each in out.iterdir()) == ["report.html", "study.json"]
+    written = sorted(each.name for each in out.iterdir() if not each.name.startswith("."))
+    assert written == ["rehearsal.nc", "report.html", "study.json"]
     assert "Over 100 ms each way" in found.stdout
     assert "any constant delay" in found.stdout
+    for name in written:
+        assert str(out / name) in found.stdout.replace("\n", "")
     text = (out / "study.json").read_text(encoding="utf-8")
     assert json.loads(text)["schema"] == "telespring study 1"
 

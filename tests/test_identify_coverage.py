@@ -11,7 +11,7 @@ import telespring as ts
 from telespring import InvalidInput
 from telespring.identify import Identification, identify
 from telespring.identify.rig import Noise, RigLog, rig_log
-from telespring.identify.study import identification_study, study_identification
+from telespring.identify.study import study_identification
 from telespring.study_text import with_values
 
 #: Fixed before the first run.
@@ -174,11 +174,14 @@ def test_law_at_the_joints_the_arm_is_identified_too(log: RigLog) -> None:
 
 def test_law_a_study_with_friction_has_it_identified() -> None:
     rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [0.4, 0.3]}})
-    for robot, coulombs in zip(study_identification(1, rough).robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
-        for axis, coulomb in zip(robot[1].axes, coulombs, strict=True):
+    found = study_identification(rough)
+    for robot, coulombs in zip(found.robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
+        for axis, coulomb in zip(robot.axes, coulombs, strict=True):
             assert axis.coulomb is not None
             # while the handle sticks its friction is not yet the full one
             assert axis.coulomb.value == pytest.approx(coulomb, abs=0.03)
+    assert [axis["coulomb_given"] for axis in found.numbers["axes"]] == [0.4, 0.3, 0.0, 0.0]
+    assert all("coulomb_interval" in axis for axis in found.numbers["axes"])
 
 
 @pytest.mark.parametrize("count", [1, 3])
@@ -195,15 +198,18 @@ def test_law_robots_of_other_than_two_axes_are_driven_axis_by_axis(count: int) -
 
 
 def test_law_the_study_is_json_and_the_same_each_time() -> None:
-    once, again = identification_study(3), identification_study(3)
+    once, again = (study_identification(seed=3).numbers for _ in range(2))
     assert json.dumps(once, allow_nan=False) == json.dumps(again, allow_nan=False)
     assert len(once["verdict"]["conditions"]) == 16
     for condition in once["verdict"]["conditions"]:
         factor, delay = condition["stiffness_factor"], condition["delay_factor"]
         if factor <= 0.5 or delay == 0.0:
-            assert condition["stable_probability"] == 1.0
+            assert condition["probability_stable"] == 1.0
         if factor == 4.0 and delay >= 1.0:
-            assert condition["stable_probability"] == 0.0
-    for robot in once["robots"]:
-        for axis in robot["paper"]:
-            assert axis["iterations"][-1]["effective_samples"] == pytest.approx(2.0, abs=0.1)
+            assert condition["probability_stable"] == 0.0
+        assert condition["standard_error"] >= 0.0
+    assert once["reweightings"]["steps"][-1]["effective_samples"] == pytest.approx(2.0, abs=0.1)
+    places = [(axis["robot"], axis["axis"]) for axis in once["axes"]]
+    assert places == [(1, "x"), (1, "y"), (2, "x"), (2, "y")]
+    for axis in once["axes"]:
+        assert {"mass", "mass_interval", "damping", "damping_interval", "condition_number"} <= set(axis)

@@ -187,6 +187,11 @@ def test_law_what_is_no_experiment_is_refused(what: str, words: str) -> None:
         measure(spoilt(what))
 
 
+def test_law_a_single_sample_is_told_as_that() -> None:
+    with pytest.raises(ts.InvalidInput, match="time = 1 sample: trials of two samples or more"):
+        measure(small().isel(time=slice(0, 1)))
+
+
 def test_law_endings_may_be_flags() -> None:
     """As the CF conventions write them: numbers, and what they mean in the attributes."""
     plain, flags = small(), small()

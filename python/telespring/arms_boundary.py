@@ -1,14 +1,14 @@
-"""How the stiffness with which two agents hold the handles moves the stability boundary.
+"""How the arms in which two agents hold the handles move the stability boundary.
 
 The paper's criterion takes the handles as free, but in its experiment an agent holds each of them: an arm
 whose force is k_c (p* - p), Eqs. 13 and 14. To the dyad that is a spring to the ground, and the criterion
-with grounded operators applies. The arms are taken as massless and undamped here.
+with grounded operators applies. The arms are massless and undamped unless their mass and damping are given.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -109,8 +109,10 @@ class ArmsBoundary:
         """Say in words what the arms change, and what that means for the conditions."""
         found = []
         for each in self.axes:
+            same = (each.held.masses, each.held.dampings) == (each.free.masses, each.free.dampings)
+            arms = "" if same else " and the arms' mass and damping"
             found.append(
-                f"Axis {each.free.name}: held by {_newtons(self.agent_stiffness)}, no constant delay "
+                f"Axis {each.free.name}: held by {_newtons(self.agent_stiffness)}{arms}, no constant delay "
                 f"destabilises up to {each.held.critical_stiffness():.1f} N/m; with free handles up to "
                 f"{each.free.critical_stiffness():.1f} N/m."
             )
@@ -148,10 +150,11 @@ def boundary_in_arms(
     stiffnesses: Sequence[float],
     *,
     agent_stiffness: tuple[float, float] = (120.0, 120.0),
+    arms: tuple[ts.Operator, ts.Operator] | None = None,
     conditions: Sequence[tuple[float, float]] = (),
     horizon: float = 1.0,
 ) -> ArmsBoundary:
-    """Find the stable delays of a dyad with free handles and held by the stiffness of two agents.
+    """Find the stable delays of a dyad with free handles and held by two agents' arms.
 
     Parameters
     ----------
@@ -161,6 +164,9 @@ def boundary_in_arms(
         Of the virtual spring, N/m.
     agent_stiffness
         k_c of agent 1 and 2, N/m; Table III has 120 for both.
+    arms
+        Mass and damping of both arms and of the agents' dampers, and any stiffness beside `agent_stiffness`;
+        massless and undamped unless given.
     conditions
         Stiffness (N/m) and one-way delay (s) of an experiment, told stable or unstable.
     horizon
@@ -186,12 +192,7 @@ def boundary_in_arms(
     [(), ()]
     """
     axes = []
-    for free in axes_of(dyad):
-        ground = (
-            free.ground_stiffnesses[0] + agent_stiffness[0],
-            free.ground_stiffnesses[1] + agent_stiffness[1],
-        )
-        held = replace(free, ground_stiffnesses=ground)
+    for free, held in zip(axes_of(dyad), axes_of(_held(dyad, agent_stiffness, arms)), strict=True):
         stable_held = tuple(tuple(held.stable_delays(k, horizon)) for k in stiffnesses)
         axes.append(
             BoundaryOfAxis(
@@ -207,7 +208,9 @@ def boundary_in_arms(
     )
 
 
-def draw(found: ArmsBoundary, *, widest: float = 165.0, longest: float = 0.6, points: int = 331) -> Figure:
+def draw(
+    found: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
+) -> Figure:
     """Draw both boundaries over stiffness and delay, the conditions marked.
 
     Parameters
@@ -215,7 +218,8 @@ def draw(found: ArmsBoundary, *, widest: float = 165.0, longest: float = 0.6, po
     found
         What `boundary_in_arms` gave.
     widest, longest
-        Largest stiffness (N/m) and one-way delay (s) drawn.
+        Largest stiffness (N/m) and one-way delay (s) drawn; unless given 165 N/m and 0.6 s, or what all
+        conditions need.
     points
         Stiffnesses at which the boundary is computed.
 
@@ -226,6 +230,8 @@ def draw(found: ArmsBoundary, *, widest: float = 165.0, longest: float = 0.6, po
     """
     from telespring import figures
 
+    widest = widest or max(165.0, *(1.1 * k for k, _ in found.conditions), 0.0)
+    longest = longest or max(0.6, *(1.1 * delay for _, delay in found.conditions), 0.0)
     stiffness = np.linspace(0.0, widest, points + 1)[1:]
     panels = [
         figures.ArmsPanel(
@@ -237,6 +243,24 @@ def draw(found: ArmsBoundary, *, widest: float = 165.0, longest: float = 0.6, po
         for each in found.axes
     ]
     return figures.arms_figure(panels, longest=longest)
+
+
+def _held(
+    dyad: ts.Dyad, agent_stiffness: tuple[float, float], arms: tuple[ts.Operator, ts.Operator] | None
+) -> ts.Dyad:
+    """Add springs and arms to what holds the handles already."""
+    axes = np.ones(len(dyad.axes))
+    first, second = (
+        ts.Operator(
+            (own.mass + arm.mass) * axes,
+            (own.damping + arm.damping) * axes,
+            (own.stiffness + arm.stiffness + spring) * axes,
+        )
+        for own, arm, spring in zip(
+            dyad.operators, arms or (ts.Operator(), ts.Operator()), agent_stiffness, strict=True
+        )
+    )
+    return ts.Dyad(*dyad.robots, (first, second), dyad.coupling_damping)
 
 
 def _between(stable: Intervals, horizon: float) -> Intervals:

@@ -13,7 +13,7 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -31,6 +31,7 @@ from telespring.terminal import decision_screen, digits_down, refusal_screen
 if TYPE_CHECKING:
     import xarray
 
+    from telespring.decision import Decision
     from telespring.study_text import RobotRecord
 
 __all__ = ["app", "main"]
@@ -122,6 +123,8 @@ def decide(
             uncertainty=read.uncertainty,
             records=_records(robot1, robot2),
         )
+        if study is not None:
+            decision = _with_arms(decision, read, study)
     if as_json:
         # Where the output cannot write every letter, JSON can escape them.
         escape_letters = not sys.stdout.encoding.lower().startswith("utf")
@@ -252,9 +255,14 @@ def study_command(
     study: StudyFile = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
-    out: Annotated[Path, typer.Option(help="Folder for report.html and study.json.")] = Path("out/study"),
+    out: Annotated[Path, typer.Option(help="Folder for report.html, study.json and rehearsal.nc.")] = Path(
+        "out/study"
+    ),
 ) -> None:
-    """Run the paper's sections II to IV-A on a study's robots and write a report."""
+    """Run the whole paper on a study's robots, stability and experiment, and write a report.
+
+    Stopped at any moment, the same command goes on with the trials that are not yet run.
+    """
     console = Console(highlight=False)
     with _refusals():
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -274,7 +282,8 @@ def study_command(
             def progress(step: str) -> None:
                 bar.update(task, description=step, completed=STEPS.index(step))
 
-            analysis = analyse(asked, progress)
+            modules = None if study is None else study.parent
+            analysis = analyse(asked, progress, rehearsal=out, modules=modules)
         report, numbers = write(analysis, out)
     summary = analysis.numbers["summary"]
     row = summary["rows"][summary["highlight"]]
@@ -292,6 +301,8 @@ def study_command(
     for line in beware:
         console.print(line, markup=False)
     console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
+    if "experiment" in analysis.numbers:
+        console.print(f"Trials:  {out / 'rehearsal.nc'}", markup=False)
 
 
 def main() -> None:
@@ -337,6 +348,16 @@ def _refusals() -> Iterator[None]:
 
 app.command("identify")(_refusals()(identify_command))
 app.command()(_refusals()(rehearse))
+
+
+def _with_arms(decision: Decision, study: ts.Study, study_file: Path) -> Decision:
+    """Add what arms and agents change, where the file says which hold the handles."""
+    from telespring.in_arms import names_arms_or_agents, stability_in_arms
+
+    if study.experiment is None or not names_arms_or_agents(study_file):
+        return decision
+    asked = [(decision.stiffness, decision.constant_delay)]
+    return replace(decision, in_arms=stability_in_arms(study, asked, study_file.parent))
 
 
 def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> ts.Study:

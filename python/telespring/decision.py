@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ import telespring as ts
 from telespring.axes import Axis, axes_of, finite_or_none, holds
 from telespring.study_text import RobotRecord
 from telespring.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
+
+if TYPE_CHECKING:
+    from telespring.in_arms import InArms
 
 __all__ = [
     "TIERS",
@@ -314,6 +317,7 @@ class Decision:
     uncertainty: MarginUncertainty | None
     axes_independent: bool | None = None
     warnings: tuple[str, ...] = ()
+    in_arms: InArms | None = None
 
     @property
     def mean_delay(self) -> float:
@@ -391,6 +395,7 @@ class Decision:
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_json(),
             "axes_independent": self.axes_independent,
             "warnings": list(self.warnings),
+            "in_arms": None if self.in_arms is None else self.in_arms.to_json(),
         }
 
 

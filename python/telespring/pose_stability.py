@@ -17,7 +17,7 @@ from telespring._types import Delay, FloatArray
 if TYPE_CHECKING:
     from telespring.model import DelaySystem, Dyad
 
-__all__ = ["SIGNIFICANT_CROSS_INERTIA", "PoseStability", "pose_stability", "pose_system"]
+__all__ = ["SIGNIFICANT_CROSS_INERTIA", "PoseStability", "cross_inertia", "pose_stability", "pose_system"]
 
 # A cross-axis inertia shifts the two principal masses by its square: at 5 % that is 0.25 % of a mass, less
 # than any identification resolves.
@@ -136,10 +136,46 @@ def pose_stability(
             roots = system.certified_roots(system.roots_at_zero + 1)
             out[pose] = roots.roots[roots.roots != 0][0].real
             complete &= roots.complete
-    cross = np.column_stack(
-        [np.abs(mass[:, 0, 1]) / np.sqrt(mass[:, 0, 0] * mass[:, 1, 1]) for mass, _, _ in sides]
+    return PoseStability(places, abscissa, uncoupled, _cross([mass for mass, _, _ in sides]), complete)
+
+
+def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: ArrayLike) -> FloatArray:
+    """Find how strongly the arms' inertia couples x and y in each pose.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        As `pose_stability` has it, and so are the other parameters.
+    arms : (mapping or None, mapping or None)
+        The arm in each robot's handle.
+    positions : array_like, (pose, 2)
+        Positions of the handles, m.
+
+    Returns
+    -------
+    ndarray, (pose, 2)
+        For each robot, robot and arm together: |m_xy| over the geometric mean of m_xx and m_yy.
+
+    Raises
+    ------
+    InvalidInput
+        As `pose_stability` does.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> from telespring.pose_stability import cross_inertia
+    >>> cross_inertia(ts.hman(), (None, {"kind": "lumped", "mass": 0.5}), [[0.0, 0.1]])
+    array([[0., 0.]])
+    """
+    places = _places(positions)
+    return _cross([_side(dyad, robot, arms[robot], 0.0, places)[0] for robot in range(2)])
+
+
+def _cross(masses: list[FloatArray]) -> FloatArray:
+    return np.column_stack(
+        [np.abs(mass[:, 0, 1]) / np.sqrt(mass[:, 0, 0] * mass[:, 1, 1]) for mass in masses]
     )
-    return PoseStability(places, abscissa, uncoupled, cross, complete)
 
 
 def pose_system(

@@ -58,7 +58,7 @@ SECTIONS = (
     Section("laboratory", "The virtual laboratory", "laboratory", "laboratory", "Fig. 6"),
     Section("experiment", "The experiment", "experiment", "experiment", "Figs. 7 and 8, Table I"),
     Section("calibration", "What the real arms must have been", "calibration", "calibration"),
-    Section("arms", "What the arms' own stiffness does to the boundary", "arms", "arms"),
+    Section("arms", "What the arms do to the boundary", "arms", "arms"),
     Section("number_sets", "Roots of two robots alike", "table2", "table2", "Table II"),
     Section(
         "identification", "Identification", "identification", "identification", "Figs. 9 and 10, Table III"
@@ -121,7 +121,7 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
 
 
 def format_quantity(
-    value: float | None, unit: str = "1", digits: int = 4, *, style: Style = "nearest"
+    value: float | None, unit: str = "1", digits: int = 4, *, style: Style = "nearest", bare: bool = False
 ) -> str:
     """Write a quantity as a person reads it: milliseconds, millimetres, significant digits.
 
@@ -137,6 +137,8 @@ def format_quantity(
         "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
         within it; "given" leaves away zeros at the end, as a person writes a value; "hundredths" has two
         decimals whatever the size, as a table's columns do.
+    bare
+        Without the unit, which the reader is then told elsewhere, such as above a table's column.
 
     Returns
     -------
@@ -176,7 +178,7 @@ def format_quantity(
             if style == "given" and "." in text:
                 text = text.rstrip("0").rstrip(".")
     text = text.replace("-", "−")
-    if shown == "1":
+    if bare or shown == "1":
         return text
     return f"{text}{'' if shown == '°' else ' '}{shown}"
 
@@ -208,11 +210,13 @@ def render(numbers: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
         lstrip_blocks=True,
     )
 
-    def quantity(key: str, unit: str = "1", digits: int = 4, style: Style = "nearest") -> Markup:
+    def quantity(
+        key: str, unit: str = "1", digits: int = 4, style: Style = "nearest", bare: bool = False
+    ) -> Markup:
         value = look_up(numbers, key)
         exact = "" if value is None else json.dumps(value)
         return Markup('<data value="{}" data-key="{}">{}</data>').format(
-            exact, key, format_quantity(value, unit, digits, style=style)
+            exact, key, format_quantity(value, unit, digits, style=style, bare=bare)
         )
 
     shown = [each for each in SECTIONS if each.needs in numbers or each.needs in drawings]

@@ -39,6 +39,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
         _budget(decision),
         *_decay(decision),
         *_uncertainty(decision),
+        *_in_arms(decision),
         _changes(decision),
     )
 
@@ -364,6 +365,32 @@ def _uncertainty(decision: Decision) -> list[RenderableType]:
             ),
         )
     return [Padding(title, (1, 0, 0, 0)), table]
+
+
+def _in_arms(decision: Decision) -> list[Padding]:
+    """Tell what the arms and agents that a study file names make of the answer."""
+    found = decision.in_arms
+    if found is None:
+        return []
+    held = "In the rehearsal arms and agents hold the handles"
+    if found.holding is None:
+        lines = [Text(f"{held}. In these arms: {found.in_words()}")]
+    else:
+        (one,) = found.conditions
+        verdict = ("stable", "bold green") if one.stable else ("unstable", "bold red")
+        where, how = "", one.pace()
+        if one.worst_position is not None:
+            how = f"{one.verdict().partition(', ')[2]}, {how}"
+        if one.unstable_poses and found.poses is not None:
+            where = f" in {one.unstable_poses} of {len(found.poses.places)} poses"
+        elif one.unstable_axes:
+            where = f" on {' and '.join(one.unstable_axes)}"
+        controllers = "" if decision.sampled_stable is None else " with continuous controllers"
+        arms = f"{held} ({found.holding.in_words()}). In these arms: "
+        lines = [Text.assemble(arms, verdict, f"{where}{controllers} ({how}).")]
+        if found.poses is not None:
+            lines.append(Text(f"{found.poses.in_words()}."))
+    return [Padding(Group(*lines), (1, 0, 0, 0))]
 
 
 def _changes(decision: Decision) -> Padding:

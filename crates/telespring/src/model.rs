@@ -176,6 +176,14 @@ impl Dyad {
         operators: Option<[Operator; 2]>,
         coupling_damping: f64,
     ) -> Result<Self> {
+        if robot1.axes.len() != robot2.axes.len() {
+            return Err(InvalidInput::new(
+                "robot2.axes",
+                format!("{} axes", robot2.axes.len()),
+                format!("both robots need as many axes, and robot1 has {}", robot1.axes.len()),
+                "Give both robots one mass and one damping per axis.",
+            ));
+        }
         if robot1.axes != robot2.axes {
             return Err(InvalidInput::new(
                 "robot2.axes",

@@ -75,6 +75,16 @@ fn ref_one_axis_from_plain_numbers() {
 }
 
 #[test]
+fn ref_axes_of_one_robot_hold_for_a_partner_of_single_numbers() {
+    let lists = "axes = [\"a\", \"b\"]\nmass = [1.0, 2.0]\ndamping = 5";
+    let text = with("mass = [1.0, 2.0]\ndamping = 5", lists);
+    let text = text.replacen("mass = 1\ndamping = [5.0, 6.0]", "mass = 2\ndamping = 11", 1);
+    let study = Study::from_toml(&text).unwrap();
+    assert_eq!(study.dyad().axis_names(), ["a", "b"]);
+    assert_eq!(study.dyad().robots()[1].mass(), [2.0, 2.0]);
+}
+
+#[test]
 fn ref_messages_verbatim() {
     let cases: &[(String, &str)] = &[
         (
@@ -120,8 +130,8 @@ fn ref_messages_verbatim() {
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]"),
-            "robot2.axes = [\"x\", \"y\", \"z\"]: both robots need the same axes in the same order, here \
-             [\"x\", \"y\"]. Name the axes alike, or leave the names away. See line 5.",
+            "robot2.axes = 3 axes: both robots need as many axes, and robot1 has 2. \
+             Give both robots one mass and one damping per axis. See line 5.",
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]\naxes = [\"x\", \"y\"]"),

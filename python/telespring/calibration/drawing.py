@@ -8,6 +8,7 @@ import numpy as np
 
 from telespring.calibration.calibration import Calibration
 from telespring.calibration.unknowns import NAMES
+from telespring.calibration.words import signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,7 +88,7 @@ def draw_pairs(found: Calibration) -> Figure:
             correlation = each.correlation[order.index(one), order.index(two)]
             panels.append(
                 figures.PairPanel(
-                    f"{variant}: correlation {correlation:+.2f}",
+                    f"{variant}: correlation {signed(correlation, 2)}",
                     (_LABELS[one], _LABELS[two]),
                     pair.first,
                     pair.second,

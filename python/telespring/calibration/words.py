@@ -13,7 +13,7 @@ from telespring.calibration.likelihood import Likelihood
 from telespring.calibration.published import PublishedRow
 from telespring.calibration.unknowns import UNKNOWNS
 
-__all__ = ["statements"]
+__all__ = ["signed", "statements"]
 
 #: From here on two unknowns count as hard to tell apart.
 _CORRELATED = 0.7
@@ -57,7 +57,7 @@ def statements(
     said = [
         (
             f"The conditions are run at the stiffness and delay that the table prints, not at the unrounded "
-            f"multiples of K_xy and Δ_xy. The fit sees {seen}; the other {len(held_out)} are predicted."
+            f"multiples of Kxy and Δxy. The fit sees {seen}; the other {len(held_out)} are predicted."
         )
     ]
     for name, found in fits.items():
@@ -72,6 +72,23 @@ def statements(
     said += _of_growth(predictions, table)
     said += _of_scatter(predictions, table)
     return said
+
+
+def signed(value: float, decimals: int = 1) -> str:
+    """Write a change with its sign, and none where it rounds to 0.
+
+    Examples
+    --------
+    >>> signed(-1.26), signed(0.5), signed(-0.04)
+    ('−1.3', '+0.5', '0.0')
+    """
+    text = f"{value:+.{decimals}f}"
+    return text.replace("-", "−") if float(text) else text[1:]
+
+
+def _plain(value: float) -> str:
+    """Write a value that may be below 0."""
+    return signed(value).removeprefix("+")
 
 
 def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequence[int]) -> list[str]:
@@ -110,7 +127,7 @@ def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequen
             f"{', '.join(unbounded)}."
         )
     close = [
-        f"{_WORDS[one]} and {_WORDS[two]} ({found.correlation[i, j]:+.2f})"
+        f"{_WORDS[one]} and {_WORDS[two]} ({signed(found.correlation[i, j], 2)})"
         for i, one in enumerate(found.values)
         for j, two in enumerate(found.values)
         if i < j and abs(found.correlation[i, j]) >= _CORRELATED
@@ -148,7 +165,7 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
     return [
         (
             f"With {title} the {ours.cells} held-out cells are missed by {_mm(ours.rms_error)} (r.m.s., "
-            f"mean {1e3 * ours.mean_error:+.1f} mm), {better} the published ones than the prediction that "
+            f"mean {signed(1e3 * ours.mean_error)} mm), {better} the published ones than the prediction that "
             f"nothing changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the "
             f"published means: {ranks}."
         )
@@ -184,8 +201,8 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         if np.isfinite(ours).all() and abs(ours[0] - theirs[0]) > 1e-3:
             said.append(
                 f"With {title}, connecting the robots by {table[softest].stiffness:.0f} N/m without delay "
-                f"changes TE1 by {1e3 * ours[0]:+.1f} mm in the model and by {1e3 * theirs[0]:+.1f} mm in "
-                "the table"
+                f"changes TE1 by {signed(1e3 * ours[0])} mm in the model and by {signed(1e3 * theirs[0])} mm "
+                "in the table"
                 + (
                     ": nothing in the model lets the skilled agent gain from a partner who is worse."
                     if theirs[0] < 0
@@ -198,11 +215,11 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         )
         if np.isfinite(gap) and published_gap - gap > 1e-3:
             said.append(
-                f"With {title}, TE2 less TE1 falls from {1e3 * alone:.1f} mm alone to {1e3 * gap:.1f} mm at "
-                f"{table[stiffest].stiffness:.0f} N/m without delay, for a stiff spring makes both handles "
-                f"move alike; in the table it goes from {1e3 * published_alone:.1f} to "
-                f"{1e3 * published_gap:.1f} mm: as if the real spring coupled the handles less than its "
-                "stiffness says."
+                f"With {title}, TE2 less TE1 falls from {_plain(1e3 * alone)} mm alone to "
+                f"{_plain(1e3 * gap)} mm at {table[stiffest].stiffness:.0f} N/m without delay, for a stiff "
+                f"spring makes both handles move alike; in the table it goes from "
+                f"{_plain(1e3 * published_alone)} to {_plain(1e3 * published_gap)} mm: as if the real "
+                "spring coupled the handles less than its stiffness says."
             )
     agree = found.arrows_agreeing(table)
     wrong = [
@@ -274,11 +291,11 @@ def _mm(length: float) -> str:
 
 
 def _pair(change: FloatArray) -> str:
-    return f"{1e3 * change[0]:+.1f} and {1e3 * change[1]:+.1f} mm"
+    return f"{signed(1e3 * change[0])} and {signed(1e3 * change[1])} mm"
 
 
 def _rank(found: Score) -> str:
     if found.rank_correlation is None or found.p_value is None:
         return "none"
     p = f"p = {found.p_value:.3f}" if found.p_value >= 0.001 else "p < 0.001"
-    return f"{found.rank_correlation:+.2f} ({p})"
+    return f"{signed(found.rank_correlation, 2)} ({p})"

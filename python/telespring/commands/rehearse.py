@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 from rich.markup import escape
+from rich.text import Text
 
 from telespring import Study
 from telespring.terminal import refusal_screen
@@ -94,6 +95,8 @@ def rehearse(
         )
         raise typer.Exit(2) from None
     _tell(console, outcome, time.perf_counter() - begin)
+    _tell_conditions(console, outcome, asked, modules)
+    console.print(f"Dataset: {outcome.dataset}", markup=False)
 
 
 def _kept(finished: int, trials: int) -> str:
@@ -124,4 +127,43 @@ def _tell(console: Console, outcome: Outcome, seconds: float) -> None:
         if value and status[value]:
             told = f"  {status[value]} of {outcome.trials} ended early: {meaning.replace('_', ' ')}"
             console.print(told, markup=False)
-    console.print(f"Dataset: {outcome.dataset}", markup=False)
+
+
+def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: Path | None) -> None:
+    """Tell for each condition whether it is stable in the study's arms, and how its trials ended."""
+    import h5netcdf
+    from rich.table import Table
+
+    from telespring.experiment.schedule import condition_labels
+    from telespring.in_arms import stability_in_arms
+
+    experiment = study.experiment
+    assert experiment is not None  # it has been rehearsed
+    with h5netcdf.File(outcome.dataset, "r") as file:
+        status = file.variables["status"][...]
+        meanings = file.variables["status"].attrs["flag_meanings"].split()
+    found = stability_in_arms(study, [(k, at) for k, at in experiment.conditions if k is not None], modules)
+    table = Table(box=None, pad_edge=False)
+    table.add_column("condition", no_wrap=True)
+    table.add_column("in arms")
+    table.add_column("completed", justify="right", no_wrap=True)
+    table.add_column("ended early", no_wrap=True)
+    verdicts = iter(found.conditions)
+    for label, (k, _), ended in zip(
+        condition_labels(experiment.conditions), experiment.conditions, status, strict=True
+    ):
+        words, style = "–", None
+        if k is not None and found.unknown is None:
+            verdict = next(verdicts)
+            words, style = verdict.verdict(), None if verdict.stable else "red"
+        elif k is not None:
+            words = "not known"
+        count = Counter(ended.tolist())
+        early = ", ".join(
+            f"{count[value]} {meaning.replace('_', ' ')}"
+            for value, meaning in enumerate(meanings)
+            if value and count[value]
+        )
+        table.add_row(label, Text(words, style=style or ""), str(count[0]), early or "–")
+    console.print(table)
+    console.print(f"In arms: {found.in_words()}", markup=False)

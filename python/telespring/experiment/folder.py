@@ -72,6 +72,15 @@ class RehearsalFolder:
         self._own(_identity_in(self.dataset))
         return True
 
+    def foreign(self) -> bool:
+        """Tell whether another rehearsal is in the folder, or something else of a rehearsal's names."""
+        try:
+            self.complete()
+            self._refuse_other_trials()
+        except InvalidInput:
+            return True
+        return False
+
     def begin(self) -> None:
         """Make the folder this rehearsal's own, and clear away what a killed process left half-written.
 
@@ -82,13 +91,7 @@ class RehearsalFolder:
         OSError
             Where it cannot be written.
         """
-        if self._plan.exists():
-            try:
-                found = Identity.from_json(self._plan.read_text(encoding="utf-8"))
-            except ValueError:
-                found = None
-            if found is None or any(self._trials.glob("*.trial")):
-                self._own(found)
+        self._refuse_other_trials()
         # A plan of which nothing was finished binds nobody: an agent that failed at once may be mended.
         if not any(self._trials.glob("*.trial")):
             write_whole(self._plan, self._identity.to_json())
@@ -137,6 +140,15 @@ class RehearsalFolder:
 
     def _file(self, trial: Trial) -> Path:
         return self._trials / f"{trial.condition}-{trial.trial}.trial"
+
+    def _refuse_other_trials(self) -> None:
+        if self._plan.exists():
+            try:
+                found = Identity.from_json(self._plan.read_text(encoding="utf-8"))
+            except ValueError:
+                found = None
+            if found is None or any(self._trials.glob("*.trial")):
+                self._own(found)
 
     def _own(self, found: Identity | None) -> None:
         if found is None:

@@ -18,17 +18,24 @@ from telespring._types import FloatArray
 from telespring.experiment.folder import RehearsalFolder
 from telespring.experiment.identity import SCHEMA, VERSION, Identity
 from telespring.experiment.lock import locked
-from telespring.experiment.programs import ProgramFailed, Programs, programs_of
+from telespring.experiment.programs import ProgramFailed, Programs, Stopped, programs_of
 from telespring.experiment.records import Record
-from telespring.experiment.schedule import Trial, condition_labels, sample_count, schedule, tick_count
-from telespring.experiment.signals import SIGNALS, TARGET, pack
+from telespring.experiment.schedule import (
+    Trial,
+    condition_labels,
+    sample_count,
+    schedule,
+    tick_count,
+    tick_stride,
+)
+from telespring.experiment.signals import SIGNALS, pack
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from telespring._core import Experiment
 
-__all__ = ["Outcome", "rehearse", "run_protocol"]
+__all__ = ["Outcome", "forget", "rehearse", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -127,12 +134,14 @@ def run_protocol(
     workers: int | None = None,
     *,
     fresh: bool = False,
+    replace_others: bool = False,
     modules: Path | None = None,
 ) -> Outcome:
     """Do what `rehearse` does, and leave the dataset on the disk.
 
-    Parameters, errors and what is kept are those of `rehearse`. `modules` is where agents and targets in
-    Python are looked up first: the folder of the study's file unless given.
+    Parameters, errors and what is kept are those of `rehearse`. With `replace_others` a rehearsal of another
+    study is removed instead of refused. `modules` is where agents and targets in Python are looked up first:
+    the folder of the study's file unless given.
 
     Returns
     -------
@@ -152,6 +161,7 @@ def run_protocol(
     trials = schedule(experiment)
     home = RehearsalFolder(Path(folder), identity)
     home.make()
+    fresh = fresh or (replace_others and home.foreign())
     if not fresh and home.complete():
         _tidy_if_free(home)
         return Outcome(home.dataset, len(trials), len(trials))
@@ -178,10 +188,26 @@ def run_protocol(
                     progress(done, len(trials))
         from telespring.experiment.dataset import write_dataset
 
-        write_dataset(home, identity, experiment, trials)
+        write_dataset(home, identity, experiment, trials, _kept_target(experiment, target))
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
+
+
+def forget(folder: str | os.PathLike[str]) -> None:
+    """Remove whatever rehearsal is in a folder, and nothing else.
+
+    Raises
+    ------
+    InvalidInput
+        Where another process is at work on it.
+    OSError
+        Where it cannot be removed.
+    """
+    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, VERSION))
+    if home.foreign():
+        with locked(home.path):
+            home.empty()
 
 
 def _experiment(study: Study) -> Experiment:
@@ -195,6 +221,13 @@ def _experiment(study: Study) -> Experiment:
             "Describe both robots with the axes x and y.",
         )
     return experiment
+
+
+def _kept_target(experiment: Experiment, target: FloatArray | None) -> FloatArray:
+    """Return the target at the rows of a whole trial, (time, axis), m; `target` is that of a program."""
+    if target is not None:
+        return target[:: tick_stride(experiment)]
+    return experiment.laboratory.target(experiment.duration, experiment.record_rate)
 
 
 def _workers(workers: int | None) -> int:
@@ -226,6 +259,11 @@ def _run(
 ) -> Generator[tuple[Trial, Record]]:
     """Run trials on so many threads and give each as it is finished."""
     stop = Event()
+
+    def stop_wanted() -> None:
+        if stop.is_set():
+            raise Stopped
+
     labels = condition_labels(experiment.conditions)
     count = sample_count(experiment)
 
@@ -241,6 +279,7 @@ def _run(
                 agents=programs.forces(trial.seed, stop),
                 target=target,
                 coupling_damping=study.coupling.damping,
+                watch=stop_wanted,
             )
         except ProgramFailed as failed:
             place = f"{failed.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}"
@@ -260,7 +299,7 @@ def _run(
             status=found["status"],
             ended_at=None if math.isnan(found["ended_at"]) else found["ended_at"],
             rows=rows,
-            chunks={signal.name: pack(signal, found[signal.name], count) for signal in (*SIGNALS, TARGET)},
+            chunks={signal.name: pack(signal, found[signal.name], count) for signal in SIGNALS},
         )
 
     waiting = iter(trials)

@@ -17,6 +17,7 @@ from telespring.figures.calibration import (
 from telespring.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
 from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
+from telespring.figures.poses import PoseRange, poses_figure
 from telespring.figures.responses import ResponsePanel, response_figure
 from telespring.figures.schematics import dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.figures.style import to_svg
@@ -32,6 +33,7 @@ __all__ = [
     "MapColumn",
     "NyquistPanel",
     "PairPanel",
+    "PoseRange",
     "ProfileCurve",
     "ProfilePanel",
     "ResponsePanel",
@@ -45,6 +47,7 @@ __all__ = [
     "loop_schematic",
     "nyquist_figure",
     "pairs_figure",
+    "poses_figure",
     "profiles_figure",
     "region_map",
     "response_figure",

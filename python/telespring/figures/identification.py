@@ -32,9 +32,9 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
         One column per movement, rows for velocity, position and acceleration.
     """
     rows = (
-        ("velocity", "velocity (m/s)", COLOURS["blue"], "solid", 1.0),
-        ("position", "position (mm)", COLOURS["vermilion"], (0.0, (5.0, 1.6)), 1e3),
-        ("acceleration", "acceleration (m/s²)", COLOURS["green"], (0.0, (5.0, 1.4, 1.2, 1.4)), 1.0),
+        ("velocity", "Velocity, m/s", COLOURS["blue"], "solid", 1.0),
+        ("position", "Position, mm", COLOURS["vermilion"], (0.0, (5.0, 1.6)), 1e3),
+        ("acceleration", "Acceleration, m/s²", COLOURS["green"], (0.0, (5.0, 1.4, 1.2, 1.4)), 1.0),
     )
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
@@ -50,7 +50,7 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
                 panel_label(axes, next(letters), name if quantity == "velocity" else "")
                 if i == 0:
                     axes.set_ylabel(label)
-            grid[-1, i].set_xlabel("time (s)")
+            grid[-1, i].set_xlabel("Time, s")
         figure.align_ylabels(grid[:, 0])
     return figure
 
@@ -86,13 +86,13 @@ def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
                 linewidth=1.2,
                 label="estimated",
             )
-            left.set_ylabel("force (N)")
+            left.set_ylabel("Force, N")
             left.margins(x=0.0)
             panel_label(left, next(letters), f"{name}, axis {axis.axis}")
             if i == 0:
                 left.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.16), borderaxespad=0.0)
             if i == len(shown) - 1:
-                left.set_xlabel("time (s)")
+                left.set_xlabel("Time, s")
             _plane(figure.add_subplot(grid[i, 1], projection="3d"), found, axis, next(letters))
     return figure
 
@@ -109,9 +109,9 @@ def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: s
     axes.scatter(
         velocity, acceleration, linear + axis.residual, s=3.0, color=COLOURS["vermilion"], depthshade=False
     )
-    axes.set_xlabel("velocity (m/s)", labelpad=-6.0)
-    axes.set_ylabel("acceleration (m/s²)", labelpad=-6.0)
-    axes.set_zlabel("force (N)", labelpad=-8.0)
+    axes.set_xlabel("Velocity, m/s", labelpad=-6.0)
+    axes.set_ylabel("Acceleration, m/s²", labelpad=-6.0)
+    axes.set_zlabel("Force, N", labelpad=-8.0)
     axes.tick_params(pad=-3.0, labelsize=6.0)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
@@ -168,7 +168,7 @@ def residual_figure(found: Identification) -> Figure:
                         markersize=3.0,
                         label="left out",
                     )
-            over_time.set_ylabel("residual (N)")
+            over_time.set_ylabel("Residual, N")
             if not kept.all():
                 over_time.legend(loc="upper right")
             lags = np.arange(0, min(31, axis.residual.size // 4))
@@ -182,7 +182,7 @@ def residual_figure(found: Identification) -> Figure:
             )
             correlation.vlines(1e3 * spacing * lags, 0.0, values, color=COLOURS["black"], linewidth=1.0)
             correlation.axhline(0.0, color=GREY, linewidth=0.5)
-            correlation.set_ylabel("autocorrelation")
+            correlation.set_ylabel("Autocorrelation")
             correlation.set_ylim(-0.6, 1.05)
             panel_label(over_time, next(letters), f"axis {axis.axis}")
             panel_label(over_velocity, next(letters))
@@ -190,7 +190,7 @@ def residual_figure(found: Identification) -> Figure:
             if i == 0:
                 correlation.legend(loc="upper right")
             if i == len(found.axes) - 1:
-                over_time.set_xlabel("time (s)")
-                over_velocity.set_xlabel("velocity (m/s)")
-                correlation.set_xlabel("lag (ms)")
+                over_time.set_xlabel("Time, s")
+                over_velocity.set_xlabel("Velocity, m/s")
+                correlation.set_xlabel("Lag, ms")
     return figure

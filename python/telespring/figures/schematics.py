@@ -63,7 +63,7 @@ def dyad_schematic() -> Figure:
             _arrow(axes, (x, 0.44), (x + 0.75, 0.44), _INK)
             axes.text(x + 0.85, 0.44, f"$x_{number}(t)$", va="center", fontsize=8.5)
         _arrow(axes, (3.75, 2.4), (4.5, 2.4), _SPRING)
-        _arrow(axes, (6.25, 2.4), (5.5, 2.4), _SPRING)
+        _arrow(axes, (5.5, 2.4), (6.25, 2.4), _SPRING)
         axes.text(4.0, 2.58, r"$k\,(x_2(t-\delta)-x_1(t))$", ha="left", fontsize=7.5, color=_SPRING)
         axes.text(6.2, 2.98, r"$k\,(x_1(t-\delta)-x_2(t))$", ha="right", fontsize=7.5, color=_SPRING)
         axes.plot([5.9, 5.9], [2.48, 2.92], color=_SPRING, linewidth=0.5, linestyle=(0, (1, 1.5)))

@@ -285,7 +285,7 @@ def _held(name: str, position: FloatArray, step: float) -> list[str]:
         return []
     period, age = 1e3 * usual * step, 500.0 * (usual - 1) * step
     text = (
-        f"The {name} has every value {usual} times: it was read every {period:.3g} ms only and is {age:.2g} ms "
+        f"The {name} has every value {usual} times: it was read every {period:.3g} ms and is {age:.2g} ms "
         f"old on average, which shifts the mass. Keep the first of each {usual} samples only."
     )
     return [text]

@@ -1,224 +1,262 @@
-"""Identification as the study shows it: both robots on the simulated rig, and what it does to the verdict."""
+"""Identification as a study shows it: both robots on the simulated rig, and what it does to the verdict."""
 
 from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import telespring as ts
-from telespring.axes import finite_or_none
+from telespring.axes import axes_of, finite_or_none
 from telespring.identify.estimation import Identification, identify
 from telespring.identify.excitation import Excitation, design_excitation, paper_excitation
 from telespring.identify.regression import paper_reweightings
-from telespring.identify.rig import ARM, Noise, rig_log
+from telespring.identify.rig import ARM, Noise, RigLog, rig_log
+from telespring.reference import Reference, reference_of
 from telespring.uncertainty import delta_method, margin_uncertainty, stable_probability
 
-__all__ = ["IdentificationStudy", "identification_study", "study_identification"]
+if TYPE_CHECKING:
+    from telespring._types import FloatArray
 
+__all__ = ["IdentificationStudy", "study_identification"]
+
+#: Of the logs' noise; fixed, so that the same study gives the same numbers.
+_SEED = 20251122
+
+#: In multiples of K_xy and Δ_xy: the paper's 16 conditions.
 _STIFFNESS_FACTORS = (0.5, 1.0, 2.0, 4.0)
 _DELAY_FACTORS = (0.0, 0.5, 1.0, 2.0)
-_ITERATIONS = (0, 1, 2, 5, 10, 30, 100)
 
+#: Of the Monte Carlo behind each probability.
+_DRAWS = 5000
 
-@dataclass(frozen=True)
-class _Known:
-    """Errors of an identified robot, in the form of `telespring.Study.uncertainty`."""
+#: After so many reweightings of the paper's method one looks; it prints one step and no number.
+_REWEIGHTINGS = (0, 1, 5, 30, 100)
 
-    mass_sd: tuple[float, ...]
-    damping_sd: tuple[float, ...]
-    correlation: tuple[float, ...]
-
-    @classmethod
-    def of(cls, found: Identification) -> _Known:
-        return cls(
-            tuple(axis.mass.standard_error for axis in found.axes),
-            tuple(axis.damping.standard_error for axis in found.axes),
-            tuple(axis.correlation for axis in found.axes),
-        )
+#: An estimate below it, kg or N·s/m, is no robot's: it is too light or too little damped for the sensors.
+_LEAST = 1e-4
 
 
 @dataclass(frozen=True)
 class IdentificationStudy:
-    """Numbers of the study, and what its figures are drawn from.
+    """Numbers of an identification, and what its figures are drawn from.
 
     Attributes
     ----------
     numbers
-        Plain values in SI units, as JSON has them.
+        Plain values in SI units, as JSON has them: ``excitation``, ``noise``, ``arm``, ``axes`` (per robot
+        and axis, measured at the handle, beside what the robot is), ``methods``, ``reweightings``,
+        ``axes_independent``, ``seed`` and ``verdict``.
     movements
         Name and movement: the paper's command and the designed one (Fig. 9).
     robots
-        Name and identification at the handle of both robots (Fig. 10).
+        Identification at the handle of both robots (Fig. 10).
     """
 
     numbers: dict[str, Any]
     movements: tuple[tuple[str, Excitation], ...]
-    robots: tuple[tuple[str, Identification], ...]
+    robots: tuple[Identification, Identification]
 
 
-def identification_study(seed: int = 1) -> dict[str, Any]:
-    """Identify both of the paper's robots on the simulated rig and carry the errors to the verdict.
-
-    Parameters
-    ----------
-    seed : int
-        Of the sensors' noise.
-
-    Returns
-    -------
-    dict
-        Plain values in SI units: `excitation`, `noise`, `arm`, `robots` (per robot the identification at the
-        handle and at the joints, beside the truth, and the paper's method), `verdict` (intervals of margins
-        and the probability that each of the paper's 16 conditions is stable).
-    """
-    return study_identification(seed).numbers
-
-
-def study_identification(seed: int = 1, study: ts.Study | None = None) -> IdentificationStudy:
-    """Do what `identification_study` does, and keep what the figures need.
+def study_identification(study: ts.Study | None = None, seed: int = _SEED) -> IdentificationStudy:
+    """Identify a study's bare robots from noisy logs of the simulated rig and carry the errors on.
 
     Parameters
     ----------
+    study
+        The robots, friction included; the paper's unless given.
     seed
         Of the sensors' noise.
-    study
-        The robots, on two axes; the paper's unless given.
 
     Returns
     -------
     IdentificationStudy
-        Numbers, movements and identifications.
+        Numbers, movements and identifications. The same input gives the same output.
     """
-    source = study or ts.Study.paper()
+    source = ts.Study.paper() if study is None else study
     dyad = source.dyad
-    paper, designed = paper_excitation(), design_excitation()
-    log = rig_log(source, paper)
+    movement, designed = paper_excitation(), _designed()
+    log = rig_log(source, movement)
     random = np.random.default_rng(seed)
-    handle, joints = log.measured(random), log.measured(random, at="joints")
-    names = [name or f"robot {i + 1}" for i, name in enumerate(source.robot_names)]
-    axes = [str(name) for name in dyad.axes]
-    friction = _has_friction(source)
-    robots, at_handle = [], []
-    for i, name in enumerate(names):
-        found = {
-            place: identify(log.time, position[:, i], force[:, i], axes=axes, coulomb=friction)
-            for place, (position, force) in (("handle", handle), ("joints", joints))
-        }
-        at_handle.append(found["handle"])
-        robots.append(
-            {
-                "name": name,
-                "truth": {"mass": dyad.robots[i].mass.tolist(), "damping": dyad.robots[i].damping.tolist()},
-                "handle": found["handle"].to_json(),
-                "joints": found["joints"].to_json(),
-                "paper": _paper_method(log.time, handle[0][:, i], handle[1][:, i], axes, found["handle"]),
-            }
+    measured = {at: log.measured(random, at=at) for at in ("handle", "joints")}
+    friction = _coulomb(source)
+
+    def estimate(at: str, method: Any) -> tuple[Identification, Identification]:
+        one, other = (
+            _estimate(log, measured[at], robot, list(dyad.axes), method, coulomb=bool(friction.any()))
+            for robot in (0, 1)
         )
+        return one, other
+
+    robots = estimate("handle", "robust")
+    compared = (
+        ("robust", "handle", robots),
+        ("least squares", "handle", estimate("handle", "ols")),
+        ("the paper's", "handle", estimate("handle", "paper")),
+        ("robust", "joints", estimate("joints", "robust")),
+    )
     numbers = {
-        "excitation": {"paper": _movement(paper), "designed": _movement(designed)},
-        "noise": {"seed": seed, **vars(Noise())},
-        "arm": ARM,
-        "robots": robots,
-        "verdict": _verdict(dyad, at_handle),
+        "excitation": {
+            "harmonics": len(movement.cosine),
+            "base_frequency": movement.angular_frequency,
+            "duration": float(log.time[-1]),
+            "sample_rate": robots[0].rate,
+            "cutoff": robots[0].cutoff,
+            "condition_number": movement.condition_number(),
+            "condition_number_designed": designed.condition_number(),
+            "paper": _movement(movement),
+            "designed": _movement(designed),
+        },
+        "noise": vars(Noise()),
+        "arm": ARM if len(dyad.axes) == 2 else None,
+        "axes": [
+            {
+                "robot": robot + 1,
+                **axis,
+                "mass_given": float(dyad.robots[robot].mass[i]),
+                "damping_given": float(dyad.robots[robot].damping[i]),
+                "coulomb_given": float(friction[robot, i]),
+            }
+            for robot, found in enumerate(robots)
+            for i, axis in enumerate(found.to_json()["axes"])
+        ],
+        "methods": [
+            {"method": method, "force": at, "robot": robot, **{key: axis[key] for key in _METHOD_KEYS}}
+            for method, at, pair in compared
+            for robot, found in enumerate(pair, start=1)
+            for axis in found.to_json()["axes"]
+        ],
+        "reweightings": _reweightings(robots[0]),
+        "axes_independent": [found.independent for found in robots],
+        "seed": seed,
+        "verdict": _verdict(robots, reference_of(axes_of(dyad))),
     }
     return IdentificationStudy(
-        numbers=numbers,
-        movements=(("the paper's command", paper), ("designed", designed)),
-        robots=tuple(zip(names, at_handle, strict=True)),
+        numbers=numbers, movements=(("the paper's", movement), ("designed", designed)), robots=robots
     )
 
 
-def _has_friction(study: ts.Study) -> bool:
-    """Tell whether a robot of the study has Coulomb friction, which must then be identified too."""
+_METHOD_KEYS = ("axis", "mass", "mass_interval", "damping", "damping_interval")
+
+
+@cache
+def _designed() -> Excitation:
+    """Design the movement once: it depends on no study."""
+    return design_excitation()
+
+
+def _estimate(
+    log: RigLog,
+    measured: tuple[FloatArray, FloatArray],
+    robot: int,
+    axes: list[str],
+    method: Any,
+    *,
+    coulomb: bool,
+) -> Identification:
+    position, force = measured
+    return identify(log.time, position[:, robot], force[:, robot], axes=axes, method=method, coulomb=coulomb)
+
+
+def _coulomb(study: ts.Study) -> FloatArray:
+    """Find the Coulomb friction of the study's robots, N, per robot and axis."""
     tables = tomllib.loads(study.to_toml())
-    return any(np.any(tables[robot].get("coulomb", 0.0)) for robot in ("robot1", "robot2"))
+    count = len(study.dyad.axes)
+    return np.array(
+        [np.broadcast_to(tables[each].get("coulomb", 0.0), count) for each in ("robot1", "robot2")]
+    )
 
 
 def _movement(movement: Excitation) -> dict[str, Any]:
     position, velocity, acceleration = movement.extremes()
     return {
-        "angular_frequency": movement.angular_frequency,
         "cosine": list(movement.cosine),
         "sine": list(movement.sine),
         "largest_position": position,
         "largest_velocity": velocity,
         "largest_acceleration": acceleration,
-        "condition_number": movement.condition_number(),
         "condition_number_with_friction": movement.condition_number(coulomb=True, offset=True),
     }
 
 
-def _paper_method(
-    time: Any, position: Any, force: Any, axes: list[str], robust: Identification
-) -> list[dict[str, Any]]:
-    """Per axis: the estimate after the one step that is printed, and where further steps lead."""
-    friction = robust.axes[0].coulomb is not None
-    once = identify(time, position, force, axes=axes, coulomb=friction, method="paper", cutoff=robust.cutoff)
-    rows = []
-    for axis in once.axes:
-        signals = robust.signals
-        row = axis.signals_index
-        columns = [signals.acceleration[row], signals.velocity[row]]
-        regressor = np.column_stack([*columns, signals.direction[row]] if friction else columns)
-        steps = paper_reweightings(regressor, signals.force[row], _ITERATIONS)
-        rows.append({**axis.to_json(), "iterations": [step.to_json() for step in steps]})
-    return rows
-
-
-def _verdict(dyad: ts.Dyad, found: list[Identification]) -> dict[str, Any]:
-    """Margins of the robots as identified, with intervals, and the chance that each condition is stable."""
-    estimated = ts.Dyad(_robot(found[0]), _robot(found[1]))
-    known = (_Known.of(found[0]), _Known.of(found[1]))
-    stiffness, delay = _reference(dyad)
-    margins = margin_uncertainty(estimated, known, 2.0 * stiffness, delay)
-    first_order = []
-    for i, name in enumerate(estimated.axes):
-        critical, longest = delta_method(estimated, known, 2.0 * stiffness, i)
-        first_order.append(
+def _reweightings(found: Identification) -> dict[str, Any]:
+    """Iterate the paper's weights on the first robot's first axis."""
+    signals, axis = found.signals, found.axes[0]
+    row = axis.signals_index
+    columns = [signals.acceleration[row], signals.velocity[row]]
+    if axis.coulomb is not None:
+        columns.append(signals.direction[row])
+    return {
+        "axis": axis.axis,
+        "samples": int(signals.time.size),
+        "steps": [
             {
-                "axis": str(name),
+                "iteration": step.iteration,
+                "mass": float(step.estimate[0]),
+                "mass_half_width": float(step.half_width[0]),
+                "damping": float(step.estimate[1]),
+                "damping_half_width": float(step.half_width[1]),
+                "effective_samples": step.effective_samples,
+            }
+            for step in paper_reweightings(np.stack(columns, axis=-1), signals.force[row], _REWEIGHTINGS)
+        ],
+    }
+
+
+def _verdict(robots: tuple[Identification, Identification], reference: Reference) -> dict[str, Any] | None:
+    """Carry the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
+
+    None where an estimate is no robot's.
+    """
+    if min(each.value for found in robots for a in found.axes for each in (a.mass, a.damping)) <= _LEAST:
+        return None
+    first, second = (
+        ts.Robot(
+            [a.mass.value for a in found.axes],
+            [a.damping.value for a in found.axes],
+            [a.axis for a in found.axes],
+        )
+        for found in robots
+    )
+    estimated = ts.Dyad(first, second)
+    one, two = (
+        ts.Uncertainty(
+            [a.mass.standard_error for a in found.axes],
+            [a.damping.standard_error for a in found.axes],
+            [a.correlation for a in found.axes],
+        )
+        for found in robots
+    )
+    stiffness = 2.0 * reference.stiffness
+    margins = margin_uncertainty(estimated, (one, two), stiffness, reference.delay).to_json()
+    axes = []
+    for i, (margin, axis) in enumerate(zip(margins["axes"], axes_of(estimated), strict=True)):
+        critical, longest = delta_method(estimated, (one, two), stiffness, i)
+        axes.append(
+            {
+                **margin,
+                "critical_stiffness": finite_or_none(axis.critical_stiffness()),
                 "critical_stiffness_sd": finite_or_none(critical),
+                "maximum_delay": finite_or_none(float(axis.maximum_delay(stiffness))),
                 "maximum_delay_sd": finite_or_none(longest),
             }
         )
     conditions = []
     for factor in _STIFFNESS_FACTORS:
-        for delay_factor in _DELAY_FACTORS:
-            probability = stable_probability(estimated, known, factor * stiffness, delay_factor * delay)
+        for part in _DELAY_FACTORS:
+            k, delay = factor * reference.stiffness, part * reference.delay
+            chance = stable_probability(estimated, (one, two), k, delay, draws=_DRAWS)
             conditions.append(
                 {
                     "stiffness_factor": factor,
-                    "delay_factor": delay_factor,
-                    "stiffness": factor * stiffness,
-                    "delay": delay_factor * delay,
-                    "stable_probability": probability.value,
-                    "standard_error": probability.standard_error,
+                    "delay_factor": part,
+                    "stiffness": k,
+                    "delay": delay,
+                    "probability_stable": chance.value,
+                    "standard_error": chance.standard_error,
                 }
             )
-    return {
-        "stiffness": 2.0 * stiffness,
-        "delay": delay,
-        "margins": margins.to_json(),
-        "first_order": first_order,
-        "conditions": conditions,
-    }
-
-
-def _robot(found: Identification) -> ts.Robot:
-    return ts.Robot(
-        [axis.mass.value for axis in found.axes],
-        [axis.damping.value for axis in found.axes],
-        [axis.axis for axis in found.axes],
-    )
-
-
-def _reference(dyad: ts.Dyad) -> tuple[float, float]:
-    """K_xy and Δ_xy of the true robots (Eq. 11), in whose multiples the experiment is laid out."""
-    from telespring.axes import axes_of
-    from telespring.reference import reference_of
-
-    base = reference_of(axes_of(dyad))
-    return base.stiffness, base.delay
+    return {"stiffness": stiffness, "delay": reference.delay, "axes": axes, "conditions": conditions}

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import telespring as ts
 from telespring import figures
 from telespring.calibration.published import TABLE_I
 from telespring.study.part import Found, Scene
 from telespring.study.reported import reported
+
+if TYPE_CHECKING:
+    import xarray
 
 __all__ = ["find_experiment"]
 
@@ -21,12 +24,15 @@ def find_experiment(scene: Scene) -> Found:
     from telespring.analysis.measures import measure_trials
     from telespring.analysis.results import analyse_taken
     from telespring.analysis.trials import take_trials
+    from telespring.experiment.rehearsal import forget
 
     experiment = scene.study.experiment
     if experiment is None:
+        if scene.rehearsal is not None:
+            # no page beside another study's trials
+            forget(scene.rehearsal)
         return Found()
-    with TemporaryDirectory(prefix="telespring-") as folder:
-        trials = take_trials(ts.rehearse(scene.study, folder))
+    trials = take_trials(_rehearsed(scene))
     analysed = analyse_taken(trials, measure_trials(trials))
     rows = analysed["table1"]
     drawings = {
@@ -70,6 +76,18 @@ def find_experiment(scene: Scene) -> Found:
         },
         drawings=drawings,
     )
+
+
+def _rehearsed(scene: Scene) -> xarray.Dataset:
+    """Run the protocol, or go on with it, in the folder that keeps it."""
+    import xarray
+
+    from telespring.experiment.rehearsal import run_protocol
+
+    with TemporaryDirectory(prefix="telespring-") as aside:
+        folder = scene.rehearsal or Path(aside)
+        outcome = run_protocol(scene.study, folder, modules=scene.modules, replace_others=True)
+        return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
 def _printed(row: Any) -> dict[str, Any] | None:

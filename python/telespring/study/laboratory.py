@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -87,4 +88,6 @@ def _rows(part: str, described: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _row(part: str, name: str, value: Any, unit: str) -> dict[str, Any]:
+    if value == math.inf:
+        value = None  # no limit
     return {"part": part, "name": name, "value": value, "unit": unit}

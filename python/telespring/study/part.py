@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import telespring as ts
@@ -28,6 +29,10 @@ class Scene:
     alike, alike_axis, alike_reference
         The paper's one-axis studies: two robots that are both robot 1 on its first axis, handles free,
         as a dyad and as an axis, with their K and Δ.
+    rehearsal
+        The folder that keeps the experiment's trials; they are not kept where it is None.
+    modules
+        Where agents and targets in Python are looked up first.
     """
 
     study: ts.Study
@@ -36,10 +41,17 @@ class Scene:
     alike: ts.Dyad
     alike_axis: Axis
     alike_reference: Reference
+    rehearsal: Path | None = None
+    modules: Path | None = None
 
     @classmethod
-    def of(cls, study: ts.Study) -> Scene:
+    def of(cls, study: ts.Study, rehearsal: Path | None = None, modules: Path | None = None) -> Scene:
         """Look at a study.
+
+        Parameters
+        ----------
+        study, rehearsal, modules
+            The attributes of these names.
 
         Raises
         ------
@@ -58,6 +70,8 @@ class Scene:
             alike=ts.Dyad(ts.Robot([mass], [damping]), ts.Robot([mass], [damping])),
             alike_axis=alike_axis,
             alike_reference=reference_of([alike_axis]),
+            rehearsal=rehearsal,
+            modules=modules,
         )
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,14 @@ class Analysis:
     html: str
 
 
-def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> Analysis:
+def analyse(
+    study: ts.Study,
+    progress: Callable[[str], None] | None = None,
+    *,
+    rehearsal: str | os.PathLike[str] | None = None,
+    modules: Path | None = None,
+    parts: Sequence[Part] | None = None,
+) -> Analysis:
     """Run the paper on a study's robots.
 
     Parameters
@@ -77,6 +84,14 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
         Robots, coupling and network, as `telespring.Study.read` gives them.
     progress
         Called with the name of each step (one of `STEPS`) as it begins; nothing is called unless given.
+    rehearsal
+        Folder in which the experiment's trials are kept, in the end as `rehearsal.nc`; trials of this study
+        that are there are not run again, those of another are removed. Nothing is kept unless given.
+    modules
+        Where agents and targets in Python are looked up first.
+    parts
+        Which of `PARTS` to find, in their order, the first among them; all unless given. A part that looks
+        at the same study finds the same, whatever others are found.
 
     Returns
     -------
@@ -87,13 +102,15 @@ def analyse(study: ts.Study, progress: Callable[[str], None] | None = None) -> A
     ------
     telespring.InvalidInput
         Where the robots allow no such study: one has no damping, or so much or so little that a figure
-        would leave the ranges in which the core computes.
+        would leave the ranges in which the core computes. Where a program of an agent or a target fails.
+    OSError
+        Where the rehearsal cannot be kept.
     """
     begin = progress or _say_nothing
-    scene = Scene.of(study)
+    scene = Scene.of(study, None if rehearsal is None else Path(rehearsal), modules)
     numbers: dict[str, Any] = {"schema": "telespring study 1"}
     drawings: dict[str, str] = {}
-    for part in PARTS:
+    for part in PARTS if parts is None else parts:
         begin(part.name)
         found = part.find(scene)
         numbers.update(found.numbers)

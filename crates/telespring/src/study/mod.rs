@@ -49,7 +49,7 @@ use crate::error::Result;
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
 use reader::Reader;
-use robot::{RobotSection, robot};
+use robot::{RobotSection, robots};
 use verdict::{network, operator, optional};
 
 pub use laboratory::{AgentChoice, Setup, Task};
@@ -130,7 +130,7 @@ impl Study {
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
         let reader = Reader::new(text)?;
-        let [(robot1, section1), (robot2, section2)] = [robot(&reader, "robot1")?, robot(&reader, "robot2")?];
+        let [(robot1, section1), (robot2, section2)] = robots(&reader)?;
         let axes = robot1.axes().len();
         let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());

@@ -28,15 +28,48 @@ pub(super) struct RobotSection {
     pub uncertainty: Option<Uncertainty>,
 }
 
-pub(super) fn robot(reader: &Reader<'_>, section: &str) -> Result<(Robot, RobotSection)> {
+/// The sections of both robots, which share their axes.
+pub(super) fn robots(reader: &Reader<'_>) -> Result<[(Robot, RobotSection); 2]> {
+    let named = [named(reader, "robot1")?, named(reader, "robot2")?];
+    let listed = [listed(reader, "robot1")?, listed(reader, "robot2")?];
+    let of = |own: usize, section: &str| {
+        // A robot of single numbers has the axes of its partner, and names given once hold for both.
+        let other = 1 - own;
+        let count = named[own].as_ref().map(Vec::len).or(listed[own]);
+        let count = count.or(named[other].as_ref().map(Vec::len)).or(listed[other]).unwrap_or(1);
+        let lent = named[other].as_ref().filter(|names| names.len() == count);
+        robot(reader, section, count, named[own].as_ref().or(lent).cloned())
+    };
+    Ok([of(0, "robot1")?, of(1, "robot2")?])
+}
+
+/// The names of a robot's axes, where it gives them.
+fn named(reader: &Reader<'_>, section: &str) -> Result<Option<Vec<String>>> {
+    reader.get(section, "axes").map(|entry| entry.texts()).transpose()
+}
+
+/// The number of axes that a robot's lists tell, where it has any.
+fn listed(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
+    for (key, quantity) in [("mass", quantity::MASS), ("damping", quantity::DAMPING)] {
+        let Some(entry) = reader.get(section, key) else { continue };
+        if let Some(count) = entry.per_axis(quantity, false)?.count() {
+            return Ok(Some(count));
+        }
+    }
+    Ok(None)
+}
+
+fn robot(
+    reader: &Reader<'_>,
+    section: &str,
+    count: usize,
+    axes: Option<Vec<String>>,
+) -> Result<(Robot, RobotSection)> {
     let mass = reader.need(section, "mass", "mass = 1.0 (kg)")?;
     let damping = reader.need(section, "damping", "damping = 5.0 (N·s/m)")?;
     let masses = mass.per_axis(quantity::MASS, false)?;
     let dampings = damping.per_axis(quantity::DAMPING, false)?;
     let name = reader.get(section, "name").map(|entry| entry.text()).transpose()?;
-    let axes = reader.get(section, "axes").map(|entry| entry.texts()).transpose()?;
-    // A list says how many axes there are; single numbers go to all of them.
-    let count = axes.as_ref().map(Vec::len).or(masses.count()).or(dampings.count()).unwrap_or(1);
     for (entry, values) in [(&mass, &masses), (&damping, &dampings)] {
         check_count(entry, values, count)?;
     }
