@@ -9,6 +9,7 @@ from telespring import figures
 from telespring.arms_boundary import boundary_in_arms, draw
 from telespring.axes import axes_of
 from telespring.in_arms import InArms, stability_in_arms
+from telespring.paper import EXPERIMENT_STIFFNESSES
 from telespring.study.part import Found, Scene
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ def find_arms(scene: Scene) -> Found:
         return Found(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})
     numbers = {"known": True, "depends_on_pose": found.poses is not None, **_holding(found.holding)}
     if found.poses is None:
-        more, drawing = _boundary(found.holding, connected)
+        # For its robots also the two largest stiffnesses as the paper prints them, rounded.
+        printed = EXPERIMENT_STIFFNESSES[-2:] if scene.of_the_paper else ()
+        more, drawing = _boundary(found.holding, connected, printed)
     else:
         more, drawing = _along_the_path(found, found.holding, found.poses)
     return Found(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
@@ -48,12 +51,14 @@ def _holding(holding: Holding) -> dict[str, Any]:
     }
 
 
-def _boundary(holding: Holding, connected: list[Condition]) -> tuple[dict[str, Any], str]:
+def _boundary(
+    holding: Holding, connected: list[Condition], printed: tuple[float, ...]
+) -> tuple[dict[str, Any], str]:
     """Find the boundary over stiffness and delay, where arms are alike in every pose."""
     first, second = (ts.Operator(each.mass, each.damping) for each in holding.held.operators)
     found = boundary_in_arms(
         holding.free,
-        sorted({k for k, _ in connected}),
+        sorted({k for k, _ in connected} | set(printed)),
         agent_stiffness=holding.agent_stiffness,
         arms=(first, second),
         conditions=connected,
