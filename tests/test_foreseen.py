@@ -14,6 +14,7 @@ import telespring as ts
 from telespring.cli import app
 from telespring.foreseen import target_path, warnings_of
 from telespring.study import PARTS, Analysis, analyse
+from telespring.study.arms import find_arms
 from telespring.study.experiment import find_experiment
 from telespring.study.laboratory import find_laboratory
 from telespring.study.robots import find_allowed
@@ -49,7 +50,8 @@ def section(found: Analysis, anchor: str) -> str:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_law_the_study_of_every_example_is_whole(path: Path) -> None:
-    found = analyse(brief(ts.Study.read(path)), modules=path.parent, parts=LABORATORY)
+    parts = [part for part in PARTS if part in LABORATORY or part.find is find_arms]
+    found = analyse(brief(ts.Study.read(path)), modules=path.parent, parts=parts)
     assert json.loads(json.dumps(found.numbers, allow_nan=False)) == found.numbers
     assert 'id="figure-laboratory"' in found.html
     assert found.numbers["experiment"]["finished"] > 0

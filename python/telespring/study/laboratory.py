@@ -72,8 +72,8 @@ def find_laboratory(scene: Scene) -> Found:
     rows += [
         _row("protocol", "conditions", len(experiment.conditions), "1"),
         _row("protocol", "trials of each", experiment.trials, "1"),
-        _row("protocol", "length of a trial", experiment.duration, "seconds"),
-        _row("protocol", "left out at its start", experiment.discard, "seconds"),
+        _row("protocol", "length of a trial", experiment.duration, "s"),
+        _row("protocol", "left out at its start", experiment.discard, "s"),
         _row("protocol", "samples recorded per second", experiment.record_rate, "Hz"),
         _row("protocol", "order of the trials", experiment.order, ""),
         _row("protocol", "seed", experiment.seed, "1"),
