@@ -17,6 +17,7 @@ from telespring.study import PARTS, Analysis, analyse
 from telespring.study.arms import find_arms
 from telespring.study.experiment import find_experiment
 from telespring.study.laboratory import find_laboratory
+from telespring.study.part import Scene
 from telespring.study.robots import find_allowed
 from telespring.study.schematics import find_schematics
 from telespring.study_text import with_values
@@ -99,6 +100,20 @@ def test_law_a_study_of_ones_own_shows_its_own_laboratory() -> None:
     table = section(papers, "table1")
     assert table.count("‡</span>") == table.count('class="differs"') > 0
     assert "‡: the arrow here differs" in table
+
+
+def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:
+    def of_the_paper(values: dict[str, dict[str, object]]) -> bool:
+        return Scene.of(with_values(ts.Study.paper(), values)).of_the_papers_experiment
+
+    # other trials, and arms that the paper may have had, are still it
+    assert of_the_paper({"protocol": {"trials": 3}, "arm1": {"kind": "lumped", "mass": 0.5}})
+    for other in (
+        {"task": {"angular_frequency": 2.0}},
+        {"agent2": {"kind": "skilled"}},
+        {"robot1": {"mass": 1.0}},
+    ):
+        assert not of_the_paper(other)
 
 
 def test_ref_the_targets_path_is_what_the_trials_follow() -> None:
