@@ -222,6 +222,27 @@ def test_law_the_example_can_be_analysed_as_it_is(tmp_path: Path) -> None:
     assert "64|124" in shown.stdout
 
 
+def test_law_trials_that_look_cut_off_or_stuck_are_told(made: xr.Dataset, tmp_path: Path) -> None:
+    assert analyse_trials(made)["warnings"] == []
+    odd = made.isel(trial=slice(0, 6)).copy(deep=True)
+    size = odd.sizes["time"]
+    samples = np.full((odd.sizes["condition"], 6), size)
+    samples[0, 1] = round(0.85 * size)
+    odd["samples"] = ("condition", "trial"), samples
+    odd["position"][1, 2, :, 0] = 0.01
+    odd["position"][2, 3, size // 2 :, 1] = odd["position"][2, 3, size // 2, 1]
+    warnings = analyse_trials(odd)["warnings"]
+    labels = odd["condition"].values.tolist()
+    assert len(warnings) == 3
+    assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed with ")
+    assert warnings[1].startswith(f"Trial 3 of {labels[1]}: the handle of robot 1 does not move throughout")
+    assert warnings[2].startswith(f"Trial 4 of {labels[2]}: the handle of robot 2 does not move from ")
+    odd.to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
+    shown = run("analyse", tmp_path, "--out", tmp_path / "out", "--no-figures")
+    assert shown.exit_code == 0, shown.output
+    assert all(each in " ".join(shown.stdout.split()) for each in warnings)
+
+
 def refused(*arguments: object) -> str:
     found = run("analyse", *arguments)
     assert found.exit_code == 2, found.output

@@ -363,7 +363,7 @@ def test_law_a_trial_that_ends_early_is_a_result(undisturbed: xr.Dataset, tmp_pa
             strict=True,
         )
     )
-    assert flags == {0: "completed", 1: "diverged", 2: "out_of_reach"}
+    assert flags == {0: "completed", 1: "diverged", 2: "out_of_reach", 3: "too_stiff"}
     assert undisturbed.status.dtype == np.int8
     assert (undisturbed.status == [[0] * 3, [0] * 3, [1] * 3]).all()
     calm = undisturbed.isel(condition=slice(0, 2))
@@ -533,9 +533,24 @@ class Late(Spring):
         return super().__call__(time, position, velocity, target)
 
 
+class Leaving(Spring):
+    def __call__(self, time, position, velocity, target):
+        import sys
+        sys.exit(0)
+
+
+class Refusing(Spring):
+    def __init__(self, seed):
+        raise SystemExit
+
+
 class Wrong(Spring):
     def __call__(self, time, position, velocity, target):
         return target[:1]
+
+
+def leaving(times):
+    raise SystemExit(0)
 
 
 def still(times):
@@ -601,6 +616,9 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
             "agent1.class",
             r"ZeroDivisionError: .* \(mine.py, line 13, in __call__\) at t = 1.001 s, in trial \d of \w+",
         ),
+        (SPRING.format(name="Leaving", options="{}"), "agent1.class", r"raised SystemExit: 0 .* at t = 0 s"),
+        (SPRING.format(name="Refusing", options="{}"), "agent1.class", "accept seed by name, .* SystemExit"),
+        (TARGET.format(name="leaving"), "task.function", "must not raise, .* SystemExit: 0"),
         (SPRING.format(name="Wrong", options="{}"), "agent1.class", "two finite numbers .* at t = 0 s"),
         (
             SPRING.format(name="Spring", options="{weight = 1.0}"),
@@ -693,3 +711,101 @@ def test_law_the_example_with_agents_in_python_runs(root: Path, tmp_path: Path) 
     trembling = power[:, (frequency > 5) & (frequency < 7)].sum(axis=1)
     assert (trembling[:, 1] > 100 * trembling[:, 0]).all()
     assert len(np.unique(trembling[:, 1])) == trembling[:, 1].size
+
+
+def test_law_a_module_that_leaves_is_told(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("raise SystemExit(0)")
+    study = written(tmp_path, study_text(more=SPRING.format(name="Spring", options="{}")))
+    told = command(study, "--out", tmp_path / "out")
+    assert told.exit_code == 2
+    assert "SystemExit" in told.output
+
+
+# Disk, stiffness, interruption
+
+
+def test_law_the_target_is_whole_where_every_trial_ended_early(tmp_path: Path) -> None:
+    text = study_text().replace("{stiffness = 35.6, delay = 0.05}, ", "")
+    text = text.replace("trials = 3", "trials = 1\nunconnected = false")
+    found = ts.rehearse(ts.Study.from_toml(text), tmp_path / "out")
+    assert (found.status == 1).all()
+    assert np.isfinite(found.target).all()
+    truth = _core.Laboratory.paper().target(2.0, 100.0)
+    np.testing.assert_allclose(found.target, truth, rtol=0, atol=2.0**-31)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits of file size there")
+def test_law_a_file_too_large_for_the_disk_is_told(tmp_path: Path) -> None:
+    """Each trial fits under the limit of 500 blocks of 1 KiB, the dataset of all does not."""
+    text = study_text(trials=2, duration=30.0).replace("1500.0, delay = 0.1", "20.0, delay = 0.05")
+    study = written(tmp_path, text)
+    command_line = (
+        f"ulimit -f 500; exec {sys.executable} -m telespring rehearse {study} --out {tmp_path / 'out'}"
+    )
+    ended = subprocess.run(
+        ["bash", "-c", command_line],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "COLUMNS": "200"},
+    )
+    assert ended.returncode == 2, ended.stderr
+    told = ended.stdout + ended.stderr
+    assert "Traceback" not in told
+    assert "File too large" in told
+    assert "rehearsal.nc" in told
+    assert not (tmp_path / "out" / "rehearsal.nc").exists()
+    assert not list((tmp_path / "out").glob(".unfinished*"))
+    whole = ts.rehearse(study, tmp_path / "out")
+    assert (whole.status == 0).all()
+
+
+ARM = """
+[arm{n}]
+kind = "two-link"
+base = [0.0, -0.45]
+elbow = "right"
+link_length = 0.325
+link_mass = 0.0
+link_centre = 0.0
+link_inertia = 0.0
+"""
+
+
+def stiff_text() -> str:
+    text = study_text(more=ARM.format(n=1) + ARM.format(n=2), duration=30.0)
+    return re.sub(r"robot(\d) = .*", r"robot\1 = {axes = ['x', 'y'], mass = 1e-4, damping = 1e6}", text)
+
+
+def test_law_a_study_too_stiff_to_follow_ends_and_says_so(tmp_path: Path) -> None:
+    found = ts.rehearse(ts.Study.from_toml(stiff_text()), tmp_path / "out")
+    meanings = dict(
+        zip(
+            found.status.attrs["flag_values"].tolist(),
+            found.status.attrs["flag_meanings"].split(),
+            strict=True,
+        )
+    )
+    assert {meanings[int(each)] for each in found.status.values.ravel()} == {"too_stiff"}
+    assert np.isfinite(found.ended_at).all()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_law_ctrl_c_gets_through_a_long_trial(tmp_path: Path) -> None:
+    """A trial of 9e7 ticks with two-link arms takes far longer than the test waits."""
+    arms = (ARM.format(n=1) + ARM.format(n=2)).replace("link_mass = 0.0", "link_mass = 1.0")
+    text = study_text(more=arms + "[laboratory]\nsample_period = 1e-5", duration=900.0)
+    study = written(tmp_path, text)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "telespring", "rehearse", str(study), "--out", str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    deadline = time.monotonic() + 30.0
+    while not (tmp_path / "out" / "rehearsal.json").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=20.0)
+    assert process.returncode == 130, told
+    assert b"Traceback" not in told

@@ -108,11 +108,12 @@ def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:
 
     # other trials, and arms that the paper may have had, are still it
     assert of_the_paper({"protocol": {"trials": 3}, "arm1": {"kind": "lumped", "mass": 0.5}})
-    for other in (
+    others: tuple[dict[str, dict[str, object]], ...] = (
         {"task": {"angular_frequency": 2.0}},
         {"agent2": {"kind": "skilled"}},
         {"robot1": {"mass": 1.0}},
-    ):
+    )
+    for other in others:
         assert not of_the_paper(other)
 
 

@@ -112,13 +112,23 @@ def test_law_trials_of_other_lengths_and_targets_are_measured_alone() -> None:
     both["target"] = ("condition", "trial", "time", "axis"), goal
     both["samples"] = ("condition", "trial"), [[long.sizes["time"], count]]
     short["target"] = short["target"] * 1.1
-    # limits of the search are those of the shortest trial; both are 1 s here
     found, first, second = measure(both), measure(long), measure(short)
     for name in ("tracking_error", "lag"):
         together = np.asarray(found[name])[0]
         # fast convolutions of another length
         assert together[0] == pytest.approx(np.asarray(first[name])[0, 0], abs=1e-9)
         assert together[1] == pytest.approx(np.asarray(second[name])[0, 0], abs=1e-9)
+
+
+def test_law_a_short_trial_takes_no_lag_from_the_others() -> None:
+    both = followed([0.07, 0.07])
+    alone = np.asarray(measure(followed([0.07]))["lag"])[0, 0]
+    both["samples"] = ("condition", "trial"), [[both.sizes["time"], 203]]
+    both["position"][:, 1, 203:] = np.nan
+    found = np.asarray(measure(both)["lag"])[0]
+    # fast convolutions over other trials too
+    assert found[0] == pytest.approx(alone, abs=1e-9)
+    assert np.isnan(found[1]).all()
 
 
 def test_ref_forces_and_power_of_closed_forms() -> None:
@@ -185,6 +195,11 @@ def spoilt(what: str) -> xr.Dataset:
 def test_law_what_is_no_experiment_is_refused(what: str, words: str) -> None:
     with pytest.raises(ts.InvalidInput, match=re.escape(words)):
         measure(spoilt(what))
+
+
+def test_law_a_single_sample_is_told_as_that() -> None:
+    with pytest.raises(ts.InvalidInput, match="time = 1 sample: trials of two samples or more"):
+        measure(small().isel(time=slice(0, 1)))
 
 
 def test_law_endings_may_be_flags() -> None:

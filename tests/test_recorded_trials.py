@@ -218,6 +218,22 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     "misspelt": (in_index(lambda table: table.rename(columns={"status": "staus"})), ["trials.csv: staus"]),
     "half a trial": (in_index(replaced("trial", 0, "1.5")), ["line 2: trial = 1.5", "a whole number"]),
     "two discards": (in_index(replaced("discard_s", 0, "1.0")), ["discard_s", "one value for all trials"]),
+    "status nearly": (
+        in_index(replaced("status", 0, "compleet")),
+        ["line 2: status = compleet", "one of completed, stopped", "Write completed."],
+    ),
+    "status unknown": (
+        in_index(replaced("status", 0, "ok")),
+        ["line 2: status = ok", "one of completed, stopped"],
+    ),
+    "seed empty": (
+        in_index(replaced("seed", 0, "")),
+        [f"{FIRST}: seed = empty", "Take the column seed out of trials.csv"],
+    ),
+    "a header only": (
+        in_first(lambda table: table.iloc[:0]),
+        [f"{FIRST} = a header only", "a line per sample"],
+    ),
     "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is needed"]),
 }
 
@@ -231,6 +247,13 @@ def test_law_what_would_mislead_is_refused_where_it_stands(what: str, tmp_path: 
         read_recorded(folder)
     for word in words:
         assert word in str(refused.value)
+
+
+def test_law_a_status_is_one_whatever_its_case(tmp_path: Path) -> None:
+    folder = lab(tmp_path)
+    expected = read_recorded(folder)
+    change(folder / "trials.csv", lambda table: table.assign(status=table["status"].str.title()))
+    assert read_recorded(folder).identical(expected)
 
 
 def test_law_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -122,8 +123,121 @@ def test_law_trials_of_unequal_number_or_value_are_refused() -> None:
         LABORATORY.run_many([1.0, 2.0], [0.0], [1, 2], 1.0, 100.0)
     with pytest.raises(ts.InvalidInput) as refused:
         LABORATORY.run_many([1.0, -2.0], [0.0, 0.0], [1, 2], 1.0, 100.0)
-    assert refused.value.field == "stiffness"
+    assert refused.value.field == "stiffness[1]"
+    with pytest.raises(ts.InvalidInput) as refused:
+        LABORATORY.run_many([1.0, 2.0], [0.0, 200.0], [1, 2], 1.0, 100.0)
+    assert refused.value.field == "delay[1]"
     with pytest.raises(ts.InvalidInput, match="shape"):
         LABORATORY.run(1.0, 0.0, 1, 1.0, 100.0, target=np.zeros((5, 2)))
     with pytest.raises(ts.InvalidInput, match="python"):
         LABORATORY.run(1.0, 0.0, 1, 1.0, 100.0, agents=(lambda *_: (0.0, 0.0), None))
+
+
+@pytest.mark.parametrize(
+    ("keywords", "field"),
+    [
+        ({"agents": "ab"}, "agents[0]"),
+        ({"agents": 5}, "agents"),
+        ({"agents": (None, None, None)}, "agents"),
+        ({"target": "circle"}, "target"),
+        ({"target": [1.0, 2.0]}, "target"),
+        ({"duration": 1e5, "record_rate": 1000.0}, "record_rate"),
+    ],
+)
+def test_law_wrong_kinds_and_too_many_rows_are_refused(keywords: dict[str, Any], field: str) -> None:
+    with pytest.raises(ts.InvalidInput) as refused:
+        LABORATORY.run(
+            **{"stiffness": 1.0, "delay": 0.0, "seed": 1, "duration": 1.0, "record_rate": 100.0, **keywords}
+        )
+    assert refused.value.field == field
+
+
+def test_law_many_trials_of_too_many_rows_are_refused() -> None:
+    with pytest.raises(ts.InvalidInput, match="at most 50000000 rows"):
+        LABORATORY.run_many([1.0] * 1000, [0.0] * 1000, range(1000), 60.0, 1000.0)
+
+
+@pytest.mark.parametrize("kind", [list, np.float32, np.int64])
+def test_law_a_target_may_be_any_array_like(kind: Any) -> None:
+    ones = np.ones((101, 2))
+    given = ones.tolist() if kind is list else ones.astype(kind)
+    got = LABORATORY.run(20.0, 0.0, 1, 0.1, 100.0, target=given)
+    np.testing.assert_array_equal(got["target"], np.ones((11, 2)))
+
+
+def test_law_the_target_is_told_without_a_trial() -> None:
+    got = LABORATORY.run(20.0, 0.0, 1, 2.0, 50.0)
+    np.testing.assert_array_equal(LABORATORY.target(2.0, 50.0), got["target"])
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"position0": [np.nan, 0.0]}, "position0[0]"),
+        ({"position0": [0.0]}, "position0"),
+        ({"velocity0": [0.0, np.inf]}, "velocity0[1]"),
+        ({"velocity0": "fast"}, "velocity0"),
+        ({"hand_force": [[0.0, 0.0], [np.nan, 0.0]]}, "hand_force[1, 0]"),
+        ({"robot_force": [0.0, 0.0]}, "robot_force"),
+        ({"handle": 5}, "handle"),
+        ({"arm": None}, "arm"),
+    ],
+)
+def test_law_a_handle_is_not_simulated_from_what_is_no_number(change: dict[str, Any], field: str) -> None:
+    given: dict[str, Any] = {
+        "handle": {"mass": 1.0, "damping": 1.0},
+        "arm": {},
+        "hand_force": [[0.0, 0.0]] * 2,
+        "robot_force": [[0.0, 0.0]] * 2,
+        "sample_period": 1e-3,
+        "position0": [0.0, 0.0],
+    }
+    with pytest.raises(ts.InvalidInput) as refused:
+        _core.simulate_handle(**(given | change))
+    assert refused.value.field == field
+
+
+def test_law_friction_that_just_balances_the_force_gives_numbers() -> None:
+    got = _core.simulate_handle(
+        {"mass": 1e-4, "damping": 100.0, "coulomb": 3.0},
+        {},
+        [[10, 10], [3, 3], [0, 0]],
+        [[0, 0]] * 3,
+        1e-3,
+        [0, 0],
+    )
+    for name in ("position", "velocity", "handle_force"):
+        assert np.isfinite(got[name]).all()
+    assert (got["velocity"][2:] == 0.0).all()
+
+
+def test_law_ctrl_c_ends_a_long_run_of_many() -> None:
+    """Trials that would take far longer than the test may: nine hours of virtual time in each."""
+    code = """
+import signal, threading
+import numpy as np
+from telespring import _core
+threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
+n = 40
+try:
+    _core.Laboratory.paper().run_many(np.full(n, 20.0), np.zeros(n), range(n), 33_000.0, 1.0)
+except KeyboardInterrupt:
+    print("interrupted")
+try:
+    threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
+    _core.Laboratory.paper().run(20.0, 0.0, 1, 90_000.0, 1.0)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout.split() == ["interrupted"] * 2
+
+
+def test_law_a_watch_ends_a_trial_by_what_it_raises() -> None:
+    def watch() -> None:
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        LABORATORY.run(20.0, 0.0, 1, 1.0, 100.0, watch=watch)

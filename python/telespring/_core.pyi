@@ -279,9 +279,11 @@ class Laboratory:
         record_rate: float,
         agents: Sequence[Callable[[float, FloatArray, FloatArray, FloatArray], ArrayLike] | None]
         | None = None,
-        target: FloatArray | None = None,
+        target: ArrayLike | None = None,
         coupling_damping: float = 0.0,
+        watch: Callable[[], object] | None = None,
     ) -> dict[str, Any]: ...
+    def target(self, duration: float, record_rate: float) -> FloatArray: ...
     def run_many(
         self,
         stiffness: Sequence[float] | FloatArray,

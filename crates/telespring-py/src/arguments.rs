@@ -1,7 +1,9 @@
 //! Arguments of the wrong kind: refused by their name like values out of range, not by a type error
 //! that knows no name.
 
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use std::convert::Infallible;
 use telespring::spectrum::MOST_ROOTS;
 use telespring::{Delay, DyadAxis, InvalidInput};
@@ -26,7 +28,7 @@ impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
 }
 
 /// As Python writes it, cut to a length that fits a message.
-fn written(value: &Bound<'_, PyAny>) -> String {
+pub fn written(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
     match text.char_indices().nth(57) {
         Some((end, _)) if text.chars().count() > 60 => format!("{}...", &text[..end]),
@@ -60,6 +62,14 @@ impl Argument<Option<f64>> {
     }
 }
 
+impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
+    /// The pair or `None`, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<Option<[Option<Py<PyAny>>; 2]>> {
+        let allowed = "a pair is needed, for each robot a program or None";
+        Ok(self.or_refuse(field, allowed, "Write it such as (agent, None).")?)
+    }
+}
+
 impl Argument<u64> {
     /// The whole number, or a refusal of this name.
     pub fn named(self, field: &str) -> Outcome<u64> {
@@ -80,6 +90,13 @@ impl Argument<Vec<u64>> {
     pub fn named(self, field: &str) -> Outcome<Vec<u64>> {
         let allowed = format!("a row of whole numbers from 0 to {} is needed", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give a flat array of integers.")?)
+    }
+}
+
+impl Argument<[f64; 2]> {
+    /// The numbers, or a refusal of this name.
+    pub fn named(self, field: &str) -> Outcome<[f64; 2]> {
+        Ok(self.or_refuse(field, "two real numbers, along x and y, are needed", "Give a pair of floats.")?)
     }
 }
 
@@ -179,4 +196,24 @@ impl DelayChoice {
             "Give a float or a pair of floats.",
         ))
     }
+}
+
+/// Any array_like of rows (x, y), refused by its name.
+pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
+    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let as_numbers = AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?;
+    let array = as_numbers.call1((name, value))?;
+    if let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>()
+        && array.as_array().ncols() == 2
+    {
+        return Ok(array.as_array().outer_iter().map(|row| [row[0], row[1]]).collect());
+    }
+    let shape = array.getattr("shape")?;
+    Err(InvalidInput::new(
+        name,
+        format!("an array of shape {shape}"),
+        "rows of two numbers, x and y, are needed",
+        "Give an array of shape (n, 2).",
+    )
+    .into())
 }

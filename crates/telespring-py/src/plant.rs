@@ -1,27 +1,30 @@
 //! One robot in one arm under given forces, and what its handle feels of the arm.
 
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use telespring::InvalidInput;
-use telespring::quantity::SAMPLE_PERIOD;
-use telespring::rig::plant::Plant;
+use telespring::quantity::{FORCE, PLACE, Quantity, SAMPLE_PERIOD, VELOCITY};
+use telespring::rig::plant::{Halt, Plant};
 use telespring::rig::{Arm, Elbow, Handle, TwoLinkArm};
 
-use crate::arguments::Number;
+use crate::arguments::{Argument, Number, rows, written};
 use crate::errors::Outcome;
 
 /// A dictionary of named values, each to be taken out once.
-struct Table<'a, 'py> {
+struct Table<'py> {
     name: &'static str,
-    dict: &'a Bound<'py, PyDict>,
+    dict: Bound<'py, PyDict>,
     known: Vec<&'static str>,
 }
 
-impl<'a, 'py> Table<'a, 'py> {
-    fn new(name: &'static str, dict: &'a Bound<'py, PyDict>) -> Self {
-        Self { name, dict, known: Vec::new() }
+impl<'py> Table<'py> {
+    fn new(name: &'static str, value: &Bound<'py, PyAny>) -> Outcome<Self> {
+        let Ok(dict) = value.cast::<PyDict>() else {
+            let allowed = "a dictionary of its values is needed";
+            return Err(InvalidInput::new(name, written(value), allowed, "Give a dict.").into());
+        };
+        Ok(Self { name, dict: dict.clone(), known: Vec::new() })
     }
 
     fn get(&mut self, key: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
@@ -53,10 +56,14 @@ impl<'a, 'py> Table<'a, 'py> {
             return Ok([number; 2]);
         }
         value.extract::<[f64; 2]>().map_err(|_| {
-            let text = value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
-            InvalidInput::new(key, text, "a number or a pair of numbers is needed", "Give one or two floats.")
-                .within(self.name)
-                .into()
+            InvalidInput::new(
+                key,
+                written(&value),
+                "a number or a pair of numbers is needed",
+                "Give one or two floats.",
+            )
+            .within(self.name)
+            .into()
         })
     }
 
@@ -78,8 +85,8 @@ impl<'a, 'py> Table<'a, 'py> {
     }
 }
 
-fn handle_of(dict: &Bound<'_, PyDict>) -> Outcome<Handle> {
-    let mut table = Table::new("handle", dict);
+fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
+    let mut table = Table::new("handle", value)?;
     let handle = Handle {
         mass: table.pair("mass", None)?,
         damping: table.pair("damping", None)?,
@@ -90,8 +97,8 @@ fn handle_of(dict: &Bound<'_, PyDict>) -> Outcome<Handle> {
     Ok(handle)
 }
 
-fn arm_of(dict: &Bound<'_, PyDict>) -> Outcome<Arm> {
-    let mut table = Table::new("arm", dict);
+fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<Arm> {
+    let mut table = Table::new("arm", value)?;
     let arm = match table.text("kind", &["massless", "lumped", "two-link"])?.as_deref() {
         Some("two-link") => {
             let elbow = table.text("elbow", &["left", "right"])?;
@@ -118,24 +125,27 @@ fn arm_of(dict: &Bound<'_, PyDict>) -> Outcome<Arm> {
     Ok(arm)
 }
 
-/// Any array_like of rows (x, y), refused by its name.
-fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
-    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let as_numbers = AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?;
-    let array = as_numbers.call1((name, value))?;
-    if let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>()
-        && array.as_array().ncols() == 2
-    {
-        return Ok(array.as_array().outer_iter().map(|row| [row[0], row[1]]).collect());
+/// Rows (x, y) of forces, N, each in its range.
+fn forces(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
+    let forces = rows(name, value)?;
+    for (tick, force) in forces.iter().enumerate() {
+        for (axis, value) in force.iter().enumerate() {
+            FORCE.check("", *value).map_err(|mut refusal| {
+                refusal.field = format!("{name}[{tick}, {axis}]");
+                refusal
+            })?;
+        }
     }
-    let shape = array.getattr("shape")?;
-    Err(InvalidInput::new(
-        name,
-        format!("an array of shape {shape}"),
-        "rows of two numbers, x and y, are needed",
-        "Give an array of shape (n, 2).",
-    )
-    .into())
+    Ok(forces)
+}
+
+/// Two numbers, each in its range.
+fn pair(name: &str, given: Argument<[f64; 2]>, quantity: Quantity) -> Outcome<[f64; 2]> {
+    let values = given.named(name)?;
+    for (axis, value) in values.into_iter().enumerate() {
+        quantity.check(&format!("{name}[{axis}]"), value)?;
+    }
+    Ok(values)
 }
 
 fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Bound<'_, PyArray2<f64>>> {
@@ -150,25 +160,27 @@ struct Record {
     velocity: Vec<[f64; 2]>,
     handle_force: Vec<[f64; 2]>,
     torque: Vec<[f64; 2]>,
-    out_of_reach: bool,
+    halt: Option<Halt>,
 }
 
 /// Position, velocity and the force at the handle of one robot in an arm, all forces held.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "tests name them")]
-#[pyo3(signature = (handle, arm, hand_force, robot_force, sample_period, position0, velocity0=[0.0, 0.0]))]
+#[pyo3(signature = (handle, arm, hand_force, robot_force, sample_period, position0, velocity0=Argument::Given([0.0, 0.0])))]
 pub fn simulate_handle<'py>(
     py: Python<'py>,
-    handle: &Bound<'py, PyDict>,
-    arm: &Bound<'py, PyDict>,
+    handle: &Bound<'py, PyAny>,
+    arm: &Bound<'py, PyAny>,
     hand_force: &Bound<'py, PyAny>,
     robot_force: &Bound<'py, PyAny>,
     sample_period: Number,
-    position0: [f64; 2],
-    velocity0: [f64; 2],
+    position0: Argument<[f64; 2]>,
+    velocity0: Argument<[f64; 2]>,
 ) -> Outcome<Bound<'py, PyDict>> {
     let (handle, arm) = (handle_of(handle)?, arm_of(arm)?);
-    let (hand, robot) = (rows("hand_force", hand_force)?, rows("robot_force", robot_force)?);
+    let (hand, robot) = (forces("hand_force", hand_force)?, forces("robot_force", robot_force)?);
+    let position0 = pair("position0", position0, PLACE)?;
+    let velocity0 = pair("velocity0", velocity0, VELOCITY)?;
     let period = SAMPLE_PERIOD.check("sample_period", sample_period.named("sample_period")?)?;
     if hand.len() != robot.len() || hand.is_empty() {
         return Err(InvalidInput::new(
@@ -182,8 +194,13 @@ pub fn simulate_handle<'py>(
     let plant = Plant::new(handle, &arm, position0).map_err(|refusal| refusal.within("arm"))?;
     let record = py.detach(|| run(plant.with_velocity(velocity0), &hand, &robot, period));
     let out = PyDict::new(py);
-    let ended_at = if record.out_of_reach { period * (record.position.len() - 1) as f64 } else { f64::NAN };
-    out.set_item("status", if record.out_of_reach { "out of reach" } else { "completed" })?;
+    let ended_at = period * (record.position.len() - 1) as f64;
+    let (status, ended_at) = match record.halt {
+        None => ("completed", f64::NAN),
+        Some(Halt::OutOfReach(_)) => ("out of reach", ended_at),
+        Some(_) => ("too stiff", ended_at),
+    };
+    out.set_item("status", status)?;
     out.set_item("ended_at", ended_at)?;
     out.set_item("position", columns(py, record.position)?)?;
     out.set_item("velocity", columns(py, record.velocity)?)?;
@@ -206,8 +223,8 @@ fn run(mut plant: Plant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> 
         if let Plant::TwoLink(arm) = &plant {
             record.torque.push(arm.torque_for(hand[tick]));
         }
-        if plant.advance(robot[tick], hand[tick], period).is_err() {
-            record.out_of_reach = true;
+        if let Err(halt) = plant.advance(robot[tick], hand[tick], period) {
+            record.halt = Some(halt);
             return record;
         }
     }
@@ -222,7 +239,7 @@ type Matrices<'py> = Bound<'py, PyArray3<f64>>;
 #[pyfunction]
 pub fn arm_operator<'py>(
     py: Python<'py>,
-    arm: &Bound<'py, PyDict>,
+    arm: &Bound<'py, PyAny>,
     positions: &Bound<'py, PyAny>,
 ) -> Outcome<(Matrices<'py>, Matrices<'py>)> {
     let arm = arm_of(arm)?;

@@ -1,16 +1,18 @@
 //! The virtual laboratory: single trials, and many at once on all cores.
 
-use numpy::ndarray::ArrayView2;
-use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 use telespring::rig::{
     self, Agent, Coupling, Ending, Record, Recording, Row, Schedule, Seen, Status, Target, Trial,
 };
-use telespring::{Delay, InvalidInput};
+use telespring::{Delay, InvalidInput, quantity};
 
-use crate::arguments::{Argument, DelayChoice, Number};
+use crate::arguments::{Argument, DelayChoice, Number, rows, written};
 use crate::errors::{Failure, Outcome};
 
 /// Two robots in two arms, their agents, a target and a network, in virtual time.
@@ -37,6 +39,32 @@ impl Laboratory {
         Self(rig::Laboratory::paper())
     }
 
+    /// Where the target is in a whole trial, m: (n, 2), row j at tick j/record_rate.
+    ///
+    /// Parameters
+    /// ----------
+    /// duration, record_rate : float
+    ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where a value is out of range, or the target is a program of the caller's.
+    fn target<'py>(
+        &self,
+        py: Python<'py>,
+        duration: Number,
+        record_rate: Number,
+    ) -> Outcome<Bound<'py, PyArray2<f64>>> {
+        let (duration, rate) = (duration.named("duration")?, record_rate.named("record_rate")?);
+        let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
+        check_rows(schedule.rows(), 1)?;
+        self.0.target.check()?;
+        let positions = self.0.target.positions(&schedule, self.0.controller.sample_period);
+        let shape = [positions.len(), 2];
+        Ok(positions.into_flattened().into_pyarray(py).reshape(shape)?)
+    }
+
     /// One trial.
     ///
     /// Parameters
@@ -58,6 +86,8 @@ impl Laboratory {
     ///     Positions at every tick of the controllers, m, in place of the laboratory's own target.
     /// coupling_damping : float
     ///     Of the damper beside the spring, N·s/m.
+    /// watch : callable, optional
+    ///     Called without arguments now and then; what it raises ends the trial.
     ///
     /// Returns
     /// -------
@@ -66,17 +96,17 @@ impl Laboratory {
     ///     ``target`` (n, 2), m; each (n, 2 robots, 2 axes): ``position``, m, ``velocity``, m/s,
     ///     ``coupling_force`` of the robot on its handle, ``agent_force`` of the agent on its arm and
     ///     ``handle_force`` of the arm on the handle, N, all from that tick on, ``aim``, where the agent
-    ///     takes the target to be, m. ``status`` is "completed", "diverged" (a handle went beyond 10 m) or
-    ///     "out of reach" (of a two-link arm), ``ended_at`` the first tick that is left out, s, NaN where
-    ///     completed.
+    ///     takes the target to be, m. ``status`` is "completed", "diverged" (a handle went beyond 10 m),
+    ///     "out of reach" (of a two-link arm) or "too stiff" (a robot in a two-link arm whose time constants
+    ///     are too short to follow), ``ended_at`` the first tick that is left out, s, NaN where completed.
     ///
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of range, an arm cannot reach the start, an agent's program is missing,
-    ///     not wanted, or gives no finite force.
-    #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=Number::Given(0.0)),
-           text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0)")]
+    ///     Where a value is out of range, more than 5e7 rows are kept, an arm cannot reach the start, an
+    ///     agent's program is missing, not wanted, or gives no finite force.
+    #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=Argument::Given(None), target=None, coupling_damping=Number::Given(0.0), watch=None),
+           text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0, watch=None)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn run<'py>(
         &self,
@@ -86,21 +116,28 @@ impl Laboratory {
         seed: Argument<u64>,
         duration: Number,
         record_rate: Number,
-        agents: Option<[Option<Program>; 2]>,
-        target: Option<PyReadonlyArray2<'py, f64>>,
+        agents: Argument<Option<[Option<Program>; 2]>>,
+        target: Option<&Bound<'py, PyAny>>,
         coupling_damping: Number,
+        watch: Option<Program>,
     ) -> Outcome<Bound<'py, PyDict>> {
         let stiffness = stiffness.named("stiffness")?;
         let coupling = coupling(stiffness, delay.check()?, coupling_damping.named("coupling_damping")?);
         let seed = seed.named("seed")?;
         let (duration, rate) = (duration.named("duration")?, record_rate.named("record_rate")?);
         let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
+        check_rows(schedule.rows(), 1)?;
         let mut laboratory = self.0.clone();
         if let Some(target) = target {
-            laboratory.target = sampled(target.as_array(), schedule.ticks() + 1)?;
+            laboratory.target = sampled(rows("target", target)?, schedule.ticks() + 1)?;
         }
-        let agents = agents.unwrap_or([None, None]);
+        let agents = agents.named("agents")?.unwrap_or([None, None]);
         for (side, agent) in agents.iter().enumerate() {
+            if let Some(agent) = agent
+                && !agent.bind(py).is_callable()
+            {
+                return Err(no_program(side, written(agent.bind(py))).into());
+            }
             if agent.is_some() && !matches!(laboratory.sides[side].agent, Agent::External) {
                 return Err(unwanted(side).into());
             }
@@ -113,12 +150,20 @@ impl Laboratory {
             let callbacks = programs
                 .each_mut()
                 .map(|program| program.as_mut().map(|program| program as rig::Callback<'_, Failure>));
-            Trial { laboratory: &laboratory, coupling, seed, schedule }.record::<Failure>(callbacks)
+            let mut looked = || {
+                Python::attach(|py| {
+                    py.check_signals()?;
+                    watch.as_ref().map_or(Ok(()), |watch| watch.call0(py).map(drop))
+                })
+                .map_err(Failure::Python)
+            };
+            Trial { laboratory: &laboratory, coupling, seed, schedule }
+                .record_watched::<Failure>(callbacks, &mut looked)
         })?;
         let Recording { ending, target, position, velocity, coupling_force, agent_force, handle_force, aim } =
             recording;
         let result = PyDict::new(py);
-        result.set_item("time", times(py, ending.rows, rate))?;
+        result.set_item("time", times(py, &schedule, ending.rows, laboratory.controller.sample_period))?;
         let rows = ending.rows;
         result.set_item("target", target.into_flattened().into_pyarray(py).reshape([rows, 2])?)?;
         for (name, values) in [
@@ -197,17 +242,29 @@ impl Laboratory {
             .zip(&seed)
             .enumerate()
             .map(|(index, ((&stiffness, &delay), &seed))| {
-                let at = |refusal| Failure::Refused { refusal, index: Some(index) };
+                let at = |mut refusal: InvalidInput| {
+                    refusal.field = format!("{}[{index}]", refusal.field);
+                    refusal
+                };
                 let stiffness = Some(stiffness).filter(|value| !value.is_nan());
+                if let Some(stiffness) = stiffness {
+                    quantity::STIFFNESS.check("stiffness", stiffness).map_err(at)?;
+                }
                 let coupling = coupling(stiffness, Delay::each_way(delay).map_err(at)?, damping);
                 Ok(Trial { laboratory, coupling, seed, schedule })
             })
             .collect::<Outcome<Vec<_>>>()?;
         let rows = schedule.rows();
+        check_rows(rows, trials)?;
         let mut targets = vec![[f64::NAN; 2]; trials * rows];
         let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
-        let endings = py.detach(|| -> Outcome<Vec<Ending>> {
+        let endings = unless_interrupted(py, |interrupted| -> Outcome<Vec<Ending>> {
             laboratory.check()?;
+            let looked = || match interrupted.load(Ordering::Relaxed) {
+                // never seen: the signal's own exception is raised instead
+                true => Err(InvalidInput::new("run_many", "a signal", "it was interrupted", "Run it again.")),
+                false => Ok(()),
+            };
             let [position, velocity, coupling_force, agent_force, handle_force, aim] = &mut blocks;
             let endings: Vec<_> = (
                 jobs.par_iter(),
@@ -223,19 +280,23 @@ impl Laboratory {
                 .map(|(job, target, position, velocity, coupling_force, agent_force, handle_force, aim)| {
                     let mut record =
                         Record { target, position, velocity, coupling_force, agent_force, handle_force, aim };
-                    job.run::<InvalidInput>([None, None], &mut record)
+                    job.run_watched::<InvalidInput>([None, None], &mut record, &mut { looked })
                 })
                 .collect();
             endings
                 .into_iter()
                 .enumerate()
                 .map(|(index, ending)| {
-                    ending.map_err(|refusal| Failure::Refused { refusal, index: Some(index) })
+                    ending.map_err(|mut refusal| {
+                        refusal.allowed = format!("{} (trial {index})", refusal.allowed);
+                        refusal
+                    })
                 })
-                .collect()
-        })?;
+                .collect::<telespring::Result<_>>()
+                .map_err(Failure::from)
+        })??;
         let result = PyDict::new(py);
-        result.set_item("time", times(py, rows, rate))?;
+        result.set_item("time", times(py, &schedule, rows, laboratory.controller.sample_period))?;
         result.set_item("target", targets.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?)?;
         let names = ["position", "velocity", "coupling_force", "agent_force", "handle_force", "aim"];
         for (name, block) in names.into_iter().zip(blocks) {
@@ -274,20 +335,71 @@ pub fn trial_seed(seed: Argument<u64>, condition: Argument<u64>, trial: Argument
     Ok(rig::trial_seed(seed.named("seed")?, condition.named("condition")?, trial.named("trial")?))
 }
 
+/// Does the work on another thread while this one looks for signals, such as that of Ctrl-C; the work is told
+/// of one and its outcome then dropped.
+fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
+    let interrupted = AtomicBool::new(false);
+    py.detach(|| {
+        std::thread::scope(|scope| {
+            let (done, wait) = channel();
+            let interrupted = &interrupted;
+            let worker = scope.spawn(move || {
+                let outcome = work(interrupted);
+                // nobody waits for it where a signal came
+                let _ = done.send(());
+                outcome
+            });
+            let mut signal = Ok(());
+            while signal.is_ok()
+                && wait.recv_timeout(Duration::from_millis(100)) == Err(RecvTimeoutError::Timeout)
+            {
+                signal = Python::attach(|py| py.check_signals());
+            }
+            interrupted.store(signal.is_err(), Ordering::Relaxed);
+            let outcome = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            signal.map(|()| outcome)
+        })
+    })
+}
+
 fn coupling(stiffness: Option<f64>, delay: Delay, damping: f64) -> Option<Coupling> {
     stiffness.map(|stiffness| Coupling { stiffness, damping, delay })
 }
 
-fn sampled(target: ArrayView2<'_, f64>, expected: usize) -> telespring::Result<Target> {
-    if target.shape() != [expected, 2] {
+fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target> {
+    if target.len() != expected {
         return Err(InvalidInput::new(
             "target",
-            format!("an array of shape {:?}", target.shape()),
+            format!("an array of shape ({}, 2)", target.len()),
             format!("one row (x, y) per tick is needed, that is shape ({expected}, 2)"),
             "Sample the target at every tick from 0 to the end of the trial.",
         ));
     }
-    Ok(Target::Sampled(target.rows().into_iter().map(|row| [row[0], row[1]]).collect()))
+    Ok(Target::Sampled(target))
+}
+
+/// Refuses what would fill the memory: six signals of four numbers make 10 GB of the most rows.
+fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
+    const MOST: usize = 50_000_000;
+    let all = rows.saturating_mul(trials);
+    if all <= MOST {
+        return Ok(());
+    }
+    Err(InvalidInput::new(
+        "record_rate",
+        format!("{all} rows"),
+        format!("all trials together keep at most {MOST} rows"),
+        "Run shorter or fewer trials, or keep fewer rows per second.",
+    ))
+}
+
+fn no_program(side: usize, text: String) -> InvalidInput {
+    InvalidInput::new(
+        format!("agents[{side}]"),
+        text,
+        "an agent is None or can be called",
+        "Give a function of time, position, velocity and target that returns the force.",
+    )
 }
 
 fn unwanted(side: usize) -> InvalidInput {
@@ -320,8 +432,13 @@ fn call(program: &Program, seen: &Seen) -> Outcome<[f64; 2]> {
     })
 }
 
-fn times(py: Python<'_>, rows: usize, rate: f64) -> Bound<'_, PyArray1<f64>> {
-    (0..rows).map(|row| row as f64 / rate).collect::<Vec<_>>().into_pyarray(py)
+fn times<'py>(
+    py: Python<'py>,
+    schedule: &Schedule,
+    rows: usize,
+    sample_period: f64,
+) -> Bound<'py, PyArray1<f64>> {
+    (0..rows).map(|row| schedule.time(row, sample_period)).collect::<Vec<_>>().into_pyarray(py)
 }
 
 /// The status by its name, and when the trial ended early, s.
@@ -329,6 +446,7 @@ fn ended(ending: &Ending) -> (&'static str, f64) {
     match ending.status {
         Status::Diverged { at } => ("diverged", at),
         Status::OutOfReach { at } => ("out of reach", at),
+        Status::TooStiff { at } => ("too stiff", at),
         _ => ("completed", f64::NAN),
     }
 }

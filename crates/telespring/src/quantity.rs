@@ -48,20 +48,24 @@ pub const SAMPLE_PERIOD: Quantity = Quantity::new("a sample period", "s", 1e-6, 
 pub const COULOMB: Quantity = Quantity::new("a Coulomb friction", "N", 0.0, 1e6, None);
 /// A force in N.
 pub const FORCE: Quantity = Quantity::new("a force", "N", -1e9, 1e9, None);
+/// A velocity along an axis, m/s.
+pub const VELOCITY: Quantity = Quantity::new("a velocity", "m/s", -1e3, 1e3, Some(("mm/s", 1e-3)));
 /// A place on an axis, m.
 pub const PLACE: Quantity = Quantity::new("a position", "m", -10.0, 10.0, Some(("mm", 1e-3)));
 /// The amplitude of a movement, m.
 pub const AMPLITUDE: Quantity = Quantity::new("an amplitude", "m", 0.0, 10.0, Some(("mm", 1e-3)));
 /// The length of a link, m.
-pub const LENGTH: Quantity = Quantity::new("a length", "m", 1e-3, 10.0, Some(("mm", 1e-3)));
+pub const LENGTH: Quantity = Quantity::new("a length of a link", "m", 1e-2, 10.0, Some(("mm", 1e-3)));
+/// The mass of a link in kg.
+pub const LINK_MASS: Quantity = Quantity::new("a mass of a link", "kg", 0.0, 1e3, Some(("g", 1e-3)));
 /// A distance along a link, m.
 pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
 /// A step of a position sensor, m.
 pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0, 0.1, Some(("µm", 1e-6)));
 /// A moment of inertia in kg·m².
-pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e4, None);
+pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e3, None);
 /// The viscous damping of a joint in N·m·s/rad.
-pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e6, None);
+pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e4, None);
 /// A largest torque in N·m, infinite where there is no limit.
 pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, f64::INFINITY, None);
 /// A spread of velocities, m/s.

@@ -400,3 +400,70 @@ fn law_two_links_take_every_imperfection_of_the_controllers() {
     let forces = recording.handle_force.iter().flatten().flatten();
     assert!(forces.clone().all(|force| force.is_finite()) && forces.clone().any(|force| *force != 0.0));
 }
+
+#[test]
+fn law_no_step_of_the_sensors_makes_a_trial_panic() {
+    let mut laboratory = Laboratory::paper();
+    for resolution in [1e-310, 5e-324, 9e-13, 0.2, -1e-3, f64::NAN] {
+        laboratory.controller.encoder_resolution = resolution;
+        assert_eq!(laboratory.check().unwrap_err().field, "laboratory.encoder_resolution");
+        // whoever leaves the check away gets an ending
+        let schedule = Schedule::new(0.1, 100.0, 1e-3).unwrap();
+        let trial = Trial { laboratory: &laboratory, coupling: coupling(20.0, 0.05), seed: 1, schedule };
+        trial.record::<InvalidInput>([None, None]).unwrap();
+    }
+    for resolution in [0.0, 1e-12, 0.1] {
+        laboratory.controller.encoder_resolution = resolution;
+        run(&laboratory, coupling(20.0, 0.05), 1, 0.1);
+    }
+}
+
+/// Robots of 0.1 g with a damping of 10⁶ N·s/m in links without mass: time constants of 0.1 ns.
+fn stiff() -> Laboratory {
+    let mut laboratory = Laboratory::paper();
+    for side in &mut laboratory.sides {
+        side.handle.mass = [1e-4; 2];
+        side.handle.damping = [1e6; 2];
+        side.arm = Arm::TwoLink(TwoLinkArm {
+            link_mass: [0.0; 2],
+            link_inertia: [0.0; 2],
+            joint_damping: [0.0; 2],
+            rotor_inertia: [0.0; 2],
+            ..TwoLinkArm::HEBI_X8
+        });
+    }
+    laboratory
+}
+
+#[test]
+fn law_a_motion_too_stiff_to_follow_ends_the_trial_and_says_so() {
+    let recording = run(&stiff(), coupling(71.2, 0.05), 1, 30.0);
+    let Status::TooStiff { at } = recording.ending.status else { panic!("{:?}", recording.ending) };
+    assert_eq!(recording.position.len(), (at * 1000.0).round() as usize);
+}
+
+#[test]
+fn law_a_watch_ends_a_trial_within_some_ticks() {
+    let laboratory = Laboratory::paper();
+    let schedule = Schedule::new(10.0, 1000.0, 1e-3).unwrap();
+    let trial = Trial { laboratory: &laboratory, coupling: coupling(20.0, 0.05), seed: 1, schedule };
+    let mut looks = 0;
+    let mut watch = || {
+        looks += 1;
+        if looks < 4 { Ok(()) } else { Err(InvalidInput::new("watch", looks, "no more", "")) }
+    };
+    assert_eq!(trial.record_watched([None, None], &mut watch).unwrap_err().field, "watch");
+    let mut never = || Ok::<(), InvalidInput>(());
+    let watched = trial.record_watched([None, None], &mut never).unwrap();
+    assert_eq!(watched, trial.record::<InvalidInput>([None, None]).unwrap());
+}
+
+#[test]
+fn law_rows_are_kept_at_ticks_however_long_the_trial() {
+    // 333.3335 Hz is no third of 1 kHz: after 1000 s its rows would be half a tick off
+    assert_eq!(Schedule::new(1000.0, 333.3335, 1e-3).unwrap_err().field, "record_rate");
+    let schedule = Schedule::new(1000.0, 1000.0 / 3.0 * (1.0 + 9e-10), 1e-3).unwrap();
+    for row in [0, 1, 77, 333_333] {
+        assert!((schedule.time(row, 1e-3) - 3.0 * row as f64 * 1e-3).abs() < 1e-12);
+    }
+}

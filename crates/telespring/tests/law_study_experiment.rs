@@ -92,7 +92,7 @@ fn options() -> BoxedStrategy<String> {
         any::<i64>().prop_map(|value| value.to_string()),
         any::<f64>().prop_filter("finite", |value| value.is_finite()).prop_map(|value| format!("{value:?}")),
         "\\PC{0,9}".prop_map(|text| toml::Value::String(text).to_string()),
-        "(.|\n|\"|'){0,9}".prop_map(|text| toml::Value::String(text).to_string()),
+        "([^\0\n]|\n|\"|'){0,9}".prop_map(|text| toml::Value::String(text).to_string()),
     ];
     let value = leaf.prop_recursive(2, 8, 4, |inner| {
         vec(inner, 0..4).prop_map(|items| format!("[{}]", items.join(", ")))

@@ -237,3 +237,16 @@ proptest! {
         prop_assert!((whole.velocity()[0] - parts.velocity()[0]).abs() < 1e-12);
     }
 }
+
+#[test]
+fn ref_a_force_equal_to_the_friction_lets_the_handle_coast_to_rest() {
+    // the net force is exactly 0, and e^(−bt/m) = e^(−1000) is a rounded 0: x = v m/b, v = 0
+    let (mass, damping, coulomb) = (1e-4, 100.0, 3.0);
+    let mut plant = plant(mass, damping, coulomb).with_velocity([0.2, -0.2]);
+    plant.advance([coulomb, -coulomb], [0.0; 2], 1e-3);
+    assert_eq!(plant.velocity().map(f64::abs), [0.0; 2]);
+    close(plant.position()[0], 0.2 * mass / damping, 1e-13);
+    close(plant.position()[1], -0.2 * mass / damping, 1e-13);
+    plant.advance([0.0; 2], [0.0; 2], 1e-3);
+    assert_eq!(plant.velocity().map(f64::abs), [0.0; 2]);
+}

@@ -332,3 +332,84 @@ fn ref_the_document_lists_every_key() {
     distinct.dedup();
     assert_eq!(documented, distinct.len(), "a key that is documented is read");
 }
+
+#[test]
+fn ref_the_ranges_of_an_arm_are_the_same_at_every_door() {
+    let arm = |key: &str, value: &str| {
+        let mut values = [
+            ("base", "[0.0, -0.5]"),
+            ("elbow", "\"left\""),
+            ("link_length", "[0.3, 0.3]"),
+            ("link_mass", "1"),
+            ("link_centre", "0.1"),
+            ("link_inertia", "0.01"),
+        ]
+        .to_vec();
+        values.retain(|(name, _)| *name != key);
+        values.push((key, value));
+        let lines: String = values.iter().map(|(name, value)| format!("{name} = {value}\n")).collect();
+        with(&format!("[arm1]\nkind = \"two-link\"\n{lines}"))
+    };
+    for (key, least, below, most, above) in [
+        ("link_length", "0.01", "0.009", "10", "10.1"),
+        ("link_mass", "0", "-1", "1000", "1001"),
+        ("link_inertia", "0", "-1", "1000", "1001"),
+        ("rotor_inertia", "0", "-1", "1000", "1001"),
+        ("joint_damping", "0", "-1", "10000", "10001"),
+        ("torque_limit", "1e-6", "0", "inf", "nan"),
+    ] {
+        for inside in [least, most] {
+            if let Ok(study) = Study::from_toml(&arm(key, inside)) {
+                let Arm::TwoLink(arm) = study.setup().arms[0] else { panic!() };
+                assert_eq!(arm.checked(), Ok(arm), "{key} = {inside}");
+            } else {
+                panic!("{key} = {inside}: {}", Study::from_toml(&arm(key, inside)).unwrap_err());
+            }
+        }
+        for outside in [below, above] {
+            let refused = Study::from_toml(&arm(key, outside)).unwrap_err();
+            // by the reader itself, not by a second opinion
+            assert_eq!(refused.field, format!("arm1.{key}"), "{outside}");
+        }
+    }
+}
+
+#[test]
+fn ref_no_text_holds_the_character_zero() {
+    for text in [
+        "name = \"a\\u0000b\"\n",
+        "robot1.name = \"\\u0000\"\n",
+        "[agent1]\nkind = \"python\"\nclass = \"a:B\"\noptions = {c = [\"\\u0000\"]}\n",
+    ] {
+        let study = if text.starts_with("name") { format!("{text}{ROBOTS}") } else { with(text) };
+        let study = study.replace("robot1 = {", "robot1 = {name = \"\\u0000\", ");
+        let study = if text.starts_with("robot1") {
+            study.replace(text, "")
+        } else {
+            study.replace("name = \"\\u0000\", ", "")
+        };
+        let refused = Study::from_toml(&study).expect_err(text).to_string();
+        assert!(refused.contains("U+0000"), "{refused}");
+    }
+}
+
+#[test]
+fn ref_a_protocol_keeps_something_to_judge() {
+    for text in [
+        "[task]\nangular_frequency = 1e4",
+        "[protocol]\nduration = 0.009\ndiscard = 0.001",
+        "[protocol]\nduration = 5.0\ndiscard = 4.995",
+    ] {
+        let refused = refusal(text);
+        assert!(refused.starts_with("protocol.duration") && refused.contains("record_rate"), "{refused}");
+    }
+    assert_eq!(study("[protocol]\nduration = 5.0\ndiscard = 4.99").protocol().unwrap().discard, 4.99);
+    assert!(study("[protocol]\nduration = 0.01\ndiscard = 0.0").protocol().is_ok());
+}
+
+#[test]
+fn ref_a_seed_too_large_is_told_as_that() {
+    let refused = refusal("[protocol]\nseed = 9223372036854775808");
+    assert!(refused.contains("Choose a number in that range."), "{refused}");
+    assert!(refusal("[protocol]\nseed = 1.0").contains("without a decimal point"));
+}

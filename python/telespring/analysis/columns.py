@@ -10,6 +10,8 @@ AXES = ("x", "y")
 INDEX = "trials.csv"
 INDEX_REQUIRED = ("file", "stiffness_N_per_m", "delay_s", "trial")
 INDEX_OPTIONAL = ("status", "ended_at_s", "seed", "discard_s")
+#: How a trial may have ended.
+STATUSES = ("completed", "stopped", "diverged", "out of reach", "aborted", "failed")
 
 TIME = "time_s"
 TARGET = tuple(f"target_{axis}_m" for axis in AXES)

@@ -140,16 +140,26 @@ def measure_trials(trials: Trials) -> xr.Dataset:
 def _lag(trials: Trials) -> tuple[FloatArray, FloatArray]:
     """Find lag (s) and correlation there, (condition, trial, robot)."""
     shape = (*trials.status.shape, 2)
-    nothing = np.full(shape, np.nan), np.full(shape, np.nan)
+    lag, height = np.full(shape, np.nan), np.full(shape, np.nan)
     step = float(np.median(np.diff(trials.time)))
-    longest = _longest_shift(trials, step)
-    if longest < 1:
-        return nothing
+    longest = _longest_shifts(trials, step)
+    for shift in np.unique(longest[longest >= 1]).tolist():
+        same = longest == shift
+        lag[same], height[same] = (each[same] for each in _lag_within(trials, same, shift, step))
+    return lag, height
+
+
+def _lag_within(
+    trials: Trials, chosen: NDArray[np.bool_], longest: int, step: float
+) -> tuple[FloatArray, FloatArray]:
+    """Find lags of up to so many samples of the chosen trials (condition, trial)."""
+    shape = (*trials.status.shape, 2)
+    nothing = np.full(shape, np.nan), np.full(shape, np.nan)
     # Samples nearer to a trial's end than the longest shift have no shifted target to compare with; at
     # the start the discarded part holds it, as far as that goes.
     last = trials.window.shape[-1] - trials.window[..., ::-1].argmax(axis=-1)
     index = np.arange(trials.window.shape[-1])
-    window = trials.window & (index >= longest) & (index < last[..., None] - longest)
+    window = trials.window & chosen[..., None] & (index >= longest) & (index < last[..., None] - longest)
     count: NDArray[np.int_] = np.asarray(window.sum(axis=-1))
     if not count.any():
         return nothing
@@ -181,18 +191,18 @@ def _lag(trials: Trials) -> tuple[FloatArray, FloatArray]:
     return _peak(correlation, step, longest)
 
 
-def _longest_shift(trials: Trials, step: float) -> int:
-    """Give the samples by which the target is shifted at most."""
-    used = np.argwhere(trials.completed)
-    if len(used) == 0:
-        return 0
-    condition, trial = used[0]
+def _longest_shifts(trials: Trials, step: float) -> NDArray[np.int_]:
+    """Give the samples by which the target is shifted at most, (condition, trial)."""
+    counts = trials.window.sum(axis=-1)
+    # The target's period is seen best over the longest trial.
+    condition, trial = np.unravel_index(int(counts.argmax()), counts.shape)
     window = trials.window[condition, trial]
+    if not window.any():
+        return np.zeros(counts.shape, dtype=int)
     goal = trials.target[condition % trials.target.shape[0], trial % trials.target.shape[1]][window]
     power = (np.abs(np.fft.rfft(goal - goal.mean(axis=0), axis=0)) ** 2).sum(axis=1)
     period = len(goal) / max(1, int(power.argmax()))
-    fewest = int(trials.window.sum(axis=-1)[trials.completed].min())
-    return int(min(LONGEST_LAG / step, period / 2.0, fewest / 4.0))
+    return np.asarray(np.minimum(min(LONGEST_LAG / step, period / 2.0), counts / 4.0), dtype=int)
 
 
 def _shifted_sums(weights: FloatArray, values: FloatArray, longest: int) -> FloatArray:

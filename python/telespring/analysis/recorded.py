@@ -205,6 +205,13 @@ def _dataset(
                 for j, trial in enumerate(group):
                     where = f"{trial.file}: {column}"
                     text = trial.row[column]
+                    if kind is not float and not text:
+                        refuse(
+                            where,
+                            "empty",
+                            "a whole number from 0 in every line, or no such column, is needed",
+                            f"Take the column {column} out of {INDEX}: trials of people have no seed.",
+                        )
                     if kind is not float:
                         values[i, j] = np.uint64(whole_number_of(text, where))
                     elif text:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring._types import FloatArray
+from telespring.analysis.doubts import doubts
 from telespring.analysis.measures import measure_trials
 from telespring.analysis.statistics import GroupTest, compare_pairs, holm, kruskal_wallis
 from telespring.analysis.table import baseline_of, compare_with_baseline, describe, group_name, table1
@@ -109,6 +110,7 @@ def analyse_taken(trials: Trials, measured: xr.Dataset, baseline: str | None = N
             },
         },
         "conditions": _conditions(trials, measured),
+        "warnings": doubts(trials),
     }
 
 

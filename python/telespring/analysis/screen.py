@@ -110,6 +110,8 @@ def _words(numbers: Mapping[str, Any]) -> Iterator[Text]:
                 f"TE{test['robot']} over all conditions: Kruskal-Wallis H({test['degrees_of_freedom']}) = "
                 f"{test['h']:.2f}, p {_p(test['p'])}, ε² = {test['epsilon_squared']:.2f}."
             )
+    for warning in numbers["warnings"]:
+        yield Text(warning, style="red")
     early = sum(row["ended_early"] for row in numbers["table1"])
     if early:
         yield Text(

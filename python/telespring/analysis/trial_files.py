@@ -13,7 +13,15 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.analysis.columns import INDEX_OPTIONAL, INDEX_REQUIRED, QUANTITIES, TARGET, TIME, columns_of
+from telespring.analysis.columns import (
+    INDEX_OPTIONAL,
+    INDEX_REQUIRED,
+    QUANTITIES,
+    STATUSES,
+    TARGET,
+    TIME,
+    columns_of,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -134,7 +142,24 @@ def read_index(path: Path) -> list[dict[str, str]]:
                     "Number the trials of a condition differently, or take one line away.",
                 )
             seen[name][value] = line
+        row["status"] = _status(row.get("status", ""), f"{where}: status")
     return rows
+
+
+def _status(text: str, where: str) -> str:
+    """Read how a trial ended; a word that is not known would silently take it out of all tests."""
+    word = " ".join(text.casefold().replace("_", " ").split())
+    if word and word not in STATUSES:
+        near = difflib.get_close_matches(word, STATUSES, n=1, cutoff=0.7)
+        refuse(
+            where,
+            text,
+            f"one of {', '.join(STATUSES)} is needed; empty is completed",
+            f"Write {near[0]}."
+            if near
+            else "A trial that ran to its end is completed, any other is stopped.",
+        )
+    return word
 
 
 def _condition(row: Mapping[str, str], where: str) -> tuple[float, float]:
@@ -203,6 +228,14 @@ def read_trial(folder: Path, row: Mapping[str, str]) -> TrialFile:
     for column in wanted:
         if column not in columns:
             refuse(f"{name}: {column}", _near(column, columns), f"the column {column} is needed")
+    if table.empty:
+        refuse(
+            name,
+            "a header only",
+            "a line per sample is needed",
+            "Leave this trial away in the list, or record it again.",
+        )
+    for column in wanted:
         values = table[column]
         if values.dtype.kind not in "fi" or not np.isfinite(np.asarray(values, dtype=float)).all():
             import pandas as pd

@@ -137,7 +137,14 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
             "position", "two robots, two axes and at least one condition, trial and sample are needed"
         )
     time = np.asarray(dataset["time"], dtype=float)
-    if len(time) < 2 or not np.all(np.diff(time) > 0.0):
+    if len(time) < 2:
+        raise InvalidInput(
+            "time",
+            f"{len(time)} sample",
+            "trials of two samples or more are needed",
+            "Record longer trials, or keep more samples per second.",
+        )
+    if not np.all(np.diff(time) > 0.0):
         raise _not_trials("time", "times that increase are needed")
     stiffness = np.asarray(dataset["stiffness"], dtype=float)
     delay = np.asarray(dataset["delay"], dtype=float)

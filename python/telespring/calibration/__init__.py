@@ -4,6 +4,7 @@ from telespring.calibration.calibration import Calibration, calibrate
 from telespring.calibration.comparison import Prediction, Score, null_prediction, predict, score
 from telespring.calibration.drawing import draw_cells, draw_pairs, draw_profiles
 from telespring.calibration.fit import Fit, PairMap, Profile
+from telespring.calibration.least_squares import LeastSquares
 from telespring.calibration.published import TABLE_I, PublishedRow
 from telespring.calibration.unknowns import UNKNOWNS, VARIANTS, Unknown
 
@@ -13,6 +14,7 @@ __all__ = [
     "VARIANTS",
     "Calibration",
     "Fit",
+    "LeastSquares",
     "PairMap",
     "Prediction",
     "Profile",

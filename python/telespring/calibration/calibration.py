@@ -14,6 +14,7 @@ from telespring.axes import finite_or_none
 from telespring.calibration.comparison import Prediction, Score, null_prediction, predict, score
 from telespring.calibration.design import Sizes, explore
 from telespring.calibration.fit import Fit, fit
+from telespring.calibration.least_squares import LeastSquares, least_squares
 from telespring.calibration.likelihood import Likelihood
 from telespring.calibration.published import TABLE_I, TRIALS, PublishedRow
 from telespring.calibration.simulator import RigSimulator
@@ -26,7 +27,7 @@ __all__ = ["Calibration", "SurrogateError", "calibrate"]
 #: The stiffness whose conditions are fitted beside the unconnected mode, N/m.
 _FITTED_STIFFNESS = 142.0
 _SIZES: Sizes = (96, 64, 32)
-_DESIGN_TRIALS = 3
+_DESIGN_TRIALS = 2
 
 
 class Simulator(Protocol):
@@ -76,10 +77,14 @@ class Calibration:
         Places of the fitted rows in it, and of all others.
     fits
         One per variant.
+    alternative
+        The optimum of another likelihood: the fitted cells weighed alike, the arm's inertia on top.
     predictions
         Of the study as it is ("ideal") and at both optima, over all rows.
+    alternative_prediction
+        At the alternative's optimum.
     scores
-        By prediction and "as unconnected": over the held-out cells of TE1, of TE2 and of both.
+        By prediction, "least squares" and "as unconnected": over the held-out cells of TE1, of TE2, of both.
     surrogate
         Its cross-validated error.
     trials
@@ -92,7 +97,9 @@ class Calibration:
     fitted: tuple[int, ...]
     held_out: tuple[int, ...]
     fits: dict[str, Fit]
+    alternative: LeastSquares
     predictions: dict[str, Prediction]
+    alternative_prediction: Prediction
     scores: dict[str, dict[str, Score]]
     surrogate: SurrogateError
     trials: int
@@ -124,6 +131,27 @@ class Calibration:
                     ],
                 }
                 for name, found in self.fits.items()
+            },
+            "least_squares": {
+                **self.alternative.numbers(),
+                "cells": [
+                    {
+                        "condition": row.label,
+                        **_side(
+                            (float(mean[0]), float(mean[1])),
+                            (float(deviation[0]), float(deviation[1])),
+                            arrow,
+                        ),
+                    }
+                    for row, mean, deviation, arrow in zip(
+                        self.published,
+                        self.alternative_prediction.mean,
+                        self.alternative_prediction.standard_deviation,
+                        self.alternative_prediction.arrow,
+                        strict=True,
+                    )
+                ],
+                "arrows": self._arrow_counts(self.alternative_prediction),
             },
             "surrogate": {
                 "points": self.surrogate.points,
@@ -247,27 +275,39 @@ def calibrate(
     for variant in VARIANTS:
         tell(f"fit, the arm's inertia {variant}{' Table III' if variant == 'inside' else ''}")
         fits[variant] = fit(surrogate, likelihood, variant, confirm)
+    tell("the same cells by least squares")
+    alternative = least_squares(
+        lambda point: design_run(point[None])[0], confirm, likelihood, fits["on top"].point
+    )
     tell("prediction of the conditions held out")
     predictions = {"ideal": predict(rig.errors(conditions, trials), table)}
     for name, found in fits.items():
         predictions[name] = predict(rig.errors(conditions, trials, found.point * HIGH), table)
-    return _finish(table, fitted, held_out, fits, predictions, _accuracy(surrogate, design_trials), trials)
+    other = predict(rig.errors(conditions, trials, alternative.point * HIGH), table)
+    scores = _scores(table, list(held_out), {**predictions, "least squares": other})
+    words = statements(table, fitted, held_out, fits, alternative, predictions, scores)
+    return Calibration(
+        table,
+        fitted,
+        held_out,
+        fits,
+        alternative,
+        predictions,
+        other,
+        scores,
+        _accuracy(surrogate, design_trials),
+        trials,
+        tuple(words),
+    )
 
 
-def _finish(
-    table: tuple[PublishedRow, ...],
-    fitted: tuple[int, ...],
-    held_out: tuple[int, ...],
-    fits: dict[str, Fit],
-    predictions: dict[str, Prediction],
-    surrogate: SurrogateError,
-    trials: int,
-) -> Calibration:
-    rows = list(held_out)
+def _scores(
+    table: tuple[PublishedRow, ...], rows: list[int], predictions: dict[str, Prediction]
+) -> dict[str, dict[str, Score]]:
     measured = np.array([table[i].mean for i in rows])
     candidates = {name: each.mean[rows] for name, each in predictions.items()}
     candidates["as unconnected"] = null_prediction(table, rows)
-    scores = {
+    return {
         name: {
             "te1": score(each[:, 0], measured[:, 0]),
             "te2": score(each[:, 1], measured[:, 1]),
@@ -275,8 +315,6 @@ def _finish(
         }
         for name, each in candidates.items()
     }
-    words = statements(table, fitted, held_out, fits, predictions, scores)
-    return Calibration(table, fitted, held_out, fits, predictions, scores, surrogate, trials, tuple(words))
 
 
 def _mean(errors: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from telespring._types import FloatArray
 from telespring.calibration.comparison import Prediction, Score
 from telespring.calibration.fit import Fit
+from telespring.calibration.least_squares import LeastSquares
 from telespring.calibration.likelihood import Likelihood
 from telespring.calibration.published import PublishedRow
 from telespring.calibration.unknowns import UNKNOWNS
@@ -32,6 +33,7 @@ def statements(
     fitted: Sequence[int],
     held_out: Sequence[int],
     fits: Mapping[str, Fit],
+    alternative: LeastSquares,
     predictions: Mapping[str, Prediction],
     scores: Mapping[str, Mapping[str, Score]],
 ) -> list[str]:
@@ -45,6 +47,8 @@ def statements(
         Their places.
     fits
         Per variant.
+    alternative
+        By least squares.
     predictions, scores
         By laboratory.
 
@@ -57,12 +61,12 @@ def statements(
     said = [
         (
             f"The conditions are run at the stiffness and delay that the table prints, not at the unrounded "
-            f"multiples of Kxy and Δxy. The fit sees {seen}; the other {len(held_out)} are predicted."
+            f"multiples of K and Δ. The fit sees {seen}; the other {len(held_out)} are predicted."
         )
     ]
     for name, found in fits.items():
         said += _of_fit(name, found, table, fitted)
-    said += _of_variants(fits)
+    said += _of_variants(fits, alternative, scores)
     # one model need not be described twice
     same = len({tuple(np.round(found.point, 2)) for found in fits.values()}) == 1
     titles = {"inside": "either variant"} if same and "inside" in fits else dict(_TITLES)
@@ -72,23 +76,6 @@ def statements(
     said += _of_growth(predictions, table)
     said += _of_scatter(predictions, table)
     return said
-
-
-def signed(value: float, decimals: int = 1) -> str:
-    """Write a change with its sign, and none where it rounds to 0.
-
-    Examples
-    --------
-    >>> signed(-1.26), signed(0.5), signed(-0.04)
-    ('−1.3', '+0.5', '0.0')
-    """
-    text = f"{value:+.{decimals}f}"
-    return text.replace("-", "−") if float(text) else text[1:]
-
-
-def _plain(value: float) -> str:
-    """Write a value that may be below 0."""
-    return signed(value).removeprefix("+")
 
 
 def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequence[int]) -> list[str]:
@@ -137,7 +124,9 @@ def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequen
     return said
 
 
-def _of_variants(fits: Mapping[str, Fit]) -> list[str]:
+def _of_variants(
+    fits: Mapping[str, Fit], alternative: LeastSquares, scores: Mapping[str, Mapping[str, Score]]
+) -> list[str]:
     if set(fits) != {"inside", "on top"}:
         return []
     gain = fits["inside"].deviance - fits["on top"].deviance
@@ -145,15 +134,51 @@ def _of_variants(fits: Mapping[str, Fit]) -> list[str]:
     if mass < 1e-3 * _high("arm_mass"):
         interval = _interval(fits["on top"], "arm_mass")
         sentence = (
-            "Let free, an arm mass on top of Table III goes to none, where both variants are one model: the "
-            f"fitted cells give no sign of inertia beyond Table III (interval {interval})."
+            "Let free, an arm mass on top of Table III goes to none under the chosen likelihood, where both "
+            f"variants are one model; its interval is {interval}."
         )
     else:
         sentence = (
             f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f}, with one "
             f"unknown more; {fits['on top'].threshold:.1f} would be significant at 95 %."
         )
-    return [sentence]
+    return [sentence, *_of_likelihood(fits["on top"], alternative, scores)]
+
+
+def _of_likelihood(
+    found: Fit, alternative: LeastSquares, scores: Mapping[str, Mapping[str, Score]]
+) -> list[str]:
+    """Say that the likelihood was chosen, what another gives, and what holds under both."""
+    both = scores["least squares"]["both"]
+    held_out = (
+        f"the held-out cells are then missed by {_mm(both.rms_error)} (r.m.s.); rank correlation: "
+        f"{_ranks(scores['least squares'])}, both together {_rank(both)}"
+        if np.isfinite(both.rms_error)
+        else "in held-out conditions trials then diverge, so that there is no score"
+    )
+    low, high = found.profiles["arm_mass"].interval
+    masses = (found.values["arm_mass"], alternative.values["arm_mass"])
+    same = abs(masses[0] - masses[1]) < 0.05 * _high("arm_mass")
+    return [
+        (
+            "The likelihood is a choice: it takes the mean of a condition's two errors and half their "
+            "difference apart, each with a misfit of its own, because one coupled motion is behind both. "
+            "Plain least squares over the same fitted cells, with inertia on top, gives "
+            f"{_listed(alternative.values)}, at {_mm(alternative.rms)} (r.m.s. over those cells) in the "
+            f"place of {_mm(alternative.rms_of_fit)}; {held_out}."
+        ),
+        (
+            f"Under either likelihood the arm mass on top is about {masses[0]:.2f} kg."
+            if same
+            else f"The arm mass on top depends on that choice, {masses[0]:.2f} kg or {masses[1]:.2f} kg: the "
+            "fitted cells do not tell it"
+            + (
+                f", and its interval, {low:.2f} to {high:.2f} kg, holds both."
+                if low <= masses[1] <= high
+                else "."
+            )
+        ),
+    ]
 
 
 def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]]) -> list[str]:
@@ -161,15 +186,24 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
     if not np.isfinite(ours.rms_error):
         return [f"With {title} trials of the held-out conditions diverged: there is no score."]
     better = "nearer to" if ours.rms_error < null.rms_error else "farther from"
-    ranks = ", ".join(f"{key.upper()} {_rank(scores[name][key])}" for key in ("te1", "te2"))
     return [
         (
             f"With {title} the {ours.cells} held-out cells are missed by {_mm(ours.rms_error)} (r.m.s., "
-            f"mean {signed(1e3 * ours.mean_error)} mm), {better} the published ones than the prediction that "
+            f"mean {_signed(ours.mean_error)} mm), {better} the published ones than the prediction that "
             f"nothing changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the "
-            f"published means: {ranks}."
-        )
+            f"published means: {_ranks(scores[name])}."
+        ),
+        _of_pooled_rank(title, ours, null),
     ]
+
+
+def _of_pooled_rank(title: str, ours: Score, null: Score) -> str:
+    """Compare with the null prediction, which ranks nothing but the two robots."""
+    said = f"With {title}, over TE1 and TE2 together, the rank correlation is {_rank(ours)}; "
+    said += f"that of the null prediction, which knows only that TE2 is the larger, is {_rank(null)}"
+    if ours.rank_correlation is None or null.rank_correlation is None:
+        return said + "."
+    return said + (": higher." if null.rank_correlation > ours.rank_correlation else ": not higher.")
 
 
 def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> list[str]:
@@ -201,8 +235,8 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         if np.isfinite(ours).all() and abs(ours[0] - theirs[0]) > 1e-3:
             said.append(
                 f"With {title}, connecting the robots by {table[softest].stiffness:.0f} N/m without delay "
-                f"changes TE1 by {signed(1e3 * ours[0])} mm in the model and by {signed(1e3 * theirs[0])} mm "
-                "in the table"
+                f"changes TE1 by {_signed(ours[0])} mm in the model and by {_signed(theirs[0])} mm in "
+                "the table"
                 + (
                     ": nothing in the model lets the skilled agent gain from a partner who is worse."
                     if theirs[0] < 0
@@ -215,11 +249,11 @@ def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> l
         )
         if np.isfinite(gap) and published_gap - gap > 1e-3:
             said.append(
-                f"With {title}, TE2 less TE1 falls from {_plain(1e3 * alone)} mm alone to "
-                f"{_plain(1e3 * gap)} mm at {table[stiffest].stiffness:.0f} N/m without delay, for a stiff "
-                f"spring makes both handles move alike; in the table it goes from "
-                f"{_plain(1e3 * published_alone)} to {_plain(1e3 * published_gap)} mm: as if the real "
-                "spring coupled the handles less than its stiffness says."
+                f"With {title}, TE2 less TE1 falls from {_plain(alone)} mm alone to {_plain(gap)} mm at "
+                f"{table[stiffest].stiffness:.0f} N/m without delay, for a stiff spring makes both handles "
+                f"move alike; in the table it goes from {_plain(published_alone)} to "
+                f"{_plain(published_gap)} mm: as if the real spring coupled the handles less than its "
+                "stiffness says."
             )
     agree = found.arrows_agreeing(table)
     wrong = [
@@ -249,8 +283,10 @@ def _of_growth(predictions: Mapping[str, Prediction], table: Sequence[PublishedR
         return []
     return [
         (
-            f"In the study's own laboratory the handles run away in {', '.join(grown)}; nothing like it was "
-            "published, so the real arms and robots have more damping or friction than the study gives them."
+            f"In the study's own laboratory the handles run away in {', '.join(grown)}; nothing like it "
+            "was published. More damping or friction in the real arms and robots is one possible "
+            "explanation; less delay or stiffness than was set, or agents who act otherwise than modelled, "
+            "are others, and nothing here tells them apart."
         )
     ]
 
@@ -291,7 +327,31 @@ def _mm(length: float) -> str:
 
 
 def _pair(change: FloatArray) -> str:
-    return f"{signed(1e3 * change[0])} and {signed(1e3 * change[1])} mm"
+    return f"{_signed(change[0])} and {_signed(change[1])} mm"
+
+
+def signed(value: float, digits: int) -> str:
+    """Write a number with its sign, a minus as it is printed; what rounds to zero has none.
+
+    Examples
+    --------
+    >>> signed(-1.26, 1), signed(0.5, 1), signed(-0.04, 1)
+    ('−1.3', '+0.5', '0.0')
+    """
+    text = f"{value:+.{digits}f}"
+    return (text if float(text) else text[1:]).replace("-", "−")
+
+
+def _signed(length: float) -> str:
+    return signed(1e3 * length, 1)
+
+
+def _plain(length: float) -> str:
+    return _signed(length).removeprefix("+")
+
+
+def _ranks(scores: Mapping[str, Score]) -> str:
+    return ", ".join(f"{key.upper()} {_rank(scores[key])}" for key in ("te1", "te2"))
 
 
 def _rank(found: Score) -> str:

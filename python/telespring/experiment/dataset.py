@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import tomllib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +16,12 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from telespring._types import FloatArray
 from telespring.experiment.folder import RehearsalFolder
 from telespring.experiment.identity import Identity
 from telespring.experiment.records import Record
-from telespring.experiment.schedule import Trial, condition_labels, sample_count
-from telespring.experiment.signals import SIGNALS, STATUSES, TARGET, unpack
+from telespring.experiment.schedule import Trial, condition_labels, sample_count, sample_times
+from telespring.experiment.signals import SIGNALS, STATUSES, TARGET, rounded
 from telespring.files import replacing
 
 if TYPE_CHECKING:
@@ -39,7 +43,11 @@ _DIMENSIONS = ("condition", "trial", "time", "robot", "axis")
 
 
 def write_dataset(
-    home: RehearsalFolder, identity: Identity, experiment: Experiment, trials: list[Trial]
+    home: RehearsalFolder,
+    identity: Identity,
+    experiment: Experiment,
+    trials: list[Trial],
+    target: FloatArray,
 ) -> None:
     """Make the dataset of finished trials; it is whole or absent.
 
@@ -53,6 +61,8 @@ def write_dataset(
         Its protocol.
     trials
         All its trials.
+    target
+        Where the target is in every row of a whole trial, (time, axis), m.
 
     Raises
     ------
@@ -60,8 +70,8 @@ def write_dataset(
         Where it cannot be written.
     """
     records = _Records(home, trials)
-    with replacing(home.dataset) as beside:
-        small = _labels_and_outcomes(identity, experiment, records)
+    with _told_as_disk_trouble(home.dataset), replacing(home.dataset) as beside:
+        small = _labels_and_outcomes(identity, experiment, records, target)
         none_missing = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
         small.to_netcdf(beside, engine="h5netcdf", encoding=none_missing)
         count = sample_count(experiment)
@@ -93,28 +103,38 @@ class _Records:
             yield trial, record
 
 
-def _labels_and_outcomes(identity: Identity, experiment: Experiment, records: _Records) -> xr.Dataset:
+@contextmanager
+def _told_as_disk_trouble(dataset: Path) -> Iterator[None]:
+    """Make an OSError of what h5py raises where a write fails: it knows the number, but not the class."""
+    try:
+        yield
+    except RuntimeError as trouble:
+        number = re.search(r"errno = (\d+)", str(trouble))
+        if number is None:
+            raise
+        code = int(number[1])
+        raise OSError(code, os.strerror(code), str(dataset)) from trouble
+
+
+def _labels_and_outcomes(
+    identity: Identity, experiment: Experiment, records: _Records, target: FloatArray
+) -> xr.Dataset:
     """Make the dataset without its signals."""
     conditions = experiment.conditions
     shape = (len(conditions), experiment.trials)
     seed, order = np.zeros(shape, np.uint64), np.zeros(shape, np.int64)
     status, ended_at = np.zeros(shape, np.int8), np.full(shape, np.nan)
-    longest: Record | None = None
     for trial, record in records:
         place = (trial.condition, trial.trial)
         seed[place], order[place] = trial.seed, trial.order
         status[place] = STATUSES.index(record.status)
         ended_at[place] = np.nan if record.ended_at is None else record.ended_at
-        if longest is None or record.rows > longest.rows:
-            longest = record
-    assert longest is not None
-    count = sample_count(experiment)
     stiffness = [np.nan if k is None else k for k, _ in conditions]
     return xr.Dataset(
         {
             "target": (
                 ("time", "axis"),
-                unpack(longest.chunks[TARGET.name], (count, 2)),
+                rounded(TARGET, target),
                 _described(TARGET.units, TARGET.long_name, resolution=TARGET.resolution),
             ),
             "seed": (_PLACE, seed, _described("1", "seed of everything random in the trial")),
@@ -156,7 +176,7 @@ def _labels_and_outcomes(identity: Identity, experiment: Experiment, records: _R
             "trial": ("trial", np.arange(1, shape[1] + 1), _described("1", "number of the trial")),
             "time": (
                 "time",
-                np.arange(count) / experiment.record_rate,
+                sample_times(experiment),
                 _described("s", "time since the beginning of the trial"),
             ),
             "robot": ("robot", np.array([1, 2]), _described("1", "number of the robot")),

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from telespring import _core
@@ -15,8 +16,15 @@ __all__ = ["SCHEMA", "VERSION", "Identity"]
 #: Changes when a variable or attribute of the dataset changes its meaning or goes away.
 SCHEMA = "telespring rehearsal 1"
 
+
+def _version() -> str:
+    """Name the compiled core that computes, the build included: another build may give other numbers."""
+    built = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+    return f"{_core.__version__}+{built[:12]}"
+
+
 #: Of the core that computes, not of what is installed beside it.
-VERSION = _core.__version__
+VERSION = _version()
 
 
 @dataclass(frozen=True)

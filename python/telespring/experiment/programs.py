@@ -41,6 +41,10 @@ _AGENT = (
 _TARGET = "A target is called as target(times) in s, and returns positions of shape (n, 2) in m."
 
 
+#: What a program may raise: one that leaves by sys.exit must not end the rehearsal as if all were well.
+_RAISED = (Exception, SystemExit)
+
+
 class Stopped(Exception):
     """A trial that was given up because the rehearsal is stopped."""
 
@@ -215,11 +219,11 @@ def _module(field: str, reference: str, name: str, folder: Path | None) -> Modul
         raise InvalidInput(
             field, reference, f"a module {name} must be found {places}", f"Put {name}.py there."
         ) from None
-    except Exception as trouble:
+    except _RAISED as trouble:
         raise _raised(field, reference, trouble, file) from trouble
 
 
-def _raised(field: str, reference: str, trouble: Exception, file: Path | None) -> ProgramFailed:
+def _raised(field: str, reference: str, trouble: BaseException, file: Path | None) -> ProgramFailed:
     return ProgramFailed(
         field,
         reference,
@@ -276,7 +280,7 @@ def _told(trouble: BaseException, file: Path | None) -> str:
 def _force(program: Program, seed: int, stop: Event) -> Force:
     try:
         agent = program.thing(seed=seed, **program.options)
-    except Exception as trouble:
+    except _RAISED as trouble:
         options = ", ".join(["seed", *program.options])
         raise program.failed(
             f"the class must accept {options} by name, and it raised {_told(trouble, program.file)}"
@@ -289,7 +293,7 @@ def _force(program: Program, seed: int, stop: Event) -> Force:
             raise Stopped
         try:
             given = agent(time, position, velocity, target)
-        except Exception as trouble:
+        except _RAISED as trouble:
             raised = _told(trouble, program.file)
             raise program.failed(
                 f"an agent must not raise, and it raised {raised} at t = {time:.6g} s"
@@ -311,7 +315,7 @@ def _force(program: Program, seed: int, stop: Event) -> Force:
 def _positions(program: Program, times: FloatArray) -> FloatArray:
     try:
         given = program.thing(times.copy(), **program.options)
-    except Exception as trouble:
+    except _RAISED as trouble:
         raise program.failed(
             f"a target must not raise, and it raised {_told(trouble, program.file)}"
         ) from trouble

@@ -18,10 +18,17 @@ from telespring._types import FloatArray
 from telespring.experiment.folder import RehearsalFolder
 from telespring.experiment.identity import SCHEMA, VERSION, Identity
 from telespring.experiment.lock import locked
-from telespring.experiment.programs import ProgramFailed, Programs, programs_of
+from telespring.experiment.programs import ProgramFailed, Programs, Stopped, programs_of
 from telespring.experiment.records import Record
-from telespring.experiment.schedule import Trial, condition_labels, sample_count, schedule, tick_count
-from telespring.experiment.signals import SIGNALS, TARGET, pack
+from telespring.experiment.schedule import (
+    Trial,
+    condition_labels,
+    sample_count,
+    schedule,
+    tick_count,
+    tick_stride,
+)
+from telespring.experiment.signals import SIGNALS, pack
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -181,7 +188,7 @@ def run_protocol(
                     progress(done, len(trials))
         from telespring.experiment.dataset import write_dataset
 
-        write_dataset(home, identity, experiment, trials)
+        write_dataset(home, identity, experiment, trials, _kept_target(experiment, target))
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
@@ -216,6 +223,13 @@ def _experiment(study: Study) -> Experiment:
     return experiment
 
 
+def _kept_target(experiment: Experiment, target: FloatArray | None) -> FloatArray:
+    """Return the target at the rows of a whole trial, (time, axis), m; `target` is that of a program."""
+    if target is not None:
+        return target[:: tick_stride(experiment)]
+    return experiment.laboratory.target(experiment.duration, experiment.record_rate)
+
+
 def _workers(workers: int | None) -> int:
     if workers is None:
         with suppress(AttributeError):  # only some systems can limit a process to some cores
@@ -245,6 +259,11 @@ def _run(
 ) -> Generator[tuple[Trial, Record]]:
     """Run trials on so many threads and give each as it is finished."""
     stop = Event()
+
+    def stop_wanted() -> None:
+        if stop.is_set():
+            raise Stopped
+
     labels = condition_labels(experiment.conditions)
     count = sample_count(experiment)
 
@@ -260,6 +279,7 @@ def _run(
                 agents=programs.forces(trial.seed, stop),
                 target=target,
                 coupling_damping=study.coupling.damping,
+                watch=stop_wanted,
             )
         except ProgramFailed as failed:
             place = f"{failed.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}"
@@ -279,7 +299,7 @@ def _run(
             status=found["status"],
             ended_at=None if math.isnan(found["ended_at"]) else found["ended_at"],
             rows=rows,
-            chunks={signal.name: pack(signal, found[signal.name], count) for signal in (*SIGNALS, TARGET)},
+            chunks={signal.name: pack(signal, found[signal.name], count) for signal in SIGNALS},
         )
 
     waiting = iter(trials)

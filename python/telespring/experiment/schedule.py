@@ -9,12 +9,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from telespring import _core
+from telespring._types import FloatArray
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
 
-__all__ = ["Trial", "condition_labels", "sample_count", "schedule", "tick_count"]
+__all__ = [
+    "Trial",
+    "condition_labels",
+    "sample_count",
+    "sample_times",
+    "schedule",
+    "tick_count",
+    "tick_stride",
+]
 
 
 @dataclass(frozen=True)
@@ -79,10 +90,21 @@ def tick_count(experiment: Experiment) -> int:
     return math.floor(exact * (1.0 + 4.0 * sys.float_info.epsilon))
 
 
+def tick_stride(experiment: Experiment) -> int:
+    """Return every how many ticks of the controllers a row is kept."""
+    return round(1.0 / (experiment.record_rate * experiment.sample_period))
+
+
 def sample_count(experiment: Experiment) -> int:
     """Return how many rows are kept of a completed trial, the first at t = 0."""
-    stride = round(1.0 / (experiment.record_rate * experiment.sample_period))
-    return tick_count(experiment) // stride + 1
+    return tick_count(experiment) // tick_stride(experiment) + 1
+
+
+def sample_times(experiment: Experiment) -> FloatArray:
+    """Return when the rows are kept, s: at ticks of the controllers."""
+    ticks = tick_stride(experiment) * np.arange(sample_count(experiment), dtype=np.float64)
+    # A division by the rate gives 0.35 s at 1 kHz as it is written.
+    return ticks / (1.0 / experiment.sample_period)
 
 
 def condition_labels(conditions: Sequence[tuple[float | None, float]]) -> list[str]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from telespring._types import FloatArray
 
-__all__ = ["SIGNALS", "STATUSES", "TARGET", "Signal", "pack", "unpack"]
+__all__ = ["SIGNALS", "STATUSES", "TARGET", "Signal", "pack", "rounded"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ SIGNALS = (
 TARGET = Signal("target", "m", "position of the target", 30)
 
 #: How a trial can end; its place here is its value in the dataset.
-STATUSES = ("completed", "diverged", "out of reach")
+STATUSES = ("completed", "diverged", "out of reach", "too stiff")
 
 
 def pack(signal: Signal, values: FloatArray, count: int) -> bytes:
@@ -72,12 +71,11 @@ def pack(signal: Signal, values: FloatArray, count: int) -> bytes:
         here every thread can do it; HDF5 lets one in at a time.
     """
     whole = np.full((count, *values.shape[1:]), np.nan, dtype="<f8")
-    scale = 2.0**signal.bits
-    whole[: len(values)] = np.rint(values * scale) / scale
+    whole[: len(values)] = rounded(signal, values)
     return zlib.compress(whole.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), 1)
 
 
-def unpack(chunk: bytes, shape: tuple[int, ...]) -> Any:
-    """Turn a chunk that `pack` made back into its values."""
-    planes = np.frombuffer(zlib.decompress(chunk), np.uint8).reshape(8, -1)
-    return np.ascontiguousarray(planes.T).view("<f8").reshape(shape)
+def rounded(signal: Signal, values: FloatArray) -> FloatArray:
+    """Round values to the signal's resolution."""
+    scale = 2.0**signal.bits
+    return np.asarray(np.rint(values * scale) / scale, dtype=np.float64)

@@ -202,6 +202,9 @@ impl Target {
 }
 
 impl Controller {
+    /// The smallest step of a position sensor that is not none, m.
+    pub const FINEST_RESOLUTION: f64 = 1e-12;
+
     /// Refuses what is out of range.
     ///
     /// # Errors
@@ -211,6 +214,19 @@ impl Controller {
         quantity::SAMPLE_PERIOD.check("sample_period", self.sample_period)?;
         quantity::SPAN.check("actuator_lag", self.actuator_lag)?;
         quantity::RESOLUTION.check("encoder_resolution", self.encoder_resolution)?;
+        let resolution = self.encoder_resolution;
+        if resolution > 0.0 && resolution < Self::FINEST_RESOLUTION {
+            return Err(InvalidInput::new(
+                "encoder_resolution",
+                format!("{resolution:?}"),
+                format!(
+                    "an encoder resolution is 0 for none, or {:?} to {:?} m",
+                    Self::FINEST_RESOLUTION,
+                    quantity::RESOLUTION.maximum()
+                ),
+                "Write 0 for a sensor without steps.",
+            ));
+        }
         Ok(())
     }
 }

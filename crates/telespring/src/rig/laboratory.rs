@@ -129,7 +129,7 @@ pub struct Controller {
     pub computing_tick: bool,
     /// Time constant of the robots' actuators, s; 0 is none.
     pub actuator_lag: f64,
-    /// Step of the position sensors, m; 0 is none.
+    /// Step to which measured positions are rounded, m; 0 is none. Velocities are measured without a step.
     pub encoder_resolution: f64,
 }
 
@@ -138,7 +138,8 @@ pub struct Controller {
 pub struct Network {
     /// Each packet is later by a time uniform between 0 and this, s.
     pub jitter: f64,
-    /// Probability that a packet is lost.
+    /// Probability that a packet is lost. A sample that is lost is interpolated over where its successor
+    /// has come by its turn; else the newest that has come is held.
     pub loss: f64,
 }
 

@@ -40,8 +40,8 @@ pub use agent::Seen;
 pub use laboratory::{
     Agent, Arm, Controller, Elbow, Handle, Laboratory, Network, Protocol, Side, Spots, Target, TwoLinkArm,
 };
-pub use plant::OutOfReach;
+pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Ending, Record, Recording, Row, Status};
 pub use schedule::{MOST_TICKS, Schedule};
-pub use trial::{Callback, Coupling, LIMIT, Trial};
+pub use trial::{Callback, Coupling, LIMIT, Trial, Watch};

@@ -8,8 +8,11 @@
 //! delay is thus exactly δ, whether or not it is a whole number of periods.
 //!
 //! Jitter makes each packet later by a time of its own, uniform between 0 and its bound. The endpoint does
-//! not wait longer for it: it holds the newest sample it has, as it does for a lost one, and takes up the
-//! late one if its turn is not over. Packets overtake each other where the jitter exceeds the period.
+//! not wait longer for it: between the samples it has it interpolates, over those that are lost or late as
+//! well, and where none newer has come it holds the newest. A late one is taken up if its turn is not over. A
+//! single lost sample is thus never noticed as a hold where the delay is a whole number of periods: when it
+//! would be played its successor has just come. Elsewhere the sample before it is held for a part of a
+//! period. Packets overtake each other where the jitter exceeds the period.
 
 use std::collections::VecDeque;
 

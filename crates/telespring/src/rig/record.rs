@@ -55,6 +55,12 @@ pub enum Status {
         /// The first tick that was not reached, s.
         at: f64,
     },
+    /// A two-link plant whose motion has time constants too short to follow: more steps would have been
+    /// needed than one period is given.
+    TooStiff {
+        /// The first tick that was not reached, s.
+        at: f64,
+    },
 }
 
 /// How a trial ended and what was kept of it.

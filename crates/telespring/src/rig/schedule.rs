@@ -33,7 +33,7 @@ impl Schedule {
         quantity::RATE.check("record_rate", record_rate)?;
         let exact = 1.0 / (record_rate * sample_period);
         let stride = exact.round();
-        if !(stride >= 1.0 && (exact - stride).abs() <= 1e-6 * stride) {
+        if !(stride >= 1.0 && (exact - stride).abs() <= 1e-9 * stride) {
             return Err(InvalidInput::new(
                 "record_rate",
                 record_rate,
@@ -62,6 +62,12 @@ impl Schedule {
     /// Every how many ticks a row is kept, from tick 0 on.
     pub fn stride(&self) -> usize {
         self.stride
+    }
+
+    /// When row `row` is kept at this sample period (s), s.
+    pub fn time(&self, row: usize, sample_period: f64) -> f64 {
+        // a division by the rate gives 0.35 s at 1 kHz as it is written
+        (row * self.stride) as f64 / (1.0 / sample_period)
     }
 
     /// How many rows are kept of a complete trial.

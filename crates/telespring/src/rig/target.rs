@@ -1,6 +1,6 @@
 //! Where the agents are to be.
 
-use super::Target;
+use super::{Schedule, Target};
 
 /// Position and velocity of the target at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +12,15 @@ pub(crate) struct Aim {
 }
 
 impl Target {
+    /// Positions in every row that a schedule keeps at this sample period (s), m; none where a sampled
+    /// target has no samples.
+    pub fn positions(&self, schedule: &Schedule, sample_period: f64) -> Vec<[f64; 2]> {
+        if matches!(self, Self::Sampled(samples) if samples.is_empty()) {
+            return Vec::new();
+        }
+        (0..schedule.rows()).map(|row| self.at(row * schedule.stride(), sample_period).position).collect()
+    }
+
     /// The target at tick `tick` of controllers with this period (s). A sampled target rests where its
     /// samples end.
     pub(crate) fn at(&self, tick: usize, period: f64) -> Aim {

@@ -7,7 +7,7 @@
 
 use super::agent::{Mover, Seen};
 use super::network::Link;
-use super::plant::{OutOfReach, Plant, RelaxingForce};
+use super::plant::{Halt, Plant, RelaxingForce};
 use super::random::{Stream, generator};
 use super::record::{Ending, Record, Recording, Row, Status};
 use super::schedule::Schedule;
@@ -15,7 +15,7 @@ use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds, wire};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, Refused, wire};
 
 /// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
 /// robot reaches that far.
@@ -47,6 +47,13 @@ impl Coupling {
 
 /// A program of the caller's that moves an arm: the force (N per axis) from what it sees at a tick.
 pub type Callback<'a, E> = &'a mut dyn FnMut(&Seen) -> std::result::Result<[f64; 2], E>;
+
+/// Called in the course of a trial; an error ends it, such as that somebody pressed Ctrl-C.
+pub type Watch<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
+
+/// Ticks between two calls of a watch: some milliseconds, and some tenths of a second in a plant that is
+/// about to be too stiff.
+const WATCHED: usize = 256;
 
 /// One trial.
 #[derive(Debug, Clone, Copy)]
@@ -102,12 +109,12 @@ impl Station {
     }
 
     /// Takes in what has arrived and gives the force of the spring, N.
-    fn spring(&mut self, now: Nanoseconds) -> [f64; 2] {
-        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
+    fn spring(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], Refused> {
+        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
-            endpoint.receive(now, &packet).expect("a packet of the other side");
+            endpoint.receive(now, &packet)?;
         }
-        endpoint.force(now)
+        Ok(endpoint.force(now))
     }
 
     /// What acts until the next tick where these forces have been computed now, N.
@@ -120,7 +127,7 @@ impl Station {
     }
 
     /// Moves on by one period.
-    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), OutOfReach> {
+    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), Halt> {
         let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
         if time_constant > 0.0 {
             let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
@@ -168,8 +175,21 @@ impl Trial<'_> {
         &self,
         external: [Option<Callback<'_, E>>; 2],
     ) -> std::result::Result<Recording, E> {
+        self.record_watched(external, &mut || Ok(()))
+    }
+
+    /// As [`Trial::record`], with the watch of [`Trial::run_watched`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::run_watched`].
+    pub fn record_watched<E: From<InvalidInput>>(
+        &self,
+        external: [Option<Callback<'_, E>>; 2],
+        watch: Watch<'_, E>,
+    ) -> std::result::Result<Recording, E> {
         let mut recording = Recording::new(self.schedule.rows());
-        let ending = self.run(external, &mut recording.slots())?;
+        let ending = self.run_watched(external, &mut recording.slots(), watch)?;
         recording.end(ending);
         Ok(recording)
     }
@@ -184,8 +204,22 @@ impl Trial<'_> {
     /// external agent returns.
     pub fn run<E: From<InvalidInput>>(
         &self,
+        external: [Option<Callback<'_, E>>; 2],
+        record: &mut Record<'_>,
+    ) -> std::result::Result<Ending, E> {
+        self.run_watched(external, record, &mut || Ok(()))
+    }
+
+    /// As [`Trial::run`]; `watch` is called now and then, and what it returns as an error ends the trial.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::run`], and whatever `watch` returns.
+    pub fn run_watched<E: From<InvalidInput>>(
+        &self,
         mut external: [Option<Callback<'_, E>>; 2],
         record: &mut Record<'_>,
+        watch: Watch<'_, E>,
     ) -> std::result::Result<Ending, E> {
         let Laboratory { sides, target, controller, .. } = self.laboratory;
         let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
@@ -214,13 +248,18 @@ impl Trial<'_> {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
             let aim_here = target.at(tick, period);
+            // also where a motion is none that a packet may carry
+            let diverged = Ending { status: Status::Diverged { at: time }, rows };
             if stations.iter().any(Station::diverged) {
-                return Ok(Ending { status: Status::Diverged { at: time }, rows });
+                return Ok(diverged);
+            }
+            if tick % WATCHED == 0 {
+                watch()?;
             }
             let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
-                    let packet = endpoint.send(now, measured[side]).expect("a motion inside the limits");
+                    let Ok(packet) = endpoint.send(now, measured[side]) else { return Ok(diverged) };
                     if let Some(link) = &mut stations[1 - side].link {
                         link.send(now, packet);
                     }
@@ -241,7 +280,7 @@ impl Trial<'_> {
                     }
                     _ => station.mover.act(&seen, &aim_here),
                 };
-                let spring = station.spring(now);
+                let Ok(spring) = station.spring(now) else { return Ok(diverged) };
                 acting[side] = station.act(spring, hand, controller);
             }
             if tick % stride == 0 {
@@ -261,9 +300,13 @@ impl Trial<'_> {
                 break;
             }
             for (station, acting) in stations.iter_mut().zip(&acting) {
-                if station.advance(acting, controller).is_err() {
+                if let Err(halt) = station.advance(acting, controller) {
                     let at = (tick + 1) as f64 * period;
-                    return Ok(Ending { status: Status::OutOfReach { at }, rows });
+                    let status = match halt {
+                        Halt::OutOfReach(_) => Status::OutOfReach { at },
+                        Halt::TooStiff { .. } => Status::TooStiff { at },
+                    };
+                    return Ok(Ending { status, rows });
                 }
             }
         }

@@ -63,6 +63,10 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// A string.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
+            DeValue::String(text) if text.contains('\0') => Err(self.refuse(
+                "a text without the character U+0000 is needed, which no dataset can hold",
+                "Remove \\u0000.",
+            )),
             DeValue::String(text) => Ok(text.clone().into_owned()),
             _ => Err(self.refuse("a text in quotes is needed", "Put it in quotes.")),
         }
@@ -92,14 +96,13 @@ impl<'r, 'a> Entry<'r, 'a> {
 
     /// A whole number in a range.
     pub fn whole(&self, what: &str, least: i64, most: i64) -> Result<i64> {
-        let value = match self.value.get_ref() {
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok(),
-            _ => None,
-        };
-        let remedy = match value {
-            Some(value) if (least..=most).contains(&value) => return Ok(value),
-            Some(_) => "Choose a number in that range.",
-            None => "Write it without a decimal point, quotes and units.",
+        let remedy = match self.value.get_ref() {
+            // one that does not fit in 64 bits is a whole number out of the range as well
+            DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
+                Ok(value) if (least..=most).contains(&value) => return Ok(value),
+                _ => "Choose a number in that range.",
+            },
+            _ => "Write it without a decimal point, quotes and units.",
         };
         Err(self.refuse(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }

@@ -57,7 +57,7 @@ pub struct Setup {
     pub computing_tick: bool,
     /// Time constant of the robots' actuators, s.
     pub actuator_lag: f64,
-    /// Step of the position sensors, m.
+    /// Step to which measured positions are rounded, m; 0 is none. Velocities have no step.
     pub encoder_resolution: f64,
     /// The most that a packet may be later than the delay, s.
     pub jitter: f64,
@@ -138,7 +138,7 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
                 base: need("base", "[0.0, -0.5] (m)", quantity::PLACE)?,
                 elbow: if elbow == "left" { Elbow::Left } else { Elbow::Right },
                 link_length: need("link_length", "[0.3, 0.3] (m)", quantity::LENGTH)?,
-                link_mass: need("link_mass", "[1.0, 0.8] (kg)", quantity::ADDED_MASS)?,
+                link_mass: need("link_mass", "[1.0, 0.8] (kg)", quantity::LINK_MASS)?,
                 link_centre: need("link_centre", "[0.15, 0.15] (m)", quantity::OFFSET)?,
                 link_inertia: need("link_inertia", "[0.008, 0.006] (kg·m²)", quantity::INERTIA)?,
                 joint_damping: pair("joint_damping", quantity::JOINT_DAMPING)?,

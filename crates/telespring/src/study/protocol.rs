@@ -120,6 +120,20 @@ impl ProtocolChoice {
         let record_rate = self.record_rate.unwrap_or_else(|| rate / (rate / 100.0 - 1e-9).ceil().max(1.0));
         let schedule = Schedule::new(duration, record_rate, sample_period)
             .map_err(|refusal| refusal.within("protocol"))?;
+        // with the share of a sample that the analysis allows for rounding
+        let first = (discard / schedule.time(1, sample_period) - 1e-6).ceil().max(0.0);
+        if schedule.rows() as f64 - first < 2.0 {
+            let unless_given = if self.duration.is_none() { " (unless given)" } else { "" };
+            return Err(InvalidInput::new(
+                "protocol.duration",
+                format!("{duration:?}{unless_given}"),
+                format!(
+                    "of a trial two samples or more must be left to judge after the first {discard:?} s, and \
+                     {record_rate:?} are kept per second"
+                ),
+                "Name a longer duration, a shorter part to discard or a higher record_rate.",
+            ));
+        }
         let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
         if rows > MOST_ROWS {
             return Err(InvalidInput::new(

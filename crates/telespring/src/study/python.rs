@@ -73,7 +73,7 @@ fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     };
     match entry.value() {
         DeValue::Boolean(value) => Ok(OptionValue::Boolean(*value)),
-        DeValue::String(text) => Ok(OptionValue::Text(text.clone().into_owned())),
+        DeValue::String(_) => entry.text().map(OptionValue::Text),
         DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
             .map(OptionValue::Whole)
             .map_err(|_| refused("Write a smaller number.")),

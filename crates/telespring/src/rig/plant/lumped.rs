@@ -118,6 +118,10 @@ impl Axis {
         }
         let net = force - self.coulomb.copysign(self.velocity);
         let end = step.decay * self.velocity + step.gain * net;
+        if net * self.velocity >= 0.0 {
+            // nothing drives it to rest; a strong damping may bring the velocity itself to a rounded 0
+            return self.glide(&step, net);
+        }
         if end != 0.0 && end.is_sign_positive() == self.velocity.is_sign_positive() {
             // v is monotonic under a constant force: it has not passed zero
             return self.glide(&step, net);

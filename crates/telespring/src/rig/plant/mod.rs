@@ -17,6 +17,21 @@ pub struct OutOfReach {
     pub position: [f64; 2],
 }
 
+/// Why a plant could not move on.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Halt {
+    /// The arm would have to stretch further than it can.
+    #[error(transparent)]
+    OutOfReach(#[from] OutOfReach),
+    /// Time constants so short, beside the span, that it would take more steps than a span is given.
+    #[error("the motion is too stiff to follow at x = {} m, y = {} m", .position[0], .position[1])]
+    TooStiff {
+        /// Where it was last, m.
+        position: [f64; 2],
+    },
+}
+
 /// A force that goes from one value to another as e^(−t/τ), as behind an actuator of first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelaxingForce {
@@ -107,13 +122,13 @@ impl Plant {
     ///
     /// # Errors
     ///
-    /// [`OutOfReach`] where the arm would have to stretch further than it can.
+    /// [`Halt`] where the arm would have to stretch further than it can, or the motion is too stiff.
     pub fn advance(
         &mut self,
         robot_force: [f64; 2],
         hand_force: [f64; 2],
         span: f64,
-    ) -> std::result::Result<(), OutOfReach> {
+    ) -> std::result::Result<(), Halt> {
         match self {
             Self::Lumped(plant) => {
                 plant.advance(robot_force, hand_force, span);
@@ -134,7 +149,7 @@ impl Plant {
         robot_force: &RelaxingForce,
         hand_force: [f64; 2],
         span: f64,
-    ) -> std::result::Result<(), OutOfReach> {
+    ) -> std::result::Result<(), Halt> {
         match self {
             Self::Lumped(plant) => {
                 plant.advance_relaxing(robot_force, hand_force, span);

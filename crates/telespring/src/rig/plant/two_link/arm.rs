@@ -3,11 +3,9 @@
 use super::OutOfReach;
 use super::dynamics::Rig;
 use super::kinematics::Pose;
-use crate::error::{InvalidInput, Result};
+use crate::error::Result;
+use crate::quantity;
 use crate::rig::{Elbow, Handle, TwoLinkArm};
-
-/// A pair of quantities of an arm: field, what it is, unit, range.
-struct Pair(&'static str, &'static str, &'static str, [f64; 2]);
 
 impl TwoLinkArm {
     /// Two links of HEBI X-series parts, 0.45 m behind the middle of the task: a stated stand-in, as the
@@ -39,7 +37,7 @@ impl TwoLinkArm {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] that names the first value out of its range.
+    /// [`InvalidInput`](crate::InvalidInput) that names the first value out of its range.
     ///
     /// # Examples
     ///
@@ -49,36 +47,19 @@ impl TwoLinkArm {
     /// assert_eq!(arm.checked().unwrap_err().field, "link_mass[0]");
     /// ```
     pub fn checked(self) -> Result<Self> {
-        const PAIRS: [Pair; 8] = [
-            Pair("base", "a coordinate", "m", [-10.0, 10.0]),
-            Pair("link_length", "a length of a link", "m", [1e-2, 10.0]),
-            Pair("link_mass", "a mass of a link", "kg", [0.0, 1e3]),
-            Pair("link_centre", "a distance from the joint", "m", [-10.0, 10.0]),
-            Pair("link_inertia", "a moment of inertia", "kg·m²", [0.0, 1e3]),
-            Pair("joint_damping", "a damping of a joint", "N·m·s/rad", [0.0, 1e4]),
-            Pair("rotor_inertia", "a reflected inertia", "kg·m²", [0.0, 1e3]),
-            Pair("torque_limit", "a limit of torque", "N·m", [0.0, f64::INFINITY]),
+        let pairs = [
+            ("base", quantity::PLACE, self.base),
+            ("link_length", quantity::LENGTH, self.link_length),
+            ("link_mass", quantity::LINK_MASS, self.link_mass),
+            ("link_centre", quantity::OFFSET, self.link_centre),
+            ("link_inertia", quantity::INERTIA, self.link_inertia),
+            ("joint_damping", quantity::JOINT_DAMPING, self.joint_damping),
+            ("rotor_inertia", quantity::INERTIA, self.rotor_inertia),
+            ("torque_limit", quantity::TORQUE, self.torque_limit),
         ];
-        let values = [
-            self.base,
-            self.link_length,
-            self.link_mass,
-            self.link_centre,
-            self.link_inertia,
-            self.joint_damping,
-            self.rotor_inertia,
-            self.torque_limit,
-        ];
-        for (Pair(field, name, unit, [least, most]), pair) in PAIRS.iter().zip(values) {
+        for (field, quantity, pair) in pairs {
             for (index, value) in pair.into_iter().enumerate() {
-                if !(value >= *least && value <= *most) {
-                    return Err(InvalidInput::new(
-                        format!("{field}[{index}]"),
-                        value,
-                        format!("{name} must be a number from {least} to {most} {unit}"),
-                        format!("Check the sign and the unit: {unit} is expected."),
-                    ));
-                }
+                quantity.check(&format!("{field}[{index}]"), value)?;
             }
         }
         Ok(self)

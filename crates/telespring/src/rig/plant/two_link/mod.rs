@@ -17,7 +17,7 @@ mod tests;
 use self::dynamics::Rig;
 use self::kinematics::Pose;
 use self::stepping::{Held, State};
-use super::OutOfReach;
+use super::{Halt, OutOfReach};
 use crate::rig::{Handle, TwoLinkArm};
 
 pub use self::kinematics::SMALLEST_ELBOW_SINE;
@@ -36,7 +36,7 @@ pub use self::kinematics::SMALLEST_ELBOW_SINE;
 ///     plant.advance([0.0, 0.0], [0.0, 1.0], 1e-3)?;
 /// }
 /// assert!(plant.velocity()[1] > 0.0);
-/// # Ok::<(), telespring::rig::OutOfReach>(())
+/// # Ok::<(), telespring::rig::plant::Halt>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoLinkPlant {
@@ -109,14 +109,9 @@ impl TwoLinkPlant {
     ///
     /// # Errors
     ///
-    /// [`OutOfReach`] where the handle leaves the reach on the way; it is then left where it last was
-    /// inside.
-    pub fn advance(
-        &mut self,
-        robot_force: [f64; 2],
-        hand_force: [f64; 2],
-        span: f64,
-    ) -> Result<(), OutOfReach> {
+    /// [`Halt`] where the handle leaves the reach on the way, or the motion is too stiff; it is then left
+    /// where it was last.
+    pub fn advance(&mut self, robot_force: [f64; 2], hand_force: [f64; 2], span: f64) -> Result<(), Halt> {
         self.advance_by_torque(robot_force, self.torque_for(hand_force), span)
     }
 
@@ -124,13 +119,13 @@ impl TwoLinkPlant {
     ///
     /// # Errors
     ///
-    /// [`OutOfReach`] as in [`TwoLinkPlant::advance`].
+    /// [`Halt`] as in [`TwoLinkPlant::advance`].
     pub fn advance_by_torque(
         &mut self,
         robot_force: [f64; 2],
         torque: [f64; 2],
         span: f64,
-    ) -> Result<(), OutOfReach> {
+    ) -> Result<(), Halt> {
         self.torque = torque;
         let held = Held { torque, robot_force };
         stepping::advance(&self.rig, held, span, &mut self.state, &mut self.step)

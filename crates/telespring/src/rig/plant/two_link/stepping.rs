@@ -1,9 +1,9 @@
 //! Motion over a span in which the forces are held: steps of the pair 5(4) of Dormand and Prince (1980),
 //! cut where an axis comes to rest or breaks loose.
 
-use super::OutOfReach;
 use super::dynamics::{Balance, Rig};
 use super::friction::{Contact, contacts, excess, motion};
+use super::{Halt, OutOfReach};
 
 /// Positions, m, then velocities, m/s.
 pub(super) type State = [f64; 4];
@@ -17,6 +17,10 @@ const SLOW: f64 = 1e-2;
 const SMALLEST_STEP: f64 = 1e-7;
 /// Halvings that place an event: 1 ms to below 1e-16 s.
 const HALVINGS: usize = 44;
+/// Steps that a span is given, and more for each second of it. The arms of people and robots with their
+/// masses take a few for 1 ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
+const MOST_STEPS: f64 = 300.0;
+const MOST_STEPS_PER_SECOND: f64 = 1e5;
 /// Events in one span after which the rest of it is run as it is: only rounding could bring about more,
 /// where an axis starts with next to no force left over.
 const MOST_EVENTS: usize = 64;
@@ -137,7 +141,7 @@ impl Span<'_> {
     }
 }
 
-/// The state after `span`, s, or where the handle left the reach of the arm.
+/// The state after `span`, s, or why there is none.
 ///
 /// `guess` is the step that served last, for the next span to start with.
 pub(super) fn advance(
@@ -146,7 +150,7 @@ pub(super) fn advance(
     span: f64,
     state: &mut State,
     guess: &mut f64,
-) -> Result<(), OutOfReach> {
+) -> Result<(), Halt> {
     let level = rig.handle.coulomb;
     let has_friction = level != [0.0; 2];
     let mut work = Span { rig, held, contact: [Contact::Frictionless; 2] };
@@ -155,10 +159,15 @@ pub(super) fn advance(
     let mut balance = work.balance(*state)?;
     work.contact = contacts(&balance, halves(*state).1, level);
     let mut slope = work.derivative(*state, &balance);
+    let mut steps_left = MOST_STEPS + MOST_STEPS_PER_SECOND * span;
     while left > 0.0 {
         if work.contact == [Contact::Stuck; 2] {
             // nothing moves, so nothing changes until other forces act
             return Ok(());
+        }
+        steps_left -= 1.0;
+        if steps_left < 0.0 {
+            return Err(Halt::TooStiff { position: halves(*state).0 });
         }
         let length = guess.min(left);
         let trial = match work.step(*state, slope, length) {
@@ -167,7 +176,7 @@ pub(super) fn advance(
                 *guess = 0.5 * length;
                 continue;
             }
-            _ => return Err(OutOfReach { position: halves(*state).0 }),
+            _ => return Err(OutOfReach { position: halves(*state).0 }.into()),
         };
         // order 5: the error of a step falls with the fifth power of its length
         let change = (0.9 * trial.error.powf(-0.2)).clamp(0.2, 5.0);
