@@ -92,6 +92,16 @@ def test_law_a_designed_movement_is_within_its_limits_and_no_worse_than_the_pape
         assert mine <= 1.02 * scaled.condition_number(coulomb=coulomb, offset=offset, **units)
 
 
+@pytest.mark.parametrize("harmonics", [5, 6, 8])
+def test_law_with_as_many_harmonics_as_the_papers_none_is_worse(harmonics: int) -> None:
+    """With fewer it may be: the paper's movement is then no candidate, and the page says so."""
+    kinds = {"coulomb": True, "offset": True}
+    limits = paper_excitation().extremes()
+    designed = design_excitation(*limits, harmonics=harmonics, starts=1)
+    assert designed.condition_number(**kinds) <= 1.02 * paper_excitation().condition_number(**kinds)
+    assert "With five harmonics or more" in (design_excitation.__doc__ or "")
+
+
 def test_law_the_same_seed_designs_the_same_movement() -> None:
     assert design_excitation(starts=2) == design_excitation(starts=2)
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring.identify import identify
-from telespring.identify.rig import RigLog, rig_log
+from telespring import InvalidInput
+from telespring.identify import Identification, identify
+from telespring.identify.rig import Noise, RigLog, rig_log
 from telespring.identify.study import study_identification
 from telespring.study_text import with_values
 
@@ -41,6 +42,95 @@ def test_law_95_percent_intervals_hold_table_iii_in_95_percent_of_400_logs(log: 
     print("coverage per robot, axis, (mass, damping):", shares.tolist(), "pooled:", held.mean())
     assert 0.93 <= held.mean() <= 0.97
     assert shares.min() >= 0.91
+
+
+@pytest.mark.parametrize(
+    "noise",
+    [
+        Noise(position_step=1e-4),
+        Noise(position_step=5e-5, position_jitter=0.0),
+        Noise(position_step=2e-5, position_jitter=5e-5),
+        Noise(position_step=1e-4, position_jitter=5e-5, force=1.0),
+        Noise(position_step=1e-3, position_jitter=0.0),
+    ],
+)
+def test_law_a_coarse_encoder_costs_precision_and_not_truth(log: RigLog, noise: Noise) -> None:
+    """Of 160 intervals 152 hold on average, chance is ±2.8; 143 or fewer come once in a thousand runs."""
+    robots = ts.hman().robots
+    random = np.random.default_rng(SEED + 1)
+    held = 0
+    for _ in range(20):
+        position, force = log.measured(random, noise)
+        for robot, table in enumerate(robots):
+            found = identify(log.time, position[:, robot], force[:, robot])
+            # the movement ends at 1 Hz; noise must not pass for movement up to half of the sample rate
+            assert found.cutoff < 16.0
+            for i, axis in enumerate(found.axes):
+                for estimate, truth in ((axis.mass, table.mass[i]), (axis.damping, table.damping[i])):
+                    held += estimate.interval[0] <= truth <= estimate.interval[1]
+    assert held > 143
+
+
+@pytest.mark.parametrize("corner", [20.0, 60.0, 150.0])
+def test_law_noise_that_a_filter_has_cut_is_no_movement(log: RigLog, corner: float) -> None:
+    """A filter before the recorder empties the upper part of the spectrum; the noise below it stays."""
+    from scipy import signal
+
+    position, force = log.measured(
+        np.random.default_rng(SEED + 4), Noise(position_step=1e-6, position_jitter=3e-4)
+    )
+    smooth = signal.sosfiltfilt(signal.butter(4, corner, fs=1000.0, output="sos"), position[:, 0], axis=0)
+    found = identify(log.time, smooth, force[:, 0])
+    for axis, mass in zip(found.axes, ts.hman().robots[0].mass, strict=True):
+        assert abs(axis.mass.value - mass) < 4.0 * axis.mass.standard_error
+
+
+def sound(found: Identification, mass: float) -> bool:
+    """Tell whether the interval holds the truth, within chance, or there is a warning."""
+    estimate = found.axes[0].mass
+    return abs(estimate.value - mass) < 4.0 * estimate.standard_error or bool(found.warnings)
+
+
+@pytest.mark.parametrize("frequency", [0.2, 0.3, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("amplitude", [0.1, 0.02])
+@pytest.mark.parametrize("step", [20e-6, 100e-6])
+def test_law_lines_of_the_encoder_on_a_sine_are_no_movement(
+    frequency: float, amplitude: float, step: float
+) -> None:
+    """An encoder's error on a periodic movement is made of lines up to the highest frequency."""
+    time = np.arange(20000) / 1000.0
+    angular = 2.0 * np.pi * frequency
+    position = amplitude * np.sin(angular * time)
+    force = -0.83 * angular**2 * position + 7.7 * amplitude * angular * np.cos(angular * time)
+    force += np.random.default_rng(3).normal(0.0, 0.1, time.size)
+    found = identify(time, np.round(position / step) * step, force)
+    assert sound(found, 0.83)
+    if frequency == 0.3 and amplitude == 0.1:
+        assert found.axes[0].mass.value == pytest.approx(0.83, abs=0.03)
+
+
+@pytest.mark.parametrize("jump", [0.02, 0.002])
+def test_law_an_axis_that_jumps_spoils_no_other(log: RigLog, jump: float) -> None:
+    position, force = log.measured(np.random.default_rng(SEED + 2))
+    position[9000:, 0, 0] += jump
+    found = identify(log.time, position[:, 0], force[:, 0])
+    assert any("jumps" in warning for warning in found.warnings)
+    good = found.axis("y").mass
+    assert abs(good.value - ts.hman().robots[0].mass[1]) < 4.0 * good.standard_error
+    assert good.standard_error < 0.002
+
+
+@pytest.mark.parametrize("cutoff", [30.0, 50.0, 100.0, 300.0, 400.0])
+def test_law_a_cutoff_that_lets_noise_through_is_told_or_refused(log: RigLog, cutoff: float) -> None:
+    position, force = log.measured(np.random.default_rng(SEED + 3))
+    if cutoff == 30.0:
+        assert any(
+            "position's noise" in text
+            for text in identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff).warnings
+        )
+        return
+    with pytest.raises(InvalidInput, match="position's noise shifts the mass"):
+        identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff)
 
 
 def test_ref_table_iii_is_found_from_a_log_without_noise(log: RigLog) -> None:

@@ -102,6 +102,31 @@ def frozen_to_the_end(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(position_x=column)
 
 
+def frozen_with_noise(table: pd.DataFrame) -> pd.DataFrame:
+    """Stuck for good, 1 µm of noise on what no longer moves."""
+    column = table["position_x"].to_numpy().copy()
+    column[3000:] = column[3000] + np.random.default_rng(2).normal(0.0, 1e-6, len(column) - 3000)
+    return table.assign(position_x=column)
+
+
+def frozen_at_a_slow_moment(table: pd.DataFrame) -> pd.DataFrame:
+    """Stuck for good where the robot turns round, so that nothing tells of it but how long it lasts."""
+    column = table["position_x"].to_numpy().copy()
+    turn = 3000 + int(np.argmax(column[3000:6000]))
+    column[turn:] = column[turn]
+    return table.assign(position_x=column)
+
+
+def frozen_for_a_while_with_noise(table: pd.DataFrame) -> pd.DataFrame:
+    column = table["position_y"].to_numpy().copy()
+    column[5000:6200] = column[5000] + np.random.default_rng(2).normal(0.0, 5e-6, 1200)
+    return table.assign(position_y=column)
+
+
+def in_centimetres(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(position_x=100 * table["position_x"])
+
+
 def unplugged(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(force_x=0.0)
 
@@ -127,6 +152,11 @@ def short(table: pd.DataFrame) -> pd.DataFrame:
         (in_millinewtons, "force", "--force-scale"),
         (frozen, "position (column 1)", "stuck"),
         (frozen_to_the_end, "position (column 1)", "stuck"),
+        (frozen_with_noise, "position (column 1)", "stuck"),
+        (frozen_at_a_slow_moment, "position (column 1)", "stuck"),
+        (frozen_for_a_while_with_noise, "position (column 2)", "stuck"),
+        (in_centimetres, "position", "in cm, 0.01"),
+        (in_centimetres, "position", "degrees or rad"),
         (unplugged, "force (column 1)", "connected"),
         (coarse, "position (x)", "Move the robot further"),
         (short, "time", "Record longer"),
@@ -153,6 +183,31 @@ def test_law_a_doubtful_log_is_used_with_a_warning() -> None:
     assert "saturated" in warned(saturated)
     same = table.assign(position_y=table["position_x"])
     assert "named twice" in warned(same)
+
+
+def test_law_units_that_no_such_robot_has_are_told() -> None:
+    table = frame()
+    minutes = warned(table.assign(time=table["time"] / 60))
+    assert "--time-scale 60" in minutes
+    assert "lighter than any robot" in minutes
+    assert "--position-scale 0.001" in warned(table.assign(position_x=50 * table["position_x"]))
+    assert "--force-scale" in warned(table.assign(force_x=table["force_x"] / 35))
+
+
+def test_law_a_position_that_was_read_less_often_than_logged_is_told() -> None:
+    table = frame()
+    held = np.repeat(table["position_x"].to_numpy()[::5], 5)
+    assert "has every value 5 times" in warned(table.assign(position_x=held))
+
+
+def test_law_a_robot_that_rests_without_a_force_is_not_stuck() -> None:
+    table, random = frame(), np.random.default_rng(3)
+    still = pd.DataFrame({name: np.full(2000, table[name][0]) for name in table})
+    for axis in TRUTH:
+        still[f"force_{axis}"] = random.normal(0.0, 0.1, 2000)
+    both = pd.concat([still, table], ignore_index=True)
+    both["time"] = np.arange(len(both)) / 1000.0
+    assert "mass" not in warned(both)
 
 
 def test_law_jittering_stamps_are_interpolated_and_told() -> None:
@@ -212,6 +267,7 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
         ("log.xlsx", b"x", "must end in .csv, .parquet or .mat"),
         ("log.csv", b"", "cannot be read as one"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
+        ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "holds no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
         (
             "log.csv",
@@ -226,6 +282,34 @@ def test_law_a_file_that_is_no_log_is_refused(tmp_path: Path, name: str, content
     found = run(path)
     assert found.exit_code == 2
     assert words in " ".join(found.stderr.split())
+
+
+@pytest.mark.parametrize("option", ["--start", "--end"])
+def test_law_a_start_or_end_that_is_no_number_is_refused(tmp_path: Path, option: str) -> None:
+    found = run(written(frame(), tmp_path / "log.csv"), option, "nan")
+    assert found.exit_code == 2
+    assert f"{option[2:]} = nan" in found.stderr
+
+
+def test_law_a_struct_of_matlab_is_read_by_its_fields(tmp_path: Path) -> None:
+    from scipy import io
+
+    table = frame()
+    path = tmp_path / "log.mat"
+    io.savemat(path, {"log": {str(name): table[name].to_numpy() for name in table} | {"rate": 1000.0}})
+    missed = run(path)
+    assert missed.exit_code == 2
+    assert "log.time, log.position_x" in " ".join(missed.stderr.split())
+    log = read_log(
+        path,
+        time="log.time",
+        position=["log.position_x", "log.position_y"],
+        force=["log.force_x", "log.force_y"],
+    )
+    np.testing.assert_array_equal(log.position[:, 1], table["position_y"])
+    # a struct in a struct, or an array of them, is named
+    io.savemat(path, {"deep": {"er": {"time": table["time"].to_numpy()}}})
+    assert "deep" in " ".join(run(path).stderr.split())
 
 
 def test_law_a_missing_file_is_told_by_its_name(tmp_path: Path) -> None:
@@ -297,6 +381,65 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     # certain robots: nothing is said
     certain = CliRunner().invoke(cli.app, ["decide", "--json"])
     assert json.loads(certain.stdout)["uncertainty"] is None
+
+
+def coupled(table: pd.DataFrame) -> pd.DataFrame:
+    """Let each axis feel 0.1 kg of the other's acceleration."""
+    command, time = paper_excitation(), table["time"].to_numpy()
+    return table.assign(
+        force_x=table["force_x"] + 0.1 * command.acceleration(time - 1.25),
+        force_y=table["force_y"] + 0.1 * command.acceleration(time),
+    )
+
+
+def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    assert run(written(coupled(frame()), tmp_path / "log.csv"), "--out", robot).exit_code == 0
+    asked = ["decide", "--robot1", str(robot), "--stiffness", "20", "--delay", "0.1"]
+    answer = json.loads(CliRunner().invoke(cli.app, [*asked, "--json"]).stdout)
+    assert answer["axes_independent"] is False
+    assert answer["uncertainty"] is None
+    assert any("axes of robot 1 are NOT independent" in warning for warning in answer["warnings"])
+    assert any("kg" in warning and "acceleration on y" in warning for warning in answer["warnings"])
+    screen = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(cli.app, asked).stdout
+    text = " ".join(screen.split())
+    assert "STABLE AXIS BY AXIS ONLY" in text
+    assert "Beware: The axes of robot 1 are NOT independent" in text
+    assert "probability of stability is not given" in text
+    assert "stable with probability" not in text
+
+
+def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_path: Path) -> None:
+    table = frame().rename(columns={"force_x": "volt_x"})
+    robot = tmp_path / "robot.toml"
+    options = [
+        "--force",
+        "volt_x",
+        "--position",
+        "position_x",
+        "--force",
+        "force_y",
+        "--position",
+        "position_y",
+    ]
+    assert run(written(table, tmp_path / "log.csv"), *options, "--out", robot).exit_code == 0
+    asked = ["decide", "--robot2", str(robot), "--stiffness", "20", "--delay", "0.1", "--json"]
+    answer = json.loads(CliRunner().invoke(cli.app, asked).stdout)
+    assert answer["axes_independent"] is None
+    [identified, exact] = answer["warnings"]
+    assert "Robot 2, when it was identified" in identified
+    assert "volt_x" in identified
+    assert "Robot 1 carries no errors" in exact
+    both = json.loads(CliRunner().invoke(cli.app, [*asked, "--robot1", str(robot)]).stdout)
+    assert both["axes_independent"] is True
+    assert not any("no errors" in warning for warning in both["warnings"])
+    # a robot file that somebody spoilt
+    robot.write_text(
+        robot.read_text(encoding="utf-8").replace("axes_independent = true", "axes_independent = 1")
+    )
+    refused = CliRunner().invoke(cli.app, asked)
+    assert refused.exit_code == 2
+    assert "axes_independent" in refused.stderr
 
 
 def test_law_no_robot_file_is_written_of_what_is_no_robot(tmp_path: Path) -> None:

@@ -80,7 +80,11 @@ def test_law_operators_are_added_to_the_robots(hman: ts.Dyad) -> None:
         (lambda: ts.Robot(1.0, 1.0, axes=["x", "y"]), "axes", "one value per axis"),
         (lambda: ts.Operator(stiffness=-1.0), "stiffness[0]", "operator stiffness"),
         (lambda: ts.Operator(stiffness=float("inf")), "stiffness[0]", "inf"),
-        (lambda: ts.Dyad(ts.Robot(1.0, 1.0), ts.Robot([1.0, 1.0], [1.0, 1.0])), "robot2.axes", "same axes"),
+        (
+            lambda: ts.Dyad(ts.Robot(1.0, 1.0), ts.Robot([1.0, 1.0], [1.0, 1.0])),
+            "robot2.axes",
+            "as many axes",
+        ),
         (
             lambda: ts.Dyad(*ts.hman().robots, operators=(None, ts.Operator(stiffness=[1.0, 2.0, 3.0]))),
             "operators[1].stiffness",

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import xarray
 
     from telespring.decision import Decision
+    from telespring.study_text import RobotRecord
 
 __all__ = ["app", "main"]
 
@@ -120,6 +121,7 @@ def decide(
             horizon=horizon,
             decay_rate=decay_rate,
             uncertainty=read.uncertainty,
+            records=_records(robot1, robot2),
         )
         if study is not None:
             decision = _with_arms(decision, read, study)
@@ -171,6 +173,8 @@ def simulate(
                 found.to_netcdf(beside, engine="h5netcdf")
         for line in _simulation_summary(found, asked, axes, forces):
             console.print(line)
+        for line in _robot_warnings(robot1, robot2):
+            console.print(line, markup=False)
         console.print(f"Written: {out}", markup=False)
 
 
@@ -265,7 +269,7 @@ def study_command(
 
         from telespring.study import STEPS, analyse, write
 
-        asked = _read(study, robot1, robot2)
+        asked, beware = _read(study, robot1, robot2), _robot_warnings(robot1, robot2)
         with Progress(
             TextColumn("{task.description:<28}"),
             BarColumn(),
@@ -294,6 +298,8 @@ def study_command(
         else:
             limit = f"{digits_down(entry['stiffness'])} N/m (axis {entry['axis']})"
         console.print(f"  {limit:<24} {tier['name']}", markup=False)
+    for line in beware:
+        console.print(line, markup=False)
     console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
     if "experiment" in analysis.numbers:
         console.print(f"Trials:  {out / 'rehearsal.nc'}", markup=False)
@@ -363,6 +369,26 @@ def _read(study: Path | None, robot1: Path | None = None, robot2: Path | None = 
 
             read = with_robot(read, side, robot)
     return read
+
+
+def _records(robot1: Path | None, robot2: Path | None) -> tuple[RobotRecord | None, RobotRecord | None]:
+    """Read what identification found besides the robots' parameters."""
+    from telespring.study_text import robot_record
+
+    return (
+        None if robot1 is None else robot_record(robot1),
+        None if robot2 is None else robot_record(robot2),
+    )
+
+
+def _robot_warnings(robot1: Path | None, robot2: Path | None) -> list[str]:
+    """Tell what identification warned of; coupled axes are among it."""
+    return [
+        f"Beware: robot {i}, when it was identified: {warning}"
+        for i, record in enumerate(_records(robot1, robot2), start=1)
+        if record is not None
+        for warning in record.warnings
+    ]
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 
 import telespring as ts
 from telespring.axes import Axis, axes_of, finite_or_none, holds
+from telespring.study_text import RobotRecord
 from telespring.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 
 if TYPE_CHECKING:
@@ -290,7 +291,12 @@ class Decision:
         The stiffnesses that decay as fast as was asked; None where nothing was asked.
     uncertainty
         How well the margins are known and how probable stability is, where the robots' masses and dampings
-        carry errors; None where they do not.
+        carry errors; None where they do not, or where a robot's axes are not independent.
+    axes_independent
+        False where identification found the axes of a robot coupled: then no verdict axis by axis holds for
+        it. True where it found both independent, None where that is not known.
+    warnings
+        What to know about the robots before trusting the answer, as sentences.
     """
 
     stiffness: float
@@ -309,6 +315,8 @@ class Decision:
     over_operator_ranges: bool
     decay: Decay | None
     uncertainty: MarginUncertainty | None
+    axes_independent: bool | None = None
+    warnings: tuple[str, ...] = ()
     in_arms: InArms | None = None
 
     @property
@@ -385,6 +393,8 @@ class Decision:
             },
             "decay": None if self.decay is None else self.decay.to_json(),
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_json(),
+            "axes_independent": self.axes_independent,
+            "warnings": list(self.warnings),
             "in_arms": None if self.in_arms is None else self.in_arms.to_json(),
         }
 
@@ -402,6 +412,7 @@ def decide(
     horizon: float | None = None,
     decay_rate: float | None = None,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
 ) -> Decision:
     """Answer for one dyad, stiffness and network.
 
@@ -425,6 +436,8 @@ def decide(
         Also find the stiffnesses at which every motion decays at least this fast, 1/s.
     uncertainty
         Errors of the robots' masses and dampings, as `telespring.Study.uncertainty` gives them.
+    records
+        What identification found besides, as `telespring.study_text.robot_record` reads it.
 
     Returns
     -------
@@ -454,6 +467,7 @@ def decide(
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     axes = axes_of(dyad)
     allowed = judged.stiffness_allowed
+    independent = _independent(records)
     return Decision(
         stiffness=stiffness,
         delay=both,
@@ -474,9 +488,39 @@ def decide(
         remedies=_remedies(judged, axes, stiffness, mean),
         decay=None if decay_rate is None else Decay(decay_rate, _decaying(axes, mean, decay_rate)),
         uncertainty=None
-        if uncertainty == (None, None)
+        if uncertainty == (None, None) or independent is False
         else margin_uncertainty(dyad, uncertainty, stiffness, constant),
+        axes_independent=independent,
+        warnings=tuple(_robot_warnings(uncertainty, records)),
     )
+
+
+def _independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
+    found = [None if record is None else record.independent for record in records]
+    return False if False in found else None if None in found else True
+
+
+def _robot_warnings(
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    records: tuple[RobotRecord | None, RobotRecord | None],
+) -> list[str]:
+    told = []
+    coupled = [i for i, record in enumerate(records, start=1) if record and record.independent is False]
+    if coupled:
+        whose = "both robots" if len(coupled) == 2 else f"robot {coupled[0]}"
+        told.append(
+            f"The axes of {whose} are NOT independent. All verdicts and margins here go axis by axis and do "
+            "not hold for such a robot; the probability of stability is not given."
+        )
+    for i, record in enumerate(records, start=1):
+        told += [f"Robot {i}, when it was identified: {text}" for text in (record.warnings if record else ())]
+    exact = [i for i, known in enumerate(uncertainty, start=1) if known is None]
+    if len(exact) == 1 and not coupled:
+        told.append(
+            f"Robot {exact[0]} carries no errors and is counted as known exactly; the intervals and the "
+            f"probability show the errors of robot {3 - exact[0]} alone."
+        )
+    return told
 
 
 def _decide_axis(

@@ -13,12 +13,13 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import telespring as ts
 
-__all__ = ["with_robot", "with_values"]
+__all__ = ["RobotRecord", "robot_record", "with_robot", "with_values"]
 
 #: What a section may say in one of two ways: naming the one removes the other.
 _INSTEAD_OF = {
@@ -90,7 +91,7 @@ def with_robot(study: ts.Study, side: int, robot_toml: str | Path) -> ts.Study:
 
     The file has the section `[robot]` with the keys that `[robot1]` and `[robot2]` have in a study: `name`,
     `axes`, `mass`, `damping`, `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`. It may
-    have a section `[identification]`, which is kept there as a record and not read.
+    have a section `[identification]`, which is kept there as a record (`robot_record` reads it).
 
     Parameters
     ----------
@@ -130,6 +131,86 @@ def with_robot(study: ts.Study, side: int, robot_toml: str | Path) -> ts.Study:
     """
     if side not in (1, 2):
         raise ts.InvalidInput("side", repr(side), "a dyad has the robots 1 and 2", "Choose one of them.")
+    where, robot, _ = _robot_file(robot_toml)
+    tables = tomllib.loads(study.to_toml())
+    tables[f"robot{side}"] = robot
+    try:
+        return _read(tables)
+    except ts.InvalidInput as refused:
+        allowed, remedy = (
+            text.replace(f"[robot{side}]", "[robot]") for text in (refused.allowed, refused.remedy)
+        )
+        remedy = f"{remedy} See [robot] in {where}."
+        raise ts.InvalidInput(refused.field, refused.value, allowed, remedy) from None
+
+
+@dataclass(frozen=True)
+class RobotRecord:
+    """What identification found besides a robot's parameters.
+
+    Attributes
+    ----------
+    independent
+        False where the axes are coupled by inertia, None where that is not known.
+    warnings
+        What was to be known before trusting the numbers, as sentences.
+    """
+
+    independent: bool | None
+    warnings: tuple[str, ...]
+
+
+def robot_record(robot_toml: str | Path) -> RobotRecord:
+    """Read what identification recorded in a robot file, in its section `[identification]`.
+
+    Parameters
+    ----------
+    robot_toml
+        The file's path, or its text where it is a `str`.
+
+    Returns
+    -------
+    RobotRecord
+        Nothing known and no warnings where the section is missing.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where the file is no robot file.
+    OSError
+        Where the file cannot be read.
+
+    Examples
+    --------
+    >>> text = '''
+    ... [robot]
+    ... mass = 0.84
+    ... damping = 7.7
+    ... [identification]
+    ... axes_independent = false
+    ... warnings = ["Axes are not independent."]
+    ... '''
+    >>> robot_record(text)
+    RobotRecord(independent=False, warnings=('Axes are not independent.',))
+    """
+    where, _, record = _robot_file(robot_toml)
+    independent, warnings = record.get("axes_independent"), record.get("warnings", [])
+    for key, value, right in (
+        ("axes_independent", independent, independent is None or isinstance(independent, bool)),
+        ("warnings", warnings, isinstance(warnings, list) and all(isinstance(w, str) for w in warnings)),
+    ):
+        if not right:
+            raise ts.InvalidInput(
+                f"identification.{key}",
+                repr(value)[:60],
+                "true or false is needed" if key == "axes_independent" else "a list of texts is needed",
+                f"Leave it as `telespring identify --out` wrote it. See [identification] in {where}.",
+            )
+    return RobotRecord(independent, tuple(warnings))
+
+
+def _robot_file(robot_toml: str | Path) -> tuple[str, dict[str, Any], dict[str, Any]]:
+    """Give the file's name, its section [robot], and [identification] or nothing."""
     where = str(robot_toml) if isinstance(robot_toml, Path) else "the robot's text"
     try:
         text = robot_toml.read_bytes().decode() if isinstance(robot_toml, Path) else robot_toml
@@ -146,7 +227,7 @@ def with_robot(study: ts.Study, side: int, robot_toml: str | Path) -> ts.Study:
             "Mend that line, or check that this is the robot file.",
         ) from None
     robot = given.pop("robot", None)
-    given.pop("identification", None)
+    record = given.pop("identification", {})
     if not isinstance(robot, dict) or given:
         raise ts.InvalidInput(
             where,
@@ -156,16 +237,7 @@ def with_robot(study: ts.Study, side: int, robot_toml: str | Path) -> ts.Study:
             if given
             else "Write [robot] on a line of its own and mass and damping below.",
         )
-    tables = tomllib.loads(study.to_toml())
-    tables[f"robot{side}"] = robot
-    try:
-        return _read(tables)
-    except ts.InvalidInput as refused:
-        allowed, remedy = (
-            text.replace(f"[robot{side}]", "[robot]") for text in (refused.allowed, refused.remedy)
-        )
-        remedy = f"{remedy} See [robot] in {where}."
-        raise ts.InvalidInput(refused.field, refused.value, allowed, remedy) from None
+    return where, robot, record if isinstance(record, dict) else {}
 
 
 def _plain(field: str, value: object) -> Any:

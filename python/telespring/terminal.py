@@ -32,6 +32,7 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
     """
     return Group(
         _headline(decision, title),
+        *_beware(decision.warnings),
         _verdict_table(decision),
         *_notes(decision),
         _axis_table(decision),
@@ -41,6 +42,12 @@ def decision_screen(decision: Decision, title: str) -> RenderableType:
         *_in_arms(decision),
         _changes(decision),
     )
+
+
+def _beware(warnings: tuple[str, ...]) -> list[RenderableType]:
+    """Tell what to know about the robots, right below the answer."""
+    lines = [Text.assemble(("Beware: ", "bold yellow"), warning) for warning in warnings]
+    return [Padding(Group(*lines), (0, 0, 1, 0))] if lines else []
 
 
 def refusal_screen(console: Console, field: str, value: str, allowed: str, remedy: str) -> None:
@@ -127,7 +134,10 @@ def _headline(decision: Decision, title: str) -> Text:
     asked = f"{title}: {decision.stiffness:.6g} N/m over {_each_way(decision.delay)}\n"
     where = _constant_delay(decision)
     if decision.stable:
-        return Text.assemble((asked, "bold"), ("STABLE", "bold green"), f" {where}. {_margin(decision)}\n")
+        # What holds axis by axis is no answer for axes that are not independent.
+        word = "STABLE AXIS BY AXIS ONLY" if decision.axes_independent is False else "STABLE"
+        style = "bold green" if word == "STABLE" else "bold yellow"
+        return Text.assemble((asked, "bold"), (word, style), f" {where}. {_margin(decision)}\n")
     names = [axis.axis for axis in decision.axes if not axis.stable]
     unstable = f"{'axis' if len(names) == 1 else 'axes'} {', '.join(names)}"
     return Text.assemble(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -96,7 +97,8 @@ def identify_command(
     if figure is not None:
         _write_figure(found, figure)
     if out is not None:
-        write_robot(found, out, name or log.stem, source=log.name)
+        noted = replace(found, warnings=(*read.notes, *found.warnings))
+        write_robot(noted, out, name or log.stem, source=log.name)
     if as_json:
         answer = {"log": str(log), "columns": dict(read.columns)} | found.to_json()
         answer["warnings"] = [*read.notes, *found.warnings]

@@ -16,6 +16,7 @@ from telespring._types import FloatArray
 from telespring.identify import regression
 from telespring.identify.logs import even_times, shifted
 from telespring.identify.signals import CUTOFF_RULE, Signals, choose_cutoff, filtered_signals
+from telespring.identify.soundness import cutoff_warnings, implausible
 
 __all__ = [
     "AxisIdentification",
@@ -282,7 +283,8 @@ def identify(
     Raises
     ------
     telespring.InvalidInput
-        Where the log cannot be used: gaps, too short, nothing moves, shapes that do not fit.
+        Where the log cannot be used: gaps, too short, nothing moves, shapes that do not fit; or where noise
+        of the position shifts mass or damping by several widths of their intervals at the given cut-off.
 
     Examples
     --------
@@ -326,6 +328,20 @@ def identify(
         for j in range(len(found))
         if i != j
     )
+    doubts = [
+        *cutoff_warnings(
+            found,
+            signals,
+            positions,
+            rate,
+            lambda lower: [
+                _identify_axis(name, i, lower, coulomb, offset, method, iterations)
+                for i, name in enumerate(names)
+            ],
+            (times, forces),
+        ),
+        *implausible(found, signals),
+    ]
     return Identification(
         axes=found,
         signals=signals,
@@ -337,7 +353,7 @@ def identify(
         samples=(times.size, signals.time.size),
         lags=found[0].fit.lags,
         cross_inertias=cross,
-        warnings=(*notes, *_warnings(found, cross)),
+        warnings=(*notes, *_warnings(found, cross), *doubts),
     )
 
 

@@ -233,12 +233,12 @@ def design_excitation(
     starts: int = 6,
     seed: int = 1,
 ) -> Excitation:
-    """Find a movement whose regressor is better conditioned than the paper's, within the same limits.
+    """Find a movement within limits whose regressor is as well conditioned as can be.
 
     Minimised is the condition number of [a, v, sign v, 1] with a and v counted in their limits: in SI units
     it would depend on the choice of units, and for [a, v] alone reward moving slowly. The movement is as
-    large as the limits allow, which is best for the precision. In SI units too it is no worse conditioned
-    than the paper's movement, scaled to the same limits.
+    large as the limits allow, which is best for the precision. With five harmonics or more it is in SI units
+    too no worse conditioned than the paper's movement, scaled to the same limits; fewer may not reach it.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def design_excitation(
     acceleration_limit : float
         Largest acceleration, m/s².
     harmonics : int
-        Number N of harmonics, 1 to 20.
+        Number N of harmonics, 1 to 20; the paper's movement has 5.
     angular_frequency : float
         Base frequency ω, rad/s.
     coulomb : bool

@@ -67,7 +67,7 @@ def read_log(
     ----------
     path : path-like
         A file whose name ends in .csv (first line: names), .parquet (needs pyarrow) or .mat (MATLAB, up to
-        version 7.2; a matrix's columns are named `name[0]`, `name[1]`, …).
+        version 7.2; a matrix's columns are named `name[0]`, `name[1]`, …, a struct's fields `name.field`).
     time : str
         Name of the time's column.
     position, force : sequence of str
@@ -108,6 +108,11 @@ def read_log(
                 f"{scale:g}",
                 "a scale must be a number other than 0",
                 "Leave it away for 1.",
+            )
+    for option, limit in (("start", start), ("end", end)):
+        if limit is not None and np.isnan(limit):
+            raise InvalidInput(
+                option, f"{limit:g}", "a time in s is needed", "Leave it away for the whole log."
             )
     table = _table(where)
     times = time_scale * _column(where, table, "time", time)
@@ -221,16 +226,40 @@ def _mat(path: Path) -> dict[str, FloatArray]:
     except Exception as trouble:  # whatever its parser stumbles over in a broken file
         raise _unreadable(path, trouble) from None
     columns = {}
-    for name, value in content.items():
+    others = []
+    for name, value in _flat(content):
         array = np.asarray(value)
-        if name.startswith("__") or array.dtype.kind not in "biuf" or array.ndim != 2:
+        if array.dtype.kind not in "biuf" or array.ndim != 2:
+            others.append(name)
             continue
         if 1 in array.shape:
             columns[name] = array.astype(float).ravel()
         else:
             tall = array if array.shape[0] > array.shape[1] else array.T
             columns |= {f"{name}[{i}]": tall[:, i].astype(float) for i in range(tall.shape[1])}
+    if not columns:
+        raise InvalidInput(
+            "log",
+            str(path),
+            "arrays of numbers are needed, and the file holds "
+            + (f"other things only: {', '.join(others)}" if others else "nothing"),
+            "Save time, position and force as arrays, or as fields of one struct.",
+        )
     return columns
+
+
+def _flat(content: Mapping[str, object]) -> list[tuple[str, object]]:
+    """List what a MATLAB file holds, a struct by its fields."""
+    found: list[tuple[str, object]] = []
+    for name, value in content.items():
+        if name.startswith("__"):
+            continue
+        array = np.asarray(value)
+        if array.dtype.names and array.size == 1:
+            found += [(f"{name}.{field}", array[field].flat[0]) for field in array.dtype.names]
+        else:
+            found.append((name, value))
+    return found
 
 
 def _column(path: Path, table: Mapping[str, FloatArray], option: str, name: str) -> FloatArray:
@@ -242,6 +271,13 @@ def _column(path: Path, table: Mapping[str, FloatArray], option: str, name: str)
             name,
             f"the columns of {path.name} are: {there}",
             f"Name the {option}'s column with --{option}.",
+        )
+    if column.size == 0:
+        raise InvalidInput(
+            "log",
+            str(path),
+            "a log with one row per sample is needed, and this one holds no samples",
+            "Check that the recording was saved; its first line alone is there.",
         )
     if column.size > 1 and np.isnan(column).all():
         raise InvalidInput(

@@ -18,6 +18,11 @@ _SLOWEST_RATE, _FASTEST_RATE = 20.0, 100_000.0
 _FARTHEST, _STRONGEST = 10.0, 5_000.0
 #: A position that stands still for this long, s, and then jumps was stuck.
 _STUCK = 0.05
+#: The same for one that stands still within its sensor's step or noise: at least so long, s, for this share
+#: of the log, while the force varies by this share of what it does elsewhere.
+_RESTS, _REST_SHARE, _PUSHED = 0.5, 0.05, 0.5
+#: A step between two samples that is so many times the largest usual one is a jump.
+_JUMP = 4.0
 
 
 def even_times(
@@ -54,6 +59,9 @@ def even_times(
     notes: list[str] = []
     for i, row in enumerate(position):
         _refuse_stuck(f"position (column {i + 1})", row, step)
+        _refuse_resting(f"position (column {i + 1})", row, force[i], step)
+        notes += _jumps(f"position (column {i + 1})", row, time)
+        notes += _held(f"position (column {i + 1})", row, step)
     for i, row in enumerate(force):
         notes += _stuck_force(f"force (column {i + 1})", row, step)
     for i in range(1, len(position)):
@@ -185,7 +193,8 @@ def _refuse_units(position: FloatArray, force: FloatArray) -> None:
             "position",
             f"moves through {travelled:.4g} m",
             f"a robot that a person holds moves through less than {_FARTHEST:g} m",
-            "If the positions are in mm, give --position-scale 0.001.",
+            "If the positions are in mm, give --position-scale 0.001; in cm, 0.01; if they are angles, in "
+            "degrees or rad, give the metres of travel per degree or rad.",
         )
     strongest = float(np.abs(force).max())
     if strongest > _STRONGEST:
@@ -231,6 +240,69 @@ def _refuse_stuck(name: str, position: FloatArray, step: float) -> None:
                 "a position that follows the robot all the time is needed",
                 "The sensor was stuck. Choose a piece of the log without this (--start, --end).",
             )
+
+
+def _refuse_resting(name: str, position: FloatArray, force: FloatArray, step: float) -> None:
+    """Refuse a position that stands still, but for its noise, while a force pushes the robot about."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    window = max(3, round(_RESTS / step))
+    if 4 * window > position.size:
+        return
+    # What the noise does between samples is seen where nothing moves; and an encoder may flicker by a step.
+    moves = np.abs(np.diff(position))
+    moving = moves[moves > 0.0]
+    reach = maximum_filter1d(position, window) - minimum_filter1d(position, window)
+    still = max(float(np.quantile(moving, 0.01)) * 2.0, 1e-3 * float(np.quantile(reach, 0.9)))
+    resting = np.flatnonzero(reach[window // 2 : -(window // 2)] <= still) + window // 2
+    if not resting.size:
+        return
+    runs = np.split(resting, np.flatnonzero(np.diff(resting) > 1) + 1)
+    longest = max(runs, key=len)
+    first, last = int(longest[0]) - window // 2, int(longest[-1]) + window // 2
+    duration = (last - first) * step
+    # Without a force, rest is rest; friction holds a robot only against a force that is small.
+    inside = np.zeros(position.size, dtype=bool)
+    inside[first : last + 1] = True
+    pushed = (
+        float(np.std(force[inside])) > _PUSHED * float(np.std(force[~inside])) if (~inside).any() else True
+    )
+    if duration >= _REST_SHARE * position.size * step and pushed:
+        raise InvalidInput(
+            name,
+            f"stands still within {1e3 * still:.2g} mm for {duration:.3g} s from sample {first + 1}, while "
+            "the force goes on as before",
+            "a position that follows the robot all the time is needed",
+            "The sensor was stuck. Choose a piece of the log without this (--start, --end).",
+        )
+
+
+def _held(name: str, position: FloatArray, step: float) -> list[str]:
+    """Tell of positions that were read less often than they were logged: each stands there several times."""
+    _, lengths = _still(position)
+    usual = int(np.median(lengths))
+    if usual < 2 or np.mean(lengths == usual) < 0.8:
+        return []
+    period, age = 1e3 * usual * step, 500.0 * (usual - 1) * step
+    text = (
+        f"The {name} has every value {usual} times: it was read every {period:.3g} ms and is {age:.2g} ms "
+        f"old on average, which shifts the mass. Keep the first of each {usual} samples only."
+    )
+    return [text]
+
+
+def _jumps(name: str, position: FloatArray, time: FloatArray) -> list[str]:
+    moves = np.abs(np.diff(position))
+    usual = float(np.quantile(moves, 0.99))
+    wild = np.flatnonzero(moves > _JUMP * usual)
+    if usual == 0.0 or not wild.size:
+        return []
+    largest = int(wild[np.argmax(moves[wild])])
+    more = f" and {wild.size - 1} more times" if wild.size > 1 else ""
+    size, when = 1e3 * moves[largest], time[largest]
+    return [
+        f"The {name} jumps by {size:.3g} mm between two samples, at {when:.4g} s{more}: did the sensor slip?"
+    ]
 
 
 def _stuck_force(name: str, force: FloatArray, step: float) -> list[str]:

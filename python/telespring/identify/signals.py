@@ -15,17 +15,31 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 
-__all__ = ["CUTOFF_RULE", "Signals", "choose_cutoff", "filtered_signals", "movement_bandwidth"]
+__all__ = [
+    "CUTOFF_RULE",
+    "Signals",
+    "choose_cutoff",
+    "filtered_signals",
+    "largest_cutoff",
+    "movement_bandwidth",
+    "noise_after_filter",
+]
 
 #: How `choose_cutoff` finds the cut-off, for people.
 CUTOFF_RULE = (
     "5 times the frequency below which 99.9 % of the power of the velocity lies, counted where the "
-    "spectrum of the position stands above its noise"
+    "spectrum of the position stands above its noise, but no higher than where that noise makes up "
+    "0.001 % of the acceleration's power"
 )
 _POWER_BELOW = 0.999
 _TIMES_BANDWIDTH = 5.0
-#: The spectrum counts where it stands this many times above its own floor.
-_ABOVE_NOISE = 10.0
+#: Odds that noise alone counts as movement anywhere in the spectrum.
+_BY_CHANCE = 1e-3
+#: Noise in the acceleration makes the mass too small by its share of the acceleration's power. At this share
+#: that is a small part of any interval: a mass known within 0.02 % is shifted by a twentieth of that.
+_NOISE_SHARE = 1e-5
+#: No movement of a robot reaches this frequency, Hz, nor this share of the sample rate.
+_NO_MOVEMENT, _NO_MOVEMENT_SHARE = 60.0, 1.0 / 32.0
 #: A cut-off of more than this share of the sample rate leaves nothing to filter.
 _LARGEST_SHARE = 0.4
 _ORDER = 4
@@ -96,23 +110,96 @@ def movement_bandwidth(position: FloatArray, rate: float) -> float:
     >>> 1.9 < movement_bandwidth(0.1 * np.sin(2 * np.pi * 2.0 * time), 1000.0) < 2.7
     True
     """
-    from scipy import fft, signal
-
-    samples = position.size
-    length = fft.next_fast_len(samples, real=True)
-    windowed = signal.detrend(position) * signal.get_window("hann", samples)
-    # Only ratios count, so the spectrum may have any scale.
-    power = np.abs(fft.rfft(windowed, length)) ** 2
-    frequency = np.asarray(fft.rfftfreq(length, 1.0 / rate))
-    # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its
-    # median is ln 2 times the mean of a periodogram's exponential distribution.
-    floor = float(np.median(power[power.size // 2 :])) / math.log(2.0)
-    velocity = np.where(power > _ABOVE_NOISE * floor, power, 0.0) * frequency**2
+    frequency, power, floor = _spectrum(position, rate)
+    # A periodogram's noise is exponentially distributed: so far above its mean no bin lies by chance.
+    above = floor * math.log(frequency.size / _BY_CHANCE)
+    velocity = np.where(power > above, power, 0.0) * frequency**2
     total = float(velocity.sum())
     if total == 0.0:
         return float(frequency[1])
     below = np.cumsum(velocity) / total
     return float(frequency[max(1, int(np.searchsorted(below, _POWER_BELOW)))])
+
+
+def largest_cutoff(position: FloatArray, rate: float) -> float:
+    """Find the cut-off, Hz, up to which noise of the position makes up 0.001 % of the acceleration's power.
+
+    Noise in the regressor makes the mass too small, and however long the log is, no interval shows it. What
+    noise there is grows with the fifth power of the cut-off, so that this is a sharp limit.
+
+    Parameters
+    ----------
+    position
+        m, shape (n,).
+    rate
+        Samples per second, Hz.
+
+    Returns
+    -------
+    float
+        Hz; the resolution of the spectrum where already the movement itself has more noise.
+
+    Examples
+    --------
+    A tenth of a millimetre of noise, and a hundredth:
+
+    >>> time = np.arange(20000) / 1000.0
+    >>> noise = np.random.default_rng(1).normal(size=time.size)
+    >>> movement = 0.1 * np.sin(2 * np.pi * 0.5 * time)
+    >>> [round(largest_cutoff(movement + size * noise, 1000.0)) for size in (1e-4, 1e-5)]
+    [4, 10]
+    """
+    frequency, power, floor = _spectrum(position, rate)
+    noise = floor * np.cumsum(frequency**4)
+    low = np.flatnonzero(noise[1:] <= _NOISE_SHARE * np.cumsum(power * frequency**4)[1:])
+    return float(frequency[1 + low[-1]]) if low.size else float(frequency[1])
+
+
+def noise_after_filter(position: FloatArray, rate: float, cutoff: float) -> tuple[float, float]:
+    """Tell how much noise of the position is left in velocity and acceleration.
+
+    Parameters
+    ----------
+    position
+        m, shape (n,).
+    rate
+        Samples per second, Hz.
+    cutoff
+        Of the filter, Hz.
+
+    Returns
+    -------
+    velocity, acceleration
+        Variances, (m/s)² and (m/s²)².
+    """
+    frequency, _, floor = _spectrum(position, rate)
+    # Twice through the filter: its power squared is what passes.
+    passed = floor / (1.0 + (frequency / cutoff) ** (2 * _ORDER)) ** 2
+    angular = 2.0 * np.pi * frequency
+    return float((passed * angular**2).sum()), float((passed * angular**4).sum())
+
+
+def _spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray, float]:
+    """Give frequencies, Hz, the position's power in each bin, m², and the noise's share of a bin, m²."""
+    from scipy import fft, signal
+
+    samples = position.size
+    length = fft.next_fast_len(samples, real=True)
+    window = signal.get_window("hann", samples)
+    power = np.abs(fft.rfft(signal.detrend(position) * window, length)) ** 2
+    # The sum over the bins is the mean square of the position.
+    power *= 2.0 / (length * float((window**2).sum()))
+    frequency = np.asarray(fft.rfftfreq(length, 1.0 / rate))
+    # The upper half of the spectrum of any movement that one would sample at this rate is noise. Its mean,
+    # not its median: the noise of an encoder on a periodic movement is made of lines. Where a filter before
+    # the recorder has emptied that half, the octaves below tell, down to where a movement may reach.
+    lowest = max(_NO_MOVEMENT, _NO_MOVEMENT_SHARE * rate)
+    top = frequency.size // 2
+    floor = float(power[top:].mean())
+    while frequency[top // 2] >= lowest:
+        floor = max(floor, float(power[top // 2 : top].mean()))
+        top //= 2
+    return frequency, power, floor
 
 
 def choose_cutoff(position: FloatArray, rate: float) -> float:
@@ -121,7 +208,8 @@ def choose_cutoff(position: FloatArray, rate: float) -> float:
     Parameters
     ----------
     position
-        m, shape (n,), or (axes, n): then the axis that moves fastest decides.
+        m, shape (n,), or (axes, n): then the axis that moves fastest decides, up to what the noisiest bears.
+        (Too low a cut-off costs precision, too high a one truth.)
     rate
         Samples per second, Hz.
 
@@ -131,8 +219,12 @@ def choose_cutoff(position: FloatArray, rate: float) -> float:
         Hz, at most 0.4 of the sample rate.
     """
     rows = np.atleast_2d(position)
-    widest = max(movement_bandwidth(row, rate) for row in rows)
-    return min(_TIMES_BANDWIDTH * widest, _LARGEST_SHARE * rate)
+    bearable = [largest_cutoff(row, rate) for row in rows]
+    wanted = max(
+        min(_TIMES_BANDWIDTH * movement_bandwidth(row, rate), limit)
+        for row, limit in zip(rows, bearable, strict=True)
+    )
+    return min(wanted, *bearable, _LARGEST_SHARE * rate)
 
 
 def filtered_signals(
