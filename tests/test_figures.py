@@ -81,6 +81,43 @@ def errors() -> Figure:
     return figures.error_figure(groups, 0.04)
 
 
+def laboratory() -> Figure:
+    phase = np.linspace(0.0, 2.0 * np.pi, 200)
+    return figures.laboratory_schematic(
+        np.column_stack([0.08 * np.sin(2.0 * phase), 0.12 * np.sin(phase)]),
+        (
+            figures.DrawnSide("light", "skilled", 0, "two-link arm", "drawn", "right"),
+            figures.DrawnSide("heavy", "less skilled:\n5 spots", 5, "two-link arm", "drawn", "left"),
+        ),
+    )
+
+
+def papers_laboratory() -> Figure:
+    phase = np.linspace(0.0, 2.0 * np.pi, 200)
+    return figures.laboratory_schematic(
+        np.column_stack([0.05 * np.sin(2.0 * phase), 0.1 * np.sin(phase)]),
+        (
+            figures.DrawnSide("H-MAN 1", "skilled", 0, "two-link arm,\nhere massless", "dashed", "left"),
+            figures.DrawnSide(
+                "H-MAN 2", "less skilled", 10, "two-link arm,\nhere massless", "dashed", "right"
+            ),
+        ),
+    )
+
+
+def laboratory_of_circles() -> Figure:
+    phase = np.linspace(0.0, 8.0 * np.pi, 500)
+    return figures.laboratory_schematic(
+        0.08 * np.column_stack([np.cos(phase), np.sin(phase)]),
+        (
+            figures.DrawnSide(
+                "a robot of many letters, $ of them odd", "program\nTremor", 0, "massless arm", "none"
+            ),
+            figures.DrawnSide("robot 2", "less skilled:\n80 spots", 80, "arm: a mass and a damper", "block"),
+        ),
+    )
+
+
 DRAWINGS = {
     "nyquist": nyquist,
     "frequency": frequency,
@@ -89,11 +126,13 @@ DRAWINGS = {
     "regions": regions,
     "dyad": figures.dyad_schematic,
     "loop": figures.loop_schematic,
-    "laboratory": figures.laboratory_schematic,
+    "laboratory": laboratory,
+    "laboratory of the paper": papers_laboratory,
+    "laboratory of circles": laboratory_of_circles,
     "trajectories": trajectories,
     "errors": errors,
 }
-SCHEMATICS = ("dyad", "loop", "laboratory")
+SCHEMATICS = ("dyad", "loop", "laboratory", "laboratory of the paper", "laboratory of circles")
 
 
 @pytest.fixture(params=DRAWINGS, scope="module")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Any, Literal
@@ -16,7 +16,17 @@ from typing import Any, Literal
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-__all__ = ["PLACES", "SECTIONS", "Section", "Style", "format_quantity", "look_up", "render"]
+__all__ = [
+    "PLACES",
+    "SECTIONS",
+    "Section",
+    "Style",
+    "digits_within",
+    "format_quantity",
+    "format_share",
+    "look_up",
+    "render",
+]
 
 Style = Literal["nearest", "limit", "given", "hundredths"]
 
@@ -86,7 +96,13 @@ PLACES = (
 )
 
 #: Units that a person reads, by the SI unit in `study.json`: the shown unit and its factor.
-_SHOWN = {"s": ("ms", 1e3), "m": ("mm", 1e3), "m/N": ("mm/N", 1e3), "rad": ("°", 180.0 / math.pi)}
+_SHOWN = {
+    "s": ("ms", 1e3),
+    "m": ("mm", 1e3),
+    "m/N": ("mm/N", 1e3),
+    "seconds": ("s", 1.0),
+    "rad": ("°", 180.0 / math.pi),
+}
 
 
 def look_up(numbers: Mapping[str, Any], key: str) -> Any:
@@ -130,7 +146,8 @@ def format_quantity(
     value
         In SI units; None for an unbounded or missing one.
     unit
-        Its SI unit; "1" for a pure number.
+        Its SI unit; "1" for a pure number, "seconds" for a time that is not told in milliseconds, such as a
+        trial's length.
     digits
         Significant digits.
     style
@@ -183,6 +200,63 @@ def format_quantity(
     return f"{text}{'' if shown == '°' else ' '}{shown}"
 
 
+def digits_within(value: float | None, interval: Sequence[float | None] | None) -> int:
+    """Find how many digits of an estimate its interval makes worth telling.
+
+    Parameters
+    ----------
+    value
+        The estimate; None where there is none.
+    interval
+        Its lower and upper end.
+
+    Returns
+    -------
+    int
+        Significant digits with which two of the interval's width are seen; at least 3, at most 10.
+
+    Examples
+    --------
+    >>> digits_within(10.1168, (10.1142, 10.1193))
+    6
+    >>> digits_within(10.1, (8.0, 12.0))
+    3
+    """
+    ends = [end for end in interval or () if end is not None]
+    width = max(ends) - min(ends) if len(ends) == 2 else 0.0
+    if not value or not width:
+        return 4
+    return min(10, max(3, math.floor(math.log10(abs(value))) - math.floor(math.log10(width)) + 2))
+
+
+def format_share(share: float, draws: int) -> str:
+    """Write a probability that was counted, with what the number of draws can tell of none and of all.
+
+    Parameters
+    ----------
+    share
+        Between 0 and 1.
+    draws
+        How many were counted.
+
+    Returns
+    -------
+    str
+        With as many decimals as one of the draws has.
+
+    Examples
+    --------
+    >>> [format_share(share, 5000) for share in (0.0, 0.5, 0.9998, 1.0)]
+    ['< 0.0002', '0.5000', '0.9998', '> 0.9998']
+    """
+    decimals = max(1, math.ceil(math.log10(draws)))
+    if share <= 0.0:
+        return f"< {1.0 / draws:.{decimals}f}"
+    if share >= 1.0:
+        return f"> {1.0 - 1.0 / draws:.{decimals}f}"
+    return f"{share:.{decimals}f}"
+
+
 def _superscript(exponent: int) -> str:
     return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
@@ -219,12 +293,20 @@ def render(numbers: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
             exact, key, format_quantity(value, unit, digits, style=style, bare=bare)
         )
 
+    def share(key: str, draws: str) -> Markup:
+        value = look_up(numbers, key)
+        text = format_share(value, look_up(numbers, draws))
+        return Markup('<data value="{}" data-key="{}">{}</data>').format(json.dumps(value), key, text)
+
     shown = [each for each in SECTIONS if each.needs in numbers or each.needs in drawings]
     templates = {each.template for each in shown}
     return environment.get_template("report.html.jinja").render(
         numbers=numbers,
         drawings={name: Markup(text) for name, text in drawings.items()},
         q=quantity,
+        share=share,
+        look_up=lambda key: look_up(numbers, key),
+        digits_within=lambda key, interval: digits_within(look_up(numbers, key), look_up(numbers, interval)),
         parts=shown,
         places=[(name, anchor) for name, anchor, template in PLACES if template in templates],
     )

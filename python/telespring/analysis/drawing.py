@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["draw_errors", "draw_trajectories"]
+
+#: Conditions beside each other where they are no grid of stiffness and delay.
+_COLUMNS = 4
 
 
 def draw_trajectories(trials: Trials) -> Figure:
@@ -48,6 +52,16 @@ def draw_trajectories(trials: Trials) -> Figure:
         )
         return TrialPanel(title, position, goal, f"{early} ended early" if early else "")
 
+    asked = [(float(k), float(d)) for k, d in zip(trials.stiffness, trials.delay, strict=True)]
+    crossed = [each for each, joined in zip(asked, connected, strict=True) if joined]
+    whole = len(crossed) == len(set(crossed)) == len(stiffnesses) * len(delays)
+    if not whole or (len(delays) == 1 and len(stiffnesses) > 1):
+        # Most places of a row per stiffness and a column per delay would be blank paper.
+        panels = [panel(i) for i in range(len(trials.labels))]
+        columns = math.ceil(len(panels) / math.ceil(len(panels) / _COLUMNS))
+        return trajectory_figure(
+            None, [panels[first : first + columns] for first in range(0, len(panels), columns)]
+        )
     grid: list[list[TrialPanel | None]] = [[None] * len(delays) for _ in stiffnesses]
     alone = None
     for i in range(len(trials.labels)):

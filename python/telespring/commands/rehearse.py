@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -13,12 +13,19 @@ from rich.markup import escape
 from rich.text import Text
 
 from telespring import Study
+from telespring.foreseen import warnings_of
 from telespring.terminal import refusal_screen
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from telespring._types import FloatArray
     from telespring.experiment import Outcome
 
 __all__ = ["rehearse"]
+
+_OUT_OF_REACH = "out_of_reach"  # as the dataset spells it
 
 
 def rehearse(
@@ -60,6 +67,8 @@ def rehearse(
 
             asked = with_robot(asked, side, robot)
     modules = None if study is None else study.parent
+    for warning in warnings_of(asked, modules):
+        console.print(Text.assemble(("Warning: ", "yellow"), warning))
     finished, trials = 0, 0
     begin = time.perf_counter()
     try:
@@ -97,6 +106,26 @@ def rehearse(
     _tell(console, outcome, time.perf_counter() - begin)
     _tell_conditions(console, outcome, asked, modules)
     console.print(f"Dataset: {outcome.dataset}", markup=False)
+
+
+def _arm_at_its_end(
+    position: Any, arms: list[dict[str, Any]], gone: NDArray[np.bool_], ended_at: FloatArray
+) -> str:
+    """Name the arm that was nearest to an end of its reach when the first trial of a condition left it."""
+    import numpy as np
+
+    if not gone.any():
+        return ""
+    places = position[int(np.argmin(np.where(gone, ended_at, np.inf)))]
+    places = places[np.isfinite(places).all(axis=(-2, -1))]
+    room = []
+    for robot, arm in enumerate(arms):
+        if arm["kind"] != "two-link" or not len(places):
+            continue
+        upper, lower = arm["link_length"]
+        distance = float(np.hypot(*(places[-1, robot] - np.asarray(arm["base"]))))
+        room.append((min(upper + lower - distance, distance - abs(upper - lower)), robot + 1))
+    return f" of arm {min(room)[1]}" if room else ""
 
 
 def _kept(finished: int, trials: int) -> str:
@@ -142,6 +171,11 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
     with h5netcdf.File(outcome.dataset, "r") as file:
         status = file.variables["status"][...]
         meanings = file.variables["status"].attrs["flag_meanings"].split()
+        ended_at = file.variables["ended_at"][...]
+        arms = [
+            _arm_at_its_end(positions, experiment.arms, ended == meanings.index(_OUT_OF_REACH), at)
+            for positions, ended, at in zip(file.variables["position"], status, ended_at, strict=True)
+        ]
     found = stability_in_arms(study, [(k, at) for k, at in experiment.conditions if k is not None], modules)
     table = Table(box=None, pad_edge=False)
     table.add_column("condition", no_wrap=True)
@@ -149,8 +183,8 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
     table.add_column("completed", justify="right", no_wrap=True)
     table.add_column("ended early", no_wrap=True)
     verdicts = iter(found.conditions)
-    for label, (k, _), ended in zip(
-        condition_labels(experiment.conditions), experiment.conditions, status, strict=True
+    for label, (k, _), ended, at, arm in zip(
+        condition_labels(experiment.conditions), experiment.conditions, status, ended_at, arms, strict=True
     ):
         words, style = "–", None
         if k is not None and found.unknown is None:
@@ -159,8 +193,9 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
         elif k is not None:
             words = "not known"
         count = Counter(ended.tolist())
-        early = ", ".join(
+        early = "; ".join(
             f"{count[value]} {meaning.replace('_', ' ')}"
+            f"{arm if meaning == _OUT_OF_REACH else ''}, the first at {at[ended == value].min():.3g} s"
             for value, meaning in enumerate(meanings)
             if value and count[value]
         )

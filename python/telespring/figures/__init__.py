@@ -19,13 +19,14 @@ from telespring.figures.maps import MapAxis, MapColumn, region_map, tier_map
 from telespring.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.figures.poses import PoseRange, poses_figure
 from telespring.figures.responses import ResponsePanel, response_figure
-from telespring.figures.schematics import dyad_schematic, laboratory_schematic, loop_schematic
+from telespring.figures.schematics import DrawnSide, dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.figures.style import to_svg
 from telespring.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
 
 __all__ = [
     "ArmsPanel",
     "CellSeries",
+    "DrawnSide",
     "ErrorGroup",
     "FrequencyCurve",
     "FrequencyFamily",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,7 +12,10 @@ from matplotlib.patches import Arc, Circle, FancyBboxPatch, Polygon, Rectangle
 
 from telespring.figures.style import COLOURS, FULL_WIDTH, GREY, styled
 
-__all__ = ["dyad_schematic", "laboratory_schematic", "loop_schematic"]
+if TYPE_CHECKING:
+    from telespring._types import FloatArray
+
+__all__ = ["DrawnSide", "dyad_schematic", "laboratory_schematic", "loop_schematic"]
 
 _INK = "#202020"
 _SPRING = COLOURS["purple"]
@@ -18,6 +24,38 @@ _FIRST, _SECOND = COLOURS["blue"], COLOURS["green"]
 _FILL = "#F3F6F5"
 
 _Point = tuple[float, float]
+
+#: Letters of a robot's name that find room.
+_LETTERS = 22
+
+
+@dataclass(frozen=True)
+class DrawnSide:
+    """What stands on one side of the laboratory.
+
+    Attributes
+    ----------
+    robot
+        Its name.
+    agent
+        What is written beside the target, on a line or two.
+    spots
+        Of the cloud that the agent follows; 0 where it follows the target itself.
+    arm
+        What is written below the arm.
+    links
+        "drawn" for a two-link arm, "dashed" for one that is not simulated, "block" for an arm with mass and
+        damping, "none" for a massless one.
+    elbow
+        "left" or "right", seen from the shoulder.
+    """
+
+    robot: str
+    agent: str
+    spots: int = 0
+    arm: str = ""
+    links: Literal["drawn", "dashed", "block", "none"] = "drawn"
+    elbow: str = "left"
 
 
 def dyad_schematic() -> Figure:
@@ -140,8 +178,15 @@ def loop_schematic() -> Figure:
     return figure
 
 
-def laboratory_schematic() -> Figure:
-    """Draw Fig. 6: both robots from above, their two-link arms, targets, and the virtual spring.
+def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -> Figure:
+    """Draw Fig. 6: both robots from above, what holds them, what is followed, and the virtual spring.
+
+    Parameters
+    ----------
+    path
+        The target's places in their order, m, of shape (point, 2).
+    sides
+        Of robots 1 and 2.
 
     Returns
     -------
@@ -152,29 +197,30 @@ def laboratory_schematic() -> Figure:
         figure, axes = _canvas(10.0, 6.1)
         axes.text(0.15, 5.85, r"$\mathbf{(a)}$ what each arm follows", va="center")
         axes.text(0.15, 3.72, r"$\mathbf{(b)}$ the robots from above", va="center")
-        phase = np.linspace(0.0, 2.0 * np.pi, 400)
-        now = 0.55
-        for centre, number in ((2.5, 1), (7.5, 2)):
-            path = np.array([centre + 0.45 * np.sin(2 * phase), 4.75 + 0.8 * np.sin(phase)])
-            axes.plot(*path, color=GREY, linewidth=0.7, linestyle=(0, (3, 1.6)))
-            spot = (centre + 0.45 * np.sin(2 * now), 4.75 + 0.8 * np.sin(now))
-            if number == 1:
-                axes.plot(*spot, "o", color=_FIRST, markersize=6)
-                axes.text(spot[0] + 0.16, spot[1] + 0.02, r"$\mathbf{p}^*(t)$", va="center", fontsize=8.5)
-                axes.text(centre - 0.75, 4.75, "skilled", ha="right", va="center", color=_FIRST)
+        for centre, side, colour in ((2.5, sides[0], _FIRST), (7.5, sides[1], _SECOND)):
+            drawn, half = _into_its_place(path, (centre, 4.75))
+            axes.plot(*drawn.T, color=GREY, linewidth=0.7, linestyle=(0, (3, 1.6)))
+            # Where the figure of eight is well away from its crossing.
+            x, y = drawn[round(0.0875 * (len(drawn) - 1))].tolist()
+            if side.spots:
+                _cloud(axes, (x, y), side.spots, colour)
+                words, beside = rf"$\mathbf{{p}}^*_i(t),\ i=1\ldots {side.spots}$", 0.62
             else:
-                _cloud(axes, spot)
-                axes.text(
-                    spot[0] + 0.62,
-                    spot[1],
-                    r"$\mathbf{p}^*_{2,i}(t),\ i=1\ldots N$",
-                    va="center",
-                    fontsize=8.5,
-                )
-                axes.text(centre - 0.75, 4.75, "less skilled", ha="right", va="center", color=_SECOND)
+                axes.plot(x, y, "o", color=colour, markersize=6)
+                words, beside = r"$\mathbf{p}^*(t)$", 0.16
+            axes.text(max(x + beside, centre + half + 0.1), y, words, va="center", fontsize=8.5)
+            axes.text(
+                centre - half - 0.25,
+                4.75,
+                side.agent,
+                ha="right",
+                va="center",
+                color=colour,
+                parse_math=False,
+            )
         handles = {}
         for centre, number, colour in ((2.1, 1, _FIRST), (7.9, 2, _SECOND)):
-            handles[number] = _robot_with_arm(axes, centre, number, colour)
+            handles[number] = _robot_with_arm(axes, centre, number, colour, sides[number - 1])
         first, second = handles[1], handles[2]
         y = first[1]
         _spring(axes, first, (4.3, y), turns=5)
@@ -271,23 +317,32 @@ def _damper(axes: Axes, wall: _Point, mass: _Point) -> None:
     axes.plot([middle + 0.05 * sense, mass[0]], [y, y], color=_INK, linewidth=0.9)
 
 
-def _cloud(axes: Axes, centre: _Point) -> None:
-    """Ten spots about the target, each with its own velocity; drawn alike in every study."""
+def _into_its_place(path: FloatArray, centre: _Point) -> tuple[FloatArray, float]:
+    """Scale a path, as wide as it is high, into its place; give half its width there too."""
+    low, high = path.min(axis=0), path.max(axis=0)
+    scale = 0.8 / max(float((high - low).max()) / 2.0, 1e-9)
+    return np.asarray(centre) + scale * (path - (low + high) / 2.0), scale * float(high[0] - low[0]) / 2.0
+
+
+def _cloud(axes: Axes, centre: _Point, count: int, colour: str) -> None:
+    """Spots about the target, each with its own velocity; placed alike in every study."""
     random = np.random.default_rng(4)
-    offsets = 0.17 * random.standard_normal((10, 2))
-    velocities = 0.2 * random.standard_normal((10, 2))
+    # More would be one blot.
+    shown = min(count, 40)
+    offsets = 0.17 * random.standard_normal((shown, 2))
+    velocities = 0.2 * random.standard_normal((shown, 2))
     axes.plot(*centre, "+", color=_INK, markersize=6, markeredgewidth=0.9)
     for offset, velocity in zip(offsets, velocities, strict=True):
         spot = (centre[0] + offset[0], centre[1] + offset[1])
         for radius, alpha in ((0.13, 0.12), (0.09, 0.18), (0.05, 0.55)):
-            axes.add_patch(Circle(spot, radius, facecolor=_SECOND, edgecolor="none", alpha=alpha))
+            axes.add_patch(Circle(spot, radius, facecolor=colour, edgecolor="none", alpha=alpha))
         axes.plot(
-            [spot[0], spot[0] + velocity[0]], [spot[1], spot[1] + velocity[1]], color=_SECOND, linewidth=0.6
+            [spot[0], spot[0] + velocity[0]], [spot[1], spot[1] + velocity[1]], color=colour, linewidth=0.6
         )
 
 
-def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str) -> _Point:
-    """Draw an H-shaped planar robot from above with the arm that holds its handle; give the handle."""
+def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str, side: DrawnSide) -> _Point:
+    """Draw an H-shaped planar robot from above with what holds its handle; give the handle."""
     low, high, half = 1.15, 3.35, 1.15
     handle = (centre + (0.35 if number == 1 else -0.35), 2.35)
     for x in (centre - half, centre + half):
@@ -304,17 +359,65 @@ def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str) -> _Poi
             linewidth=0.6,
         )
     )
-    axes.text(centre - half + 0.15, high - 0.12, f"H-MAN {number}", color=colour, va="center")
+    name = side.robot if len(side.robot) <= _LETTERS else f"{side.robot[: _LETTERS - 1]}…"
+    axes.text(centre - half + 0.15, high - 0.12, name, color=colour, va="center", parse_math=False)
+    words = (centre + 0.05, 0.18) if number == 1 else (centre - 0.05, 0.18)
+    axes.text(
+        *words, side.arm, ha="left" if number == 1 else "right", va="center", fontsize=7, parse_math=False
+    )
+    axes.add_patch(Circle(handle, 0.13, facecolor=colour, edgecolor="white", linewidth=0.8, zorder=6))
+    axes.text(handle[0], handle[1] + 0.24, rf"$\mathbf{{p}}_{number}$", ha="center", color=colour, fontsize=9)
+    if side.links in ("drawn", "dashed"):
+        _two_links(axes, centre, number, colour, handle, side)
+    else:
+        _push(axes, number, colour, handle, block=side.links == "block")
+    return handle
+
+
+def _push(axes: Axes, number: int, colour: str, handle: _Point, *, block: bool) -> None:
+    """Draw the agent's force on the handle, through a block of the arm's mass where it has one."""
+    start = (handle[0] - (0.9 if number == 1 else -0.9), handle[1] - 1.55)
+    towards = np.array(handle) - np.array(start)
+    forward = towards / np.hypot(*towards)
+    near = np.array(handle) - 0.14 * forward
+    middle = np.array(start) + 0.5 * towards
+    label = np.array(start) + 0.2 * towards
+    if block:
+        axes.plot(*np.array([middle, near]).T, color=colour, linewidth=2.0, zorder=4)
+        _box(axes, (float(middle[0]), float(middle[1])), 0.72, 0.36, "arm", colour, size=7)
+        _arrow(axes, start, tuple((middle - 0.21 / forward[1] * forward).tolist()), _FORCE)
+    else:
+        _arrow(axes, start, tuple(near.tolist()), _FORCE)
+    axes.text(
+        float(label[0]) + (-0.12 if number == 1 else 0.12),
+        float(label[1]) + 0.05,
+        rf"$\mathbf{{F}}_{number}$",
+        ha="right" if number == 1 else "left",
+        color=_FORCE,
+        fontsize=8.5,
+    )
+
+
+def _two_links(axes: Axes, centre: float, number: int, colour: str, handle: _Point, side: DrawnSide) -> None:
+    """Draw a two-link arm with its shoulder on the ground and its end in the handle."""
+    simulated = side.links == "drawn"
     shoulder = np.array([centre + (-0.75 if number == 1 else 0.75), 0.35])
     upper, lower = 1.2, 1.25
     to_handle = np.array(handle) - shoulder
     distance = float(np.hypot(*to_handle))
     bend = float(np.arccos((upper**2 + distance**2 - lower**2) / (2 * upper * distance)))
-    # The elbow stands outwards.
-    angle = float(np.arctan2(to_handle[1], to_handle[0])) + (bend if number == 1 else -bend)
+    turned = 1.0 if side.elbow == "left" else -1.0
+    angle = float(np.arctan2(to_handle[1], to_handle[0])) + turned * bend
     elbow = shoulder + upper * np.array([np.cos(angle), np.sin(angle)])
     for start, end in ((shoulder, elbow), (elbow, np.array(handle))):
-        axes.plot(*np.array([start, end]).T, color=colour, linewidth=4.0, alpha=0.45, zorder=4)
+        axes.plot(
+            *np.array([start, end]).T,
+            color=colour,
+            linewidth=4.0 if simulated else 1.2,
+            linestyle="-" if simulated else (0, (4, 2)),
+            alpha=0.45 if simulated else 1.0,
+            zorder=4,
+        )
     axes.add_patch(
         Polygon(
             shoulder + np.array([[-0.25, -0.22], [0.25, -0.22], [0.0, 0.0]]),
@@ -327,13 +430,13 @@ def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str) -> _Poi
         axes.add_patch(
             Circle(tuple(joint), 0.09, facecolor="white", edgecolor=colour, linewidth=1.1, zorder=5)
         )
-    axes.add_patch(Circle(handle, 0.13, facecolor=colour, edgecolor="white", linewidth=0.8, zorder=6))
-    axes.text(handle[0], handle[1] + 0.24, rf"$\mathbf{{p}}_{number}$", ha="center", color=colour, fontsize=9)
     odd = 2 * number - 1
     degrees = float(np.degrees(angle))
     axes.plot([shoulder[0], shoulder[0] + 0.55], [shoulder[1]] * 2, color=GREY, linewidth=0.6)
     axes.add_patch(Arc(tuple(shoulder), 0.8, 0.8, theta1=0.0, theta2=degrees, color=_INK, linewidth=0.7))
-    axes.text(shoulder[0] + 0.5, shoulder[1] + 0.2, rf"$\theta_{odd}$", fontsize=8)
+    half_way = np.radians(degrees / 2.0)
+    x, y = shoulder + 0.6 * np.array([np.cos(half_way), np.sin(half_way)])
+    axes.text(float(x), float(y), rf"$\theta_{odd}$", ha="center", va="center", fontsize=8)
     forearm = float(np.degrees(np.arctan2(*(np.array(handle) - elbow)[::-1])))
     beyond = elbow + 0.5 * np.array([np.cos(angle), np.sin(angle)])
     axes.plot([elbow[0], beyond[0]], [elbow[1], beyond[1]], color=GREY, linewidth=0.6)
@@ -351,10 +454,12 @@ def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str) -> _Poi
         fontsize=8,
     )
     # Each name on the side of its link where no angle is drawn.
-    for start, end, name, sign in ((shoulder, elbow, "l_1", -1.0), (elbow, np.array(handle), "l_2", 1.0)):
+    upper_side = -1.0 if number == 1 else -turned
+    for start, end, name, sign in (
+        (shoulder, elbow, "l_1", upper_side),
+        (elbow, np.array(handle), "l_2", turned),
+    ):
         centre_of = (start + end) / 2
         direction = (end - start) / np.hypot(*(end - start))
-        side = np.array([direction[1], -direction[0]]) * (sign if number == 1 else -sign)
-        x, y = centre_of + 0.2 * side
+        x, y = centre_of + 0.2 * sign * np.array([direction[1], -direction[0]])
         axes.text(float(x), float(y), f"${name}$", ha="center", va="center", fontsize=8)
-    return handle

@@ -121,6 +121,8 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
                     labelbottom=(row + 1, column) not in placed,
                     labelleft=robot == 0 and (row, column - 1) not in placed,
                 )
+                if robot == 0 and (row, column - 1) not in placed:
+                    axes.set_ylabel("Position y, mm", fontsize=6.5, labelpad=1.5)
                 if robot == 0:
                     axes.set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
                 elif panel.note:
@@ -134,7 +136,6 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
         ]
         figure.legend(handles=handles, loc="upper center", ncols=3, borderaxespad=0.2)
         figure.supxlabel("Position x, mm", fontsize=7.5, y=0.05 / total, va="bottom")
-        figure.supylabel("Position y, mm", fontsize=7.5, x=0.05 / FULL_WIDTH, ha="left")
     return figure
 
 

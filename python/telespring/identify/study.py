@@ -257,6 +257,7 @@ def _verdict(robots: tuple[Identification, Identification], reference: Reference
                     "delay": delay,
                     "probability_stable": chance.value,
                     "standard_error": chance.standard_error,
+                    "draws": chance.draws,
                 }
             )
     return {"stiffness": stiffness, "delay": reference.delay, "axes": axes, "conditions": conditions}

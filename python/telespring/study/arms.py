@@ -27,7 +27,7 @@ def find_arms(scene: Scene) -> Found:
     if experiment is None:
         return Found()
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    found = stability_in_arms(scene.study, connected)
+    found = stability_in_arms(scene.study, connected, scene.modules)
     if found.holding is None:
         why = f"Not known: {found.unknown}."
         return Found(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})

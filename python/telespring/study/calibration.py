@@ -9,10 +9,10 @@ __all__ = ["find_calibration"]
 
 
 def find_calibration(scene: Scene) -> Found:
-    """Fit and predict, for the paper's own robots only: nobody published a table of others."""
+    """Fit and predict, for the paper's own experiment only: nobody published a table of another."""
     from telespring.calibration import calibrate, draw_cells, draw_pairs, draw_profiles
 
-    if scene.study.experiment is None or not scene.of_the_paper:
+    if scene.study.experiment is None or not scene.of_the_papers_experiment:
         return Found()
     found = calibrate(scene.study)
     return Found(

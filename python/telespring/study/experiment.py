@@ -49,7 +49,7 @@ def find_experiment(scene: Scene) -> Found:
             " ".join(_in_words(row) for row in rows),
         ),
     }
-    published = {row.label: row for row in TABLE_I} if scene.of_the_paper else {}
+    published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
     for row in rows:
         row["printed"] = _printed(published.get(row["condition"]))
     return Found(

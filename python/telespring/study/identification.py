@@ -14,7 +14,7 @@ def find_identification(scene: Scene) -> Found:
     from telespring.identify.study import study_identification
 
     found = study_identification(scene.study)
-    names = [f"H-MAN {i}" if scene.of_the_paper else f"robot {i}" for i in (1, 2)]
+    names = [scene.robot_name(i) for i in (0, 1)]
     drawings = {
         "excitation": figures.to_svg(
             excitation_figure(found.movements),

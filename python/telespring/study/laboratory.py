@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import telespring as ts
+from telespring.foreseen import laboratory_settings, warnings_of
 from telespring.study.part import Found, Scene
 
 __all__ = ["find_laboratory"]
@@ -40,22 +41,57 @@ def find_laboratory(scene: Scene) -> Found:
     experiment = scene.study.experiment
     if experiment is None:
         return Found()
+    settings = laboratory_settings(scene.study)
     rows: list[dict[str, Any]] = []
+    for i, friction in enumerate(settings["coulomb"], start=1):
+        if any(friction):
+            rows += [
+                _row(f"robot {i}", f"Coulomb friction, {axis}", each, "N")
+                for axis, each in zip(scene.study.dyad.axes, friction, strict=True)
+            ]
     for i, agent in enumerate(experiment.agents, start=1):
         rows += _rows(f"agent {i}", agent)
     for i, arm in enumerate(experiment.arms, start=1):
         rows += _rows(f"arm {i}", arm)
     rows += _rows("task", experiment.task)
+    if experiment.coupling_damping:
+        rows.append(_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
     rows.append(_row("controllers", "sample period", experiment.sample_period, "s"))
+    if settings["computing_tick"]:
+        rows.append(_row("controllers", "a force acts", "one period after its samples", ""))
+    rows += [
+        _row(part, name, settings[key], unit)
+        for part, name, key, unit in (
+            ("controllers", "lag of the actuators", "actuator_lag", "s"),
+            ("controllers", "resolution of the encoders", "encoder_resolution", "m"),
+            ("network", "jitter, the most that a packet is later", "jitter", "s"),
+            ("network", "probability that a packet is lost", "loss", "1"),
+        )
+        if settings[key]
+    ]
     rows += [
         _row("protocol", "conditions", len(experiment.conditions), "1"),
         _row("protocol", "trials of each", experiment.trials, "1"),
         _row("protocol", "length of a trial", experiment.duration, "s"),
         _row("protocol", "left out at its start", experiment.discard, "s"),
+        _row("protocol", "samples recorded per second", experiment.record_rate, "Hz"),
         _row("protocol", "order of the trials", experiment.order, ""),
         _row("protocol", "seed", experiment.seed, "1"),
     ]
-    return Found(numbers={"laboratory": {"parameters": rows, "spots": _spots(experiment)}})
+    return Found(
+        numbers={
+            "laboratory": {
+                "parameters": rows,
+                "spots": _spots(experiment),
+                "warnings": warnings_of(scene.study, scene.modules),
+                "robots": [scene.robot_name(i) for i in (0, 1)],
+                "arms": [arm["kind"] for arm in experiment.arms],
+                "agents": [agent["kind"] for agent in experiment.agents],
+                "task": experiment.task["kind"],
+                "of_the_paper": scene.of_the_papers_experiment,
+            }
+        }
+    )
 
 
 def _spots(experiment: ts.Experiment) -> dict[str, Any] | None:

@@ -80,6 +80,19 @@ class Scene:
         return [axis.parameters for axis in self.axes] == [axis.parameters for axis in axes_of(ts.hman())]
 
     @property
+    def of_the_papers_experiment(self) -> bool:
+        """True where the paper's robots also do its task with its two kinds of agents, as in its Table I."""
+        experiment, printed = self.study.experiment, ts.Study.paper().experiment
+        if experiment is None or printed is None or not self.of_the_paper:
+            return False
+        kinds = [[agent["kind"] for agent in each.agents] for each in (experiment, printed)]
+        return bool(experiment.task == printed.task and kinds[0] == kinds[1])
+
+    def robot_name(self, index: int) -> str:
+        """Name robot 0 or 1 as the study does, else by its number."""
+        return self.study.robot_names[index] or f"robot {index + 1}"
+
+    @property
     def dyad(self) -> ts.Dyad:
         """The study's robots and operators."""
         return self.study.dyad

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
+import telespring as ts
 from telespring import figures
+from telespring.foreseen import target_path
 from telespring.study.part import Found, Scene
 
 __all__ = ["find_schematics"]
@@ -28,13 +32,40 @@ def find_schematics(scene: Scene) -> Found:
             "the delayed position, the operator's force is added, and mass and damper answer.",
         ),
     }
-    if len(scene.axes) == 2:
+    experiment = scene.study.experiment
+    if experiment is not None:
+        sides = (_side(scene, experiment, 0), _side(scene, experiment, 1))
         drawings["laboratory"] = figures.to_svg(
-            figures.laboratory_schematic(),
+            figures.laboratory_schematic(target_path(experiment, scene.modules), sides),
             "laboratory",
-            "The laboratory: two robots, each moved by a two-link arm",
-            "Left robot: its arm follows a target on a figure of eight. Right robot: its arm follows a "
-            "cloud of ten spots about the same target. A virtual spring over a delayed network joins "
-            "the two handles.",
+            "The laboratory: two robots and what holds them",
+            "The target's path, once for each agent, above the robots from above. "
+            + " ".join(
+                f"{side.robot}: agent {' '.join(side.agent.split())}, {' '.join(side.arm.split())}."
+                for side in sides
+            )
+            + " A virtual spring over a delayed network joins the two handles.",
         )
     return Found(drawings=drawings)
+
+
+def _side(scene: Scene, experiment: ts.Experiment, i: int) -> figures.DrawnSide:
+    """Say what stands on one side of the laboratory."""
+    agent, arm = experiment.agents[i], experiment.arms[i]
+    spots = agent["spots"] if agent["kind"] == "blurred" else 0
+    if agent["kind"] == "python":
+        followed = "program\n" + agent["class"].rpartition(":")[2][-18:]
+    elif spots:
+        followed = f"less skilled:\n{spots} spot{'s' if spots > 1 else ''}"
+    else:
+        followed = "skilled"
+    links: dict[str, tuple[Literal["drawn", "dashed", "block", "none"], str]] = {
+        "two-link": ("drawn", "two-link arm"),
+        "lumped": ("block", "arm: a mass and a damper"),
+        "massless": ("none", "massless arm"),
+    }
+    drawn, words = links[arm["kind"]]
+    elbow = arm.get("elbow") or ("left", "right")[i]
+    if arm["kind"] == "massless" and scene.of_the_papers_experiment:
+        drawn, words = "dashed", "two-link arm,\nhere massless"
+    return figures.DrawnSide(scene.robot_name(i), followed, spots, words, drawn, elbow)
