@@ -28,6 +28,8 @@ _OWN = 0.2
 #: A lag and inertia between axes may look more alike: fitted side by side, their errors say how well they are
 #: told apart. Below this share the errors themselves are not to be trusted.
 _OWN_BESIDE = 0.02
+#: With friction, samples are left out to which an axis at rest contributes more than this.
+_STANDING = 0.02
 #: Odds that what is not there is found: one in a thousand each.
 _SIGNIFICANCE = 0.001
 #: A lag is corrected in steps, each exact to first order; none is longer than this, s.
@@ -115,6 +117,17 @@ def examine(
         for column in beside
     )
     weights = np.ones_like(force) if fit.lags is None else fit.weights
+    rubs = "coulomb" not in missing
+    if "coulomb" in friction:
+        with_friction = regression.weighted(base, force, weights)
+        rubs = _terms(with_friction)[regressor.shape[1]].significant
+        if rubs and fit.lags is not None:
+            # Where friction was left out, other samples than the outliers lie far off.
+            weights = regression.robust_least_squares(base, force).weights
+    moving = signals.standing[index] < _STANDING
+    if rubs and moving.mean() > 0.3:
+        # While an axis sticks its friction is any force, and looks like everything else.
+        weights = weights * moving
     if not confounded:
         found = _Side(signals.time, force, weights, base, accelerations, jerk if lagging else None)
         shift, terms, r_squared = found.solve()
