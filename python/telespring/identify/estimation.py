@@ -14,9 +14,9 @@ from telespring._arrays import as_number, as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.identify import regression
-from telespring.identify.left_out import LeftOut, examine, friction_warnings, lag_warnings
+from telespring.identify.left_out import LeftOut, examine, friction_warnings, lag_warnings, sticking_warnings
 from telespring.identify.logs import even_times, shifted
-from telespring.identify.signals import CUTOFF_RULE, Signals, choose_cutoff, filtered_signals
+from telespring.identify.signals import CUTOFF_RULE, Signals, choose_cutoff, filtered_signals, noise_deviation
 from telespring.identify.soundness import cutoff_warnings, implausible
 
 __all__ = [
@@ -36,6 +36,8 @@ _METHODS = {
     "paper": "weights 1/(r² + ε) as printed; the intervals are those of weighted least squares",
 }
 
+#: An axis moves too little below this travel, m, and below so many times its noise's standard deviation.
+_LEAST_TRAVEL, _TIMES_NOISE = 1e-3, 50.0
 #: A cross inertia of less than this share of the axes' own masses leaves the verdict as it is.
 _MATTERS = 0.02
 
@@ -312,17 +314,24 @@ def identify(
         )
     if not 1 <= iterations <= 10_000:
         raise InvalidInput("iterations", str(iterations), "1 to 10000 reweightings are possible", "Give 1.")
+    if iterations != 1 and method != "paper":
+        raise InvalidInput(
+            "iterations",
+            str(iterations),
+            f"only the paper's method counts its reweightings, and the method is {method!r}",
+            'Leave it away, or choose the method "paper".',
+        )
     for name, row in zip(names, positions, strict=True):
-        _refuse_rest(name, row)
+        _refuse_rest(name, row, rate)
     used = choose_cutoff(positions, rate) if cutoff is None else float(cutoff)
     signals = filtered_signals(times, positions, forces, rate=rate, cutoff=used)
     found = tuple(
         _identify_axis(name, i, signals, coulomb, offset, method, iterations) for i, name in enumerate(names)
     )
     missing = [name for name, asked in (("coulomb", coulomb), ("offset", offset)) if not asked]
+    regressors = [_regressor(signals, i, coulomb, offset) for i in range(len(found))]
     left_out = [
-        examine(axis.fit, _regressor(signals, i, coulomb, offset), signals, i, missing)
-        for i, axis in enumerate(found)
+        examine(axis.fit, regressors[i], signals, i, missing) for i, axis in enumerate(found)
     ]
     found = tuple(
         replace(axis, time_shift=_shift_of(beside)) for axis, beside in zip(found, left_out, strict=True)
@@ -356,6 +365,7 @@ def identify(
                 iterations,
             ),
         ),
+        *sticking_warnings(found, regressors, signals),
         *lag_warnings(found, left_out, {(each.axis, each.other) for each in cross if each.significant}),
     ]
     return Identification(
@@ -400,7 +410,7 @@ def _axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
     return names
 
 
-def _refuse_rest(name: str, position: FloatArray) -> None:
+def _refuse_rest(name: str, position: FloatArray, rate: float) -> None:
     travelled = float(np.ptp(position))
     steps = np.unique(position).size
     if travelled == 0.0 or steps < 50:
@@ -409,6 +419,15 @@ def _refuse_rest(name: str, position: FloatArray) -> None:
             f"{steps} different values over {1e3 * travelled:.3g} mm",
             "a position that moves through at least 50 steps of its sensor is needed",
             "Move the robot further, or look whether this is the right column and the sensor is connected.",
+        )
+    noise = noise_deviation(position, rate)
+    if travelled < max(_LEAST_TRAVEL, _TIMES_NOISE * noise):
+        raise InvalidInput(
+            f"position ({name})",
+            f"{1e3 * travelled:.3g} mm of travel, {1e3 * noise:.2g} mm of noise",
+            f"this axis moves too little: at least {1e3 * _LEAST_TRAVEL:g} mm and {_TIMES_NOISE:g} times "
+            "the noise are needed",
+            "Move it further, name only the axes that move, or check the unit (--position-scale).",
         )
 
 

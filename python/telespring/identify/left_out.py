@@ -20,7 +20,7 @@ from telespring.identify.signals import Signals
 if TYPE_CHECKING:
     from telespring.identify.estimation import AxisIdentification, Estimate
 
-__all__ = ["LeftOut", "Term", "examine", "friction_warnings", "lag_warnings"]
+__all__ = ["LeftOut", "Term", "examine", "friction_warnings", "lag_warnings", "sticking_warnings"]
 
 #: A column is told apart from others if so much of its length is its own: two columns of unit length then
 #: have a condition number below 10.
@@ -30,6 +30,8 @@ _OWN = 0.2
 _OWN_BESIDE = 0.02
 #: With friction, samples are left out to which an axis at rest contributes more than this.
 _STANDING = 0.02
+#: In half-widths of the interval: samples near rest shift the mass by more than that where an axis sticks.
+_STICKS = 1.5
 #: Odds that what is not there is found: one in a thousand each.
 _SIGNIFICANCE = 0.001
 #: A lag is corrected in steps, each exact to first order; none is longer than this, s.
@@ -124,7 +126,7 @@ def examine(
         if rubs and fit.lags is not None:
             # Where friction was left out, other samples than the outliers lie far off.
             weights = regression.robust_least_squares(base, force).weights
-    moving = signals.standing[index] < _STANDING
+    moving = _moving(signals, index)
     if rubs and moving.mean() > 0.3:
         # While an axis sticks its friction is any force, and looks like everything else.
         weights = weights * moving
@@ -193,6 +195,10 @@ class _Side:
         )
 
 
+def _moving(signals: Signals, index: int) -> FloatArray:
+    return np.asarray(signals.standing[index] < _STANDING)
+
+
 def _own(column: FloatArray, others: FloatArray) -> float:
     """Share of a column's length that no combination of the others makes up."""
     length = float(np.linalg.norm(column))
@@ -213,7 +219,7 @@ def _quantile(fit: regression.Fit) -> float:
 def _terms(fit: regression.Fit) -> list[Term]:
     quantile = _quantile(fit)
     return [
-        Term(float(value), float(error), float(half), abs(value) > quantile * error)
+        Term(float(value), float(error), float(half), bool(abs(value) > quantile * error))
         for value, error, half in zip(fit.estimate, fit.standard_error, fit.half_width(), strict=True)
     ]
 
@@ -275,6 +281,42 @@ def friction_warnings(
             f"{'makes' if len(names) == 1 else 'make'} {' and '.join(moved)} wrong. Identify again with "
             f"{options}: {would} would be found."
         )
+    return told
+
+
+def sticking_warnings(
+    found: Sequence[AxisIdentification], regressors: Sequence[FloatArray], signals: Signals
+) -> list[str]:
+    """Tell where an axis sticks at its reversals for so long that its mass is wrong by it.
+
+    Parameters
+    ----------
+    found
+        What was identified, Coulomb friction included.
+    regressors
+        The columns of each axis' fit.
+    signals
+        What it was identified from.
+
+    Returns
+    -------
+    list of str
+        Sentences.
+    """
+    told = []
+    for i, (axis, regressor) in enumerate(zip(found, regressors, strict=True)):
+        moving = _moving(signals, i)
+        if axis.coulomb is None or axis.fit.lags is None or moving.mean() < 0.3:
+            continue
+        other = regression.weighted(regressor, signals.force[i], axis.fit.weights * moving)
+        mass, half = float(other.estimate[0]), _half_width(axis, "mass")
+        if abs(mass - axis.mass.value) > _STICKS * half:
+            told.append(
+                f"Axis {axis.axis}: friction holds the axis at its reversals, and the force while it sticks "
+                f"shifts the mass: without the samples near rest it is {mass:.4g} kg instead of "
+                f"{axis.mass.value:.4g} kg. It is known no better than that, whatever the interval says. Move "
+                "faster, so that the axis rests for a shorter time."
+            )
     return told
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "largest_cutoff",
     "movement_bandwidth",
     "noise_after_filter",
+    "noise_deviation",
 ]
 
 #: How `choose_cutoff` finds the cut-off, for people.
@@ -189,6 +190,20 @@ def noise_after_filter(position: FloatArray, rate: float, cutoff: float) -> tupl
     passed = floor / (1.0 + (frequency / cutoff) ** (2 * _ORDER)) ** 2
     angular = 2.0 * np.pi * frequency
     return float((passed * angular**2).sum()), float((passed * angular**4).sum())
+
+
+def noise_deviation(position: FloatArray, rate: float) -> float:
+    """Tell the standard deviation of the noise on a position, m.
+
+    Parameters
+    ----------
+    position
+        m, shape (n,).
+    rate
+        Samples per second, Hz.
+    """
+    frequency, _, floor = _spectrum(position, rate)
+    return math.sqrt(floor * frequency.size)
 
 
 def _spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray, float]:
