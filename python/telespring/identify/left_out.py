@@ -187,9 +187,8 @@ class _Side:
             spline = spline or CubicSpline(self.time, self.force)
             force = spline(self.time + total)
             keep = (self.time + total >= self.time[0]) & (self.time + total <= self.time[-1])
-        quantile = _quantile(fit)
         return (
-            replace(shift, significant=abs(shift.value) > quantile * shift.standard_error),
+            replace(shift, significant=bool(abs(shift.value) > _strictness(fit) * shift.half_width)),
             terms[:-1],
             explained,
         )
@@ -210,16 +209,18 @@ def _own(column: FloatArray, others: FloatArray) -> float:
     return float(np.linalg.norm(rest)) / length
 
 
-def _quantile(fit: regression.Fit) -> float:
+def _strictness(fit: regression.Fit) -> float:
+    """How many half-widths of its interval a term must reach to be significant."""
     from scipy import stats
 
-    return float(stats.t.ppf(1.0 - 0.5 * _SIGNIFICANCE, fit.degrees_of_freedom))
+    quantiles = stats.t.ppf([1.0 - 0.5 * _SIGNIFICANCE, 0.975], fit.degrees_of_freedom)
+    return float(quantiles[0] / quantiles[1])
 
 
 def _terms(fit: regression.Fit) -> list[Term]:
-    quantile = _quantile(fit)
+    strict = _strictness(fit)
     return [
-        Term(float(value), float(error), float(half), bool(abs(value) > quantile * error))
+        Term(float(value), float(error), float(half), bool(abs(value) > strict * half))
         for value, error, half in zip(fit.estimate, fit.standard_error, fit.half_width(), strict=True)
     ]
 
