@@ -317,7 +317,7 @@ def two_robots(
     seed: int = 1,
     **asked: Any,
 ) -> Any:
-    """Identify masses of 0.9 and 1.2 kg and dampings of 8 and 9 N·s/m; y moves a quarter of a period later."""
+    """Identify 0.9 and 1.2 kg, 8 and 9 N·s/m; y moves a quarter of a period later."""
     time = np.arange(20000) / RATE
     random = np.random.default_rng(seed)
     command = paper_excitation()

@@ -494,6 +494,18 @@ def test_law_no_robot_file_is_written_of_what_is_no_robot(tmp_path: Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
+def test_law_a_value_whose_sign_the_log_leaves_open_asks_for_more_movement() -> None:
+    table, random = frame(), np.random.default_rng(5)
+    # 4 mm of travel under 10 N of noise
+    position = 0.02 * table["position_x"] + random.normal(0.0, 5e-6, len(table))
+    found = identify(table["time"], position, random.normal(0.0, 10.0, len(table)))
+    assert min(found.axes[0].mass.value, found.axes[0].damping.value) < 0.0
+    with pytest.raises(InvalidInput) as refused:
+        robot_toml(found, "open")
+    assert "leaves its sign open" in str(refused.value)
+    assert "Move this axis further" in refused.value.remedy
+
+
 def test_law_the_papers_method_gives_a_robot_file_without_deviations() -> None:
     table = frame()
     found = identify(table["time"], table[["position_x"]], table[["force_x"]], method="paper")

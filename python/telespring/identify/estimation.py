@@ -330,9 +330,7 @@ def identify(
     )
     missing = [name for name, asked in (("coulomb", coulomb), ("offset", offset)) if not asked]
     regressors = [_regressor(signals, i, coulomb, offset) for i in range(len(found))]
-    left_out = [
-        examine(axis.fit, regressors[i], signals, i, missing) for i, axis in enumerate(found)
-    ]
+    left_out = [examine(axis.fit, regressors[i], signals, i, missing) for i, axis in enumerate(found)]
     found = tuple(
         replace(axis, time_shift=_shift_of(beside)) for axis, beside in zip(found, left_out, strict=True)
     )

@@ -137,8 +137,9 @@ def examine(
         shift, _, r_squared = _Side(signals.time, force, weights, base, {}, jerk).solve()
         _, terms, other = _Side(signals.time, force, weights, base, accelerations, None).solve()
         r_squared = max(r_squared, other)
-    inertias = {i: terms[base.shape[1] + list(accelerations).index(i)] if i in accelerations else None
-                for i in others}
+    inertias = {
+        i: terms[base.shape[1] + list(accelerations).index(i)] if i in accelerations else None for i in others
+    }
     first = regressor.shape[1]
     return LeftOut(
         friction={name: terms[first + i] for i, name in enumerate(friction)},
@@ -213,8 +214,10 @@ def _strictness(fit: regression.Fit) -> float:
     """How many half-widths of its interval a term must reach to be significant."""
     from scipy import stats
 
-    quantiles = stats.t.ppf([1.0 - 0.5 * _SIGNIFICANCE, 0.975], fit.degrees_of_freedom)
-    return float(quantiles[0] / quantiles[1])
+    strict, usual = (
+        float(stats.t.ppf(share, fit.degrees_of_freedom)) for share in (1.0 - 0.5 * _SIGNIFICANCE, 0.975)
+    )
+    return strict / usual
 
 
 def _terms(fit: regression.Fit) -> list[Term]:
@@ -228,7 +231,6 @@ def _terms(fit: regression.Fit) -> list[Term]:
 def _explained(fit: regression.Fit, force: FloatArray) -> float:
     variation = float((fit.weights * (force - force.mean()) ** 2).sum())
     return 1.0 - float((fit.weights * fit.residual**2).sum()) / variation if variation > 0.0 else 0.0
-
 
 
 def friction_warnings(
@@ -315,8 +317,8 @@ def sticking_warnings(
             told.append(
                 f"Axis {axis.axis}: friction holds the axis at its reversals, and the force while it sticks "
                 f"shifts the mass: without the samples near rest it is {mass:.4g} kg instead of "
-                f"{axis.mass.value:.4g} kg. It is known no better than that, whatever the interval says. Move "
-                "faster, so that the axis rests for a shorter time."
+                f"{axis.mass.value:.4g} kg. It is known no better than that, whatever the interval says. "
+                "Move faster, so that the axis rests for a shorter time."
             )
     return told
 
@@ -347,8 +349,10 @@ def lag_warnings(
         error = abs(shift.value * axis.damping.value)
         if error > max(_half_width(axis, "mass"), 0.01 * abs(axis.mass.value)):
             lagging[axis.axis] = (shift.value, error, beside.confounded)
-    contrary = min((lag for lag, _, _ in lagging.values()), default=0.0) < 0.0 < max(
-        (lag for lag, _, _ in lagging.values()), default=0.0
+    contrary = (
+        min((lag for lag, _, _ in lagging.values()), default=0.0)
+        < 0.0
+        < max((lag for lag, _, _ in lagging.values()), default=0.0)
     )
     told = []
     for name, (lag, error, confounded) in lagging.items():

@@ -52,8 +52,8 @@ _KEPT_PER_PERIOD = 2.5
 #: With fewer samples left, intervals would be guesses.
 _LEAST_KEPT = 50
 
-#: The sign of the velocity is taken at up to so many times the cut-off and up to this share of the sample rate,
-#: as long as the velocity's noise stays below this share of its root mean square.
+#: The sign of the velocity is taken at up to so many times the cut-off and this share of the sample rate, as
+#: long as the velocity's noise stays below this share of its root mean square.
 _BRISK, _BRISK_SHARE, _BRISK_NOISE = 10.0, 0.2, 0.005
 #: Below this share of its highest velocity an axis hardly moves, and may stick.
 _SLOW = 0.02
