@@ -184,6 +184,31 @@ def test_law_a_study_with_friction_has_it_identified() -> None:
     assert all("coulomb_interval" in axis for axis in found.numbers["axes"])
 
 
+@pytest.mark.parametrize("coulomb", [0.5, 1.0])
+def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coupling(coulomb: float) -> None:
+    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [coulomb, coulomb]}})
+    rubbing = rig_log(rough)
+    position, force = rubbing.measured(np.random.default_rng(SEED))
+    robot = ts.hman().robots[0]
+    found = identify(rubbing.time, position[:, 0], force[:, 0], coulomb=True)
+    assert found.independent is True
+    for i, axis in enumerate(found.axes):
+        # 1 N holds the handle for 1.4 % of the time; a sign of the smooth velocity would add 3 to 4 %
+        assert axis.mass.value == pytest.approx(robot.mass[i], rel=0.015)
+        assert axis.damping.value == pytest.approx(robot.damping[i], rel=0.005)
+        low, high = axis.mass.interval
+        if not low < robot.mass[i] < high:
+            assert any(f"Axis {axis.axis}: friction holds" in warning for warning in found.warnings)
+    without = identify(rubbing.time, position[:, 0], force[:, 0])
+    assert without.independent is True
+    for i, axis in enumerate(without.axes):
+        assert axis.damping.value > robot.damping[i] + 2.0
+        assert any(
+            f"Axis {axis.axis}: friction of" in warning and "--coulomb" in warning
+            for warning in without.warnings
+        )
+
+
 @pytest.mark.parametrize("count", [1, 3])
 def test_law_robots_of_other_than_two_axes_are_driven_axis_by_axis(count: int) -> None:
     one = ts.Robot([0.8 + 0.1 * i for i in range(count)], [7.0] * count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -192,6 +193,11 @@ def test_law_units_that_no_such_robot_has_are_told() -> None:
     assert "lighter than any robot" in minutes
     assert "--position-scale 0.001" in warned(table.assign(position_x=50 * table["position_x"]))
     assert "--force-scale" in warned(table.assign(force_x=table["force_x"] / 35))
+    # half of the movement and of the force, in mN
+    half = {f"position_{axis}": 0.5 * table[f"position_{axis}"] for axis in TRUTH}
+    milli = warned(table.assign(**half, **{f"force_{axis}": 500 * table[f"force_{axis}"] for axis in TRUTH}))
+    assert "heavier than any robot" in milli
+    assert "--force-scale 0.001 for mN" in milli
 
 
 def test_law_a_position_that_was_read_less_often_than_logged_is_told() -> None:
@@ -265,7 +271,12 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
     ("name", "content", "words"),
     [
         ("log.xlsx", b"x", "must end in .csv, .parquet or .mat"),
-        ("log.csv", b"", "cannot be read as one"),
+        ("log.csv", b"", "log.csv, empty"),
+        ("log.csv", b"time;position_x\n0,1;1,2\n0,2;1,3\n", "separated by semicolons"),
+        ("log.csv", b"time\tposition_x\n0.1\t1.2\n0.2\t1.3\n", "separated by tabs"),
+        ("log.csv", b"time,position_x\ns,m\n0.1,1.2\n0.2,1.3\n", "no numbers in the second line (s, m)"),
+        ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is needed"),
+        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is needed"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
         ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "holds no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
@@ -282,6 +293,39 @@ def test_law_a_file_that_is_no_log_is_refused(tmp_path: Path, name: str, content
     found = run(path)
     assert found.exit_code == 2
     assert words in " ".join(found.stderr.split())
+
+
+def test_law_a_number_of_reweightings_is_for_the_papers_method(tmp_path: Path) -> None:
+    log = written(frame(), tmp_path / "log.csv")
+    found = run(log, "--iterations", "3")
+    assert found.exit_code == 2
+    assert "only the paper's method counts its reweightings" in " ".join(found.stderr.split())
+    assert run(log, "--iterations", "3", "--method", "paper").exit_code == 0
+
+
+def test_law_a_log_without_noise_is_written_with_six_digits(tmp_path: Path) -> None:
+    table = frame()
+    command, time = paper_excitation(), table["time"].to_numpy()
+    for lag, (axis, (mass, damping)) in zip((0.0, 1.25), TRUTH.items(), strict=True):
+        t = time - lag
+        table[f"position_{axis}"] = command.position(t)
+        table[f"force_{axis}"] = mass * command.acceleration(t) + damping * command.velocity(t)
+    path = written(table, tmp_path / "log.csv")
+    narrow = CliRunner(env={"COLUMNS": "80", "NO_COLOR": "1"}).invoke(cli.app, ["identify", str(path)])
+    lines = narrow.stdout.splitlines()
+    assert any(line.startswith("x ") for line in lines)
+    assert any(line.startswith("y ") for line in lines)
+    assert re.search(r"0\.83340\d kg", narrow.stdout)
+    assert not re.search(r"\d\.\d{7}", narrow.stdout)
+
+
+def test_law_an_axis_that_hardly_moves_is_said_to() -> None:
+    table, random = frame(), np.random.default_rng(5)
+    for movement in (0.0, 1e-3):
+        still = movement * table["position_y"] + random.normal(0.0, 5e-6, len(table))
+        refused = refusal(table.assign(position_y=still, force_y=random.normal(0.0, 0.1, len(table))))
+        assert refused.field == "position (y)"
+        assert "moves too little" in str(refused)
 
 
 @pytest.mark.parametrize("option", ["--start", "--end"])
@@ -448,6 +492,18 @@ def test_law_no_robot_file_is_written_of_what_is_no_robot(tmp_path: Path) -> Non
     with pytest.raises(InvalidInput, match="--force-scale"):
         write_robot(found, tmp_path / "robot.toml")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_law_a_value_whose_sign_the_log_leaves_open_asks_for_more_movement() -> None:
+    table, random = frame(), np.random.default_rng(5)
+    # 4 mm of travel under 10 N of noise
+    position = 0.02 * table["position_x"] + random.normal(0.0, 5e-6, len(table))
+    found = identify(table["time"], position, random.normal(0.0, 10.0, len(table)))
+    assert min(found.axes[0].mass.value, found.axes[0].damping.value) < 0.0
+    with pytest.raises(InvalidInput) as refused:
+        robot_toml(found, "open")
+    assert "leaves its sign open" in str(refused.value)
+    assert "Move this axis further" in refused.value.remedy
 
 
 def test_law_the_papers_method_gives_a_robot_file_without_deviations() -> None:

@@ -147,7 +147,7 @@ def identification_screen(found: Identification, log: Log) -> RenderableType:
         Estimates with intervals, how good the fit is, how it was made, and what to beware of.
     """
     table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", title=log.path.name)
-    table.add_column("axis")
+    table.add_column("axis", no_wrap=True, min_width=4)
     for heading in ("parameter", "estimate", "95 % interval", "condition", "R²"):
         table.add_column(heading, justify="left" if heading == "parameter" else "right", no_wrap=True)
     units = {"mass": "kg", "damping": "N·s/m", "coulomb": "N", "offset": "N"}
@@ -188,8 +188,8 @@ def identification_screen(found: Identification, log: Log) -> RenderableType:
 
 
 def _written(estimate: Estimate, unit: str) -> tuple[str, str]:
-    """Write a value with as many digits as its standard error leaves."""
+    """Write a value with as many digits as its standard error leaves, at most 6 after the point."""
     error = estimate.standard_error
-    digits = max(0, 1 - math.floor(math.log10(error))) if 0.0 < error < math.inf else 6
+    digits = min(6, max(0, 1 - math.floor(math.log10(error)))) if 0.0 < error < math.inf else 6
     low, high = estimate.interval
     return f"{estimate.value:.{digits}f} {unit}", f"{low:.{digits}f} to {high:.{digits}f}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -14,8 +14,9 @@ from telespring._arrays import as_number, as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.identify import regression
+from telespring.identify.left_out import LeftOut, examine, friction_warnings, lag_warnings, sticking_warnings
 from telespring.identify.logs import even_times, shifted
-from telespring.identify.signals import CUTOFF_RULE, Signals, choose_cutoff, filtered_signals
+from telespring.identify.signals import CUTOFF_RULE, Signals, choose_cutoff, filtered_signals, noise_deviation
 from telespring.identify.soundness import cutoff_warnings, implausible
 
 __all__ = [
@@ -35,10 +36,8 @@ _METHODS = {
     "paper": "weights 1/(r² + ε) as printed; the intervals are those of weighted least squares",
 }
 
-#: Axes are told apart from each other up to this condition number (columns of unit length).
-_TELLS_APART = 10.0
-#: Odds that axes without any cross inertia are called coupled: one in a thousand per pair.
-_SIGNIFICANCE = 0.001
+#: An axis moves too little below this travel, m, and below so many times its noise's standard deviation.
+_LEAST_TRAVEL, _TIMES_NOISE = 1e-3, 50.0
 #: A cross inertia of less than this share of the axes' own masses leaves the verdict as it is.
 _MATTERS = 0.02
 
@@ -315,19 +314,27 @@ def identify(
         )
     if not 1 <= iterations <= 10_000:
         raise InvalidInput("iterations", str(iterations), "1 to 10000 reweightings are possible", "Give 1.")
+    if iterations != 1 and method != "paper":
+        raise InvalidInput(
+            "iterations",
+            str(iterations),
+            f"only the paper's method counts its reweightings, and the method is {method!r}",
+            'Leave it away, or choose the method "paper".',
+        )
     for name, row in zip(names, positions, strict=True):
-        _refuse_rest(name, row)
+        _refuse_rest(name, row, rate)
     used = choose_cutoff(positions, rate) if cutoff is None else float(cutoff)
     signals = filtered_signals(times, positions, forces, rate=rate, cutoff=used)
     found = tuple(
         _identify_axis(name, i, signals, coulomb, offset, method, iterations) for i, name in enumerate(names)
     )
-    cross = tuple(
-        _cross_inertia(found[i], found[j], signals, coulomb, offset)
-        for i in range(len(found))
-        for j in range(len(found))
-        if i != j
+    missing = [name for name, asked in (("coulomb", coulomb), ("offset", offset)) if not asked]
+    regressors = [_regressor(signals, i, coulomb, offset) for i in range(len(found))]
+    left_out = [examine(axis.fit, regressors[i], signals, i, missing) for i, axis in enumerate(found)]
+    found = tuple(
+        replace(axis, time_shift=_shift_of(beside)) for axis, beside in zip(found, left_out, strict=True)
     )
+    cross = _cross_inertias(found, left_out)
     doubts = [
         *cutoff_warnings(
             found,
@@ -342,6 +349,23 @@ def identify(
         ),
         *implausible(found, signals),
     ]
+    unmodelled = [
+        *friction_warnings(
+            found,
+            left_out,
+            lambda i, names: _identify_axis(
+                found[i].axis,
+                i,
+                signals,
+                coulomb or "coulomb" in names,
+                offset or "offset" in names,
+                method,
+                iterations,
+            ),
+        ),
+        *sticking_warnings(found, regressors, signals),
+        *lag_warnings(found, left_out, {(each.axis, each.other) for each in cross if each.significant}),
+    ]
     return Identification(
         axes=found,
         signals=signals,
@@ -353,7 +377,7 @@ def identify(
         samples=(times.size, signals.time.size),
         lags=found[0].fit.lags,
         cross_inertias=cross,
-        warnings=(*notes, *_warnings(found, cross), *doubts),
+        warnings=(*notes, *unmodelled, *_warnings(found, cross), *doubts),
     )
 
 
@@ -384,7 +408,7 @@ def _axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
     return names
 
 
-def _refuse_rest(name: str, position: FloatArray) -> None:
+def _refuse_rest(name: str, position: FloatArray, rate: float) -> None:
     travelled = float(np.ptp(position))
     steps = np.unique(position).size
     if travelled == 0.0 or steps < 50:
@@ -393,6 +417,15 @@ def _refuse_rest(name: str, position: FloatArray) -> None:
             f"{steps} different values over {1e3 * travelled:.3g} mm",
             "a position that moves through at least 50 steps of its sensor is needed",
             "Move the robot further, or look whether this is the right column and the sensor is connected.",
+        )
+    noise = noise_deviation(position, rate)
+    if travelled < max(_LEAST_TRAVEL, _TIMES_NOISE * noise):
+        raise InvalidInput(
+            f"position ({name})",
+            f"{1e3 * travelled:.3g} mm of travel, {1e3 * noise:.2g} mm of noise",
+            f"this axis moves too little: at least {1e3 * _LEAST_TRAVEL:g} mm and {_TIMES_NOISE:g} times "
+            "the noise are needed",
+            "Move it further, name only the axes that move, or check the unit (--position-scale).",
         )
 
 
@@ -446,7 +479,7 @@ def _identify_axis(
         condition_number=float(np.linalg.cond(regressor)),
         r_squared=1.0 - squares / variation if variation > 0.0 else 0.0,
         relative_force_error=math.sqrt(squares / float((force**2).sum())) if force.any() else math.inf,
-        time_shift=_time_shift(signals, index, regressor, fit),
+        time_shift=None,
         signals_index=index,
         estimated_force=force - fit.residual,
         residual=fit.residual,
@@ -461,40 +494,35 @@ def _scaled_condition(columns: FloatArray) -> float:
     return float(np.linalg.cond(columns / np.where(size > 0.0, size, 1.0))) if size.all() else math.inf
 
 
-def _time_shift(signals: Signals, index: int, regressor: FloatArray, fit: regression.Fit) -> Estimate | None:
-    """Find by how much the force lags the position: F(t − τ) has a part −τ m times the jerk."""
-    jerk = signals.jerk[index]
-    if not _scaled_condition(np.column_stack([regressor, jerk])) < _TELLS_APART:
+def _cross_inertias(
+    found: Sequence[AxisIdentification], left_out: Sequence[LeftOut]
+) -> tuple[CrossInertia, ...]:
+    crosses = []
+    for mine, beside in zip(found, left_out, strict=True):
+        for index, term in beside.inertias.items():
+            other = found[index]
+            if term is None:
+                crosses.append(CrossInertia(mine.axis, other.axis, None, significant=False))
+                continue
+            size = math.sqrt(abs(mine.mass.value * other.mass.value))
+            interval = (term.value - term.half_width, term.value + term.half_width)
+            crosses.append(
+                CrossInertia(
+                    mine.axis,
+                    other.axis,
+                    Estimate(term.value, term.standard_error, interval),
+                    significant=term.significant and abs(term.value) > _MATTERS * size,
+                )
+            )
+    return tuple(crosses)
+
+
+def _shift_of(beside: LeftOut) -> Estimate | None:
+    shift = beside.shift
+    if shift is None:
         return None
-    more = regression.with_column(fit, regressor, jerk, signals.force[index])
-    mass = float(more.estimate[0])
-    if mass <= 0.0:
-        return None
-    shift, error = -float(more.estimate[-1]) / mass, float(more.standard_error[-1]) / mass
-    half = float(more.half_width()[-1]) / mass
-    return Estimate(shift, error, (shift - half, shift + half))
-
-
-def _cross_inertia(
-    mine: AxisIdentification, other: AxisIdentification, signals: Signals, coulomb: bool, offset: bool
-) -> CrossInertia:
-    from scipy import stats
-
-    regressor = _regressor(signals, mine.signals_index, coulomb, offset)
-    acceleration = signals.acceleration[other.signals_index]
-    if not _scaled_condition(np.column_stack([regressor, acceleration])) < _TELLS_APART:
-        return CrossInertia(mine.axis, other.axis, None, significant=False)
-    fit = regression.with_column(mine.fit, regressor, acceleration, signals.force[mine.signals_index])
-    value, error = float(fit.estimate[-1]), float(fit.standard_error[-1])
-    half = float(fit.half_width()[-1])
-    quantile = float(stats.t.ppf(1.0 - 0.5 * _SIGNIFICANCE, fit.degrees_of_freedom))
-    size = math.sqrt(abs(mine.mass.value * other.mass.value))
-    return CrossInertia(
-        mine.axis,
-        other.axis,
-        Estimate(value, error, (value - half, value + half)),
-        significant=abs(value) > quantile * error and abs(value) > _MATTERS * size,
-    )
+    interval = (shift.value - shift.half_width, shift.value + shift.half_width)
+    return Estimate(shift.value, shift.standard_error, interval)
 
 
 def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]) -> list[str]:
@@ -518,18 +546,6 @@ def _warnings(found: Sequence[AxisIdentification], cross: Sequence[CrossInertia]
                 f"Axis {axis.axis}: the model explains only {100.0 * max(0.0, axis.r_squared):.0f} % of the "
                 "force. Are position and force of the same axis, and is friction or an offset missing?"
             )
-        shift = axis.time_shift
-        if shift is not None and axis.r_squared >= 0.99 and abs(shift.value) > 4.0 * shift.standard_error:
-            # A shift τ of the force moves the mass by τ b (and the damping by less).
-            error = abs(shift.value * axis.damping.value)
-            half = 0.5 * (axis.mass.interval[1] - axis.mass.interval[0])
-            if error > max(half, 0.01 * abs(axis.mass.value)):
-                late = "later" if shift.value > 0.0 else "earlier"
-                told.append(
-                    f"Axis {axis.axis}: the force seems {1e3 * abs(shift.value):.2g} ms {late} than the "
-                    f"position, which shifts the mass by about {error:.2g} kg. If the sensors are that far "
-                    "apart, correct the time stamps (--force-delay)."
-                )
         if axis.fit.lags is not None and float(np.mean(axis.weights < 0.5)) > 0.05:
             told.append(
                 f"Axis {axis.axis}: {100.0 * float(np.mean(axis.weights < 0.5)):.0f} % of the samples were "

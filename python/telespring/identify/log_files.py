@@ -6,11 +6,15 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Log", "read_log"]
 
@@ -188,15 +192,67 @@ def _table(path: Path) -> dict[str, FloatArray]:
         except (ValueError, OSError) as trouble:
             raise _unreadable(path, trouble) from None
     else:
-        try:
-            frame = pd.read_csv(path, skipinitialspace=True)
-        except (ValueError, UnicodeDecodeError) as trouble:
-            raise _unreadable(path, trouble) from None
+        frame = _csv(path)
     columns = {}
     for name in frame.columns:
         # What is no number becomes missing, and is refused with its place if it is used.
         columns[str(name).strip()] = pd.to_numeric(frame[name], errors="coerce").to_numpy(dtype=float)
     return columns
+
+
+def _csv(path: Path) -> pd.DataFrame:
+    import pandas as pd
+
+    try:
+        frame = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise InvalidInput(
+            "log", f"{path}, not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8."
+        ) from None
+    except pd.errors.EmptyDataError:
+        raise InvalidInput(
+            "log",
+            f"{path}, empty",
+            "a line of column names and a line per sample are needed",
+            "Check that the recording was saved.",
+        ) from None
+    except pd.errors.ParserError as trouble:
+        reason = str(trouble).removeprefix("Error tokenizing data. C error: ").strip()
+        raise InvalidInput(
+            "log",
+            f"{path}, {reason[:1].lower()}{reason[1:]}",
+            "a table is needed: a line of column names, then a line per sample with as many fields",
+            "Check that it is a log, and remove lines above the columns' names.",
+        ) from None
+    except (ValueError, OSError) as trouble:
+        raise _unreadable(path, trouble) from None
+    names = [str(name) for name in frame.columns]
+    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
+        if len(names) == 1 and separator in names[0]:
+            raise InvalidInput(
+                "log",
+                f"{path}, separated by {word}",
+                "columns must be separated by commas, decimals by points",
+                "Export it with commas between columns and a point before decimals.",
+            )
+    numbers = frame.apply(pd.to_numeric, errors="coerce")
+    if len(frame) and numbers.isna().all(axis=None):
+        raise InvalidInput(
+            "log",
+            f"{path}, no numbers",
+            "a table is needed: a line of column names, then a line of numbers per sample",
+            "Check that this file is the log.",
+        )
+    if len(frame) > 1 and numbers.iloc[0].isna().all() and numbers.iloc[1].notna().any():
+        units = ", ".join(str(value) for value in frame.iloc[0])
+        raise InvalidInput(
+            "log",
+            f"{path}, no numbers in the second line ({units[:60]})",
+            "numbers must follow the line of column names",
+            "Remove that line; give units other than s, m and N with --time-scale, --position-scale and "
+            "--force-scale.",
+        )
+    return frame
 
 
 def _unreadable(path: Path, trouble: Exception) -> InvalidInput:

@@ -36,7 +36,7 @@ __all__ = [
     "paper_least_squares",
     "paper_reweightings",
     "robust_least_squares",
-    "with_column",
+    "weighted",
 ]
 
 #: ε of the paper's weights 1/(r² + ε): the relative accuracy of floating-point numbers.
@@ -217,36 +217,33 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     )
 
 
-def with_column(fit: Fit, regressor: FloatArray, column: FloatArray, force: FloatArray) -> Fit:
-    """Fit once more with one more column, every sample keeping the weight it has in `fit`.
+def weighted(regressor: FloatArray, force: FloatArray, weights: FloatArray) -> Fit:
+    """Fit with given weights and a covariance for correlated residuals.
 
     Parameters
     ----------
-    fit
-        The fit without the column.
     regressor
-        Its regressor.
-    column
-        What is added to it as the last column.
+        One row per sample, one column per coefficient.
     force
         N, one per sample.
+    weights
+        Of the samples: 1 where a sample counts fully.
 
     Returns
     -------
     Fit
-        With one coefficient more, and a covariance for correlated residuals; after the paper's method all
-        samples count alike.
+        Coefficients and covariance.
     """
-    columns = np.column_stack([regressor, column])
-    # The paper's weights single out a few samples; nothing else may hang on them.
-    weights = np.ones_like(force) if fit.lags is None else fit.weights
     root = np.sqrt(weights)
-    estimate: FloatArray = np.linalg.lstsq(columns * root[:, None], force * root, rcond=None)[0].astype(float)
-    residual = force - columns @ estimate
+    size = np.sqrt((regressor**2).mean(axis=0))
+    estimate: FloatArray = (
+        np.linalg.lstsq(regressor / size * root[:, None], force * root, rcond=None)[0].astype(float) / size
+    )
+    residual = force - regressor @ estimate
     lags = newey_west_lags(weights * residual)
     return Fit(
         estimate=estimate,
-        covariance=_sandwich(columns, weights * residual, weights, lags),
+        covariance=_sandwich(regressor, weights * residual, weights, lags),
         residual=residual,
         weights=weights,
         degrees_of_freedom=force.size - estimate.size,

@@ -46,6 +46,14 @@ def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
                 if axis.mass.value < 1e-4
                 else ("damping", axis.damping.value, "N·s/m")
             )
+            if axis.estimates[wrong].interval[1] > 0.0:
+                low, high = axis.estimates[wrong].interval
+                raise InvalidInput(
+                    f"{wrong} ({axis.axis})",
+                    f"{value:.4g} {unit}, 95 % interval {low:.4g} to {high:.4g}",
+                    "a value above 0 is needed, and this log leaves its sign open",
+                    "Move this axis further and faster, or record longer.",
+                )
             raise InvalidInput(
                 f"{wrong} ({axis.axis})",
                 f"{value:.4g} {unit}",

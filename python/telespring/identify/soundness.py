@@ -30,8 +30,8 @@ __all__ = ["cutoff_warnings", "implausible", "noise_shift"]
 _TOLD, _REFUSED, _MATTERS = 0.5, 3.0, 0.005
 #: At half of the cut-off an estimate may differ by so many half-widths of both intervals together.
 _MOVED = 2.0
-#: Nobody holds a robot that moves faster, m/s and m/s², or is lighter, kg.
-_FASTEST, _HARDEST, _LIGHTEST = 4.0, 100.0, 0.05
+#: Nobody holds a robot that moves faster, m/s and m/s², or is lighter or heavier, kg.
+_FASTEST, _HARDEST, _LIGHTEST, _HEAVIEST = 4.0, 100.0, 0.05, 200.0
 
 
 def noise_shift(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
@@ -195,5 +195,10 @@ def implausible(found: Sequence[AxisIdentification], signals: Signals) -> list[s
             told.append(
                 f"Axis {axis.axis}: {axis.mass.value:.2g} kg is lighter than any robot that a person holds. "
                 "Are time, position and force in s, m and N (--time-scale, --position-scale, --force-scale)?"
+            )
+        if abs(axis.mass.value) > _HEAVIEST:
+            told.append(
+                f"Axis {axis.axis}: {axis.mass.value:.3g} kg is heavier than any robot that a person holds. "
+                "Are time, position and force in s, m and N (--force-scale 0.001 for mN)?"
             )
     return told
