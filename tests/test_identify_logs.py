@@ -421,7 +421,7 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     text = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(
         cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.167"]
     )
-    assert "stable with probability" in " ".join(text.stdout.split())
+    assert "stable with probability above 99.995 % (20000 draws)" in " ".join(text.stdout.split())
     # certain robots: nothing is said
     certain = CliRunner().invoke(cli.app, ["decide", "--json"])
     assert json.loads(certain.stdout)["uncertainty"] is None

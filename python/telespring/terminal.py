@@ -345,11 +345,18 @@ def _uncertainty(decision: Decision) -> list[RenderableType]:
     share, error = 100.0 * known.stable.value, 100.0 * known.stable.standard_error
     limits = ["continuous controllers"] if decision.sampled_stable is not None else []
     limits += ["operators in the middle of their ranges"] if decision.over_operator_ranges else []
-    digits = max(0, 1 - math.floor(math.log10(error)))
+    draws = known.stable.draws
+    if known.stable.value in (0.0, 1.0):
+        # What no draw (or every one) shows is known to one draw in so many at best.
+        side, bound = ("below", 1.0 / draws) if known.stable.value == 0.0 else ("above", 1.0 - 1.0 / draws)
+        digits = math.ceil(math.log10(draws)) - 2
+        told = f"{side} {100.0 * bound:.{digits}f} % ({draws} draws)"
+    else:
+        digits = max(0, 1 - math.floor(math.log10(error)))
+        told = f"{share:.{digits}f} % (± {error:.{digits}f} %, {draws} draws)"
     title = Text.assemble(
         ("As well as the robots are known, ", "bold"),
-        f"this constant delay is stable with probability {share:.{digits}f} % (± {error:.{digits}f} %, "
-        f"{known.stable.draws} draws){''.join(f', {limit}' for limit in limits)}.",
+        f"this constant delay is stable with probability {told}{''.join(f', {limit}' for limit in limits)}.",
     )
     table = Table(box=None, pad_edge=False)
     for name in ("axis", "kₘ, 95 %", "δₘ, 95 %"):
