@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -62,3 +63,14 @@ def test_cross_the_rust_program_is_measured(content: dict[str, Any], root: Path)
     lines = [row for row in content["rows"] if row["target_error"] is not None]
     assert lines
     assert all(row["error"] <= row["target_error"] for row in lines)
+
+
+@pytest.mark.parametrize("workspace", ["benches/rust", "fuzz"])
+def test_law_locks_outside_the_workspace_know_every_crate_of_the_core(root: Path, workspace: str) -> None:
+    """Both build with --locked, and nothing else here builds them."""
+    declared = tomllib.loads((root / "crates" / "telespring" / "Cargo.toml").read_text(encoding="utf-8"))
+    needed = {name for name, entry in declared["dependencies"].items() if not entry.get("optional", False)}
+    lock = tomllib.loads((root / workspace / "Cargo.lock").read_text(encoding="utf-8"))
+    core = next(package for package in lock["package"] if package["name"] == "telespring")
+    locked = {str(each).split()[0] for each in core["dependencies"]}
+    assert needed <= locked, f"{workspace}/Cargo.lock is stale: run cargo update --workspace there"
