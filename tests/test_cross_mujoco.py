@@ -14,23 +14,15 @@ import mujoco
 import numpy as np
 import pytest
 
+import jointed_arms
 import telespring as ts
 from telespring import _core
 from telespring._types import FloatArray
 
 FAR = 1e11  # m; only the tendons' directions matter, their lengths do not
 TICK = 1e-3  # s
-ARM: dict[str, Any] = {
-    "kind": "two-link",
-    "base": [0.03, -0.44],
-    "elbow": "right",
-    "link_length": [0.34, 0.31],
-    "link_mass": [0.9, 0.4],
-    "link_centre": [0.25, 0.17],
-    "link_inertia": [0.0099, 0.0036],
-    "joint_damping": [0.4, 0.3],
-    "rotor_inertia": [0.02, 0.012],
-}
+#: With ten times the joint damping.
+ARM: dict[str, Any] = {**jointed_arms.ARM, "joint_damping": [0.4, 0.3]}
 ROBOT: dict[str, Any] = {"mass": [0.8334, 0.7257], "damping": [7.7257, 6.1], "coulomb": [0.0, 0.0]}
 
 

@@ -15,6 +15,7 @@ from typer.testing import CliRunner, Result
 
 import oracle_collocation as oracle
 import telespring as ts
+from jointed_arms import ARM, OTHER
 from telespring import cli, figures
 from telespring._types import FloatArray
 from telespring.holding import holding_of, places_of
@@ -27,18 +28,6 @@ from telespring.study.part import Scene
 from telespring.study.robots import find_allowed
 from telespring.study_text import with_values
 
-ARM: dict[str, Any] = {
-    "kind": "two-link",
-    "base": [0.03, -0.44],
-    "elbow": "right",
-    "link_length": [0.34, 0.31],
-    "link_mass": [0.9, 0.4],
-    "link_centre": [0.25, 0.17],
-    "link_inertia": [0.0099, 0.0036],
-    "joint_damping": [0.04, 0.03],
-    "rotor_inertia": [0.02, 0.012],
-}
-OTHER: dict[str, Any] = {**ARM, "base": [-0.05, -0.42], "elbow": "left"}
 LUMPED: dict[str, Any] = {
     "arm1": {"kind": "lumped", "mass": [0.8, 0.5], "damping": [1.0, 0.3]},
     "arm2": {"kind": "lumped", "mass": 0.4, "damping": 0.6},

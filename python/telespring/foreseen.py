@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,19 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring._types import FloatArray
+from telespring.paths import figure_of_eight, path_of_program
 
 if TYPE_CHECKING:
     from telespring import Study
     from telespring._core import Experiment
 
-__all__ = ["laboratory_settings", "target_path", "warnings_of"]
+__all__ = ["PERFECT_LABORATORY", "laboratory_settings", "target_path", "warnings_of"]
 
 #: m; how near to an end of its reach an arm may come before a warning.
 _NEAR = 0.03
 #: Points of one period of the figure of eight: between two of them it moves by less than 1 % of its size.
 _POINTS = 720
 #: What a study that does not mention its laboratory has.
-_PERFECT = {
+PERFECT_LABORATORY = {
     "computing_tick": False,
     "actuator_lag": 0.0,
     "encoder_resolution": 0.0,
@@ -55,7 +55,7 @@ def laboratory_settings(study: Study) -> dict[str, Any]:
     said = tables.get("laboratory", {})
     count = len(study.dyad.axes)
     return {
-        **{key: said.get(key, value) for key, value in _PERFECT.items()},
+        **{key: said.get(key, value) for key, value in PERFECT_LABORATORY.items()},
         "coulomb": [
             np.broadcast_to(np.asarray(tables[robot].get("coulomb", 0.0), float), count).tolist()
             for robot in ("robot1", "robot2")
@@ -89,18 +89,9 @@ def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArr
     >>> abs(target_path(ts.Study.paper().experiment)).max(axis=0).round(6).tolist()
     [0.05, 0.1]
     """
-    task = experiment.task
-    if task["kind"] != "python":
-        # Where a trial ends before the first period does, the rest of the path is not visited.
-        end = min(2.0 * math.pi, float(task["angular_frequency"]) * experiment.duration)
-        phase = np.linspace(0.0, end, _POINTS + 1)
-        across, along = task["amplitude"]
-        return np.column_stack([across * np.sin(2.0 * phase), along * np.sin(phase)])
-    from telespring.experiment.programs import programs_of
-    from telespring.experiment.schedule import tick_count
-
-    found = programs_of(experiment, modules).positions(tick_count(experiment), experiment.sample_period)
-    assert found is not None
+    if experiment.task["kind"] != "python":
+        return figure_of_eight(experiment, _POINTS)[0]
+    found = path_of_program(experiment, modules)
     return found[:: max(1, len(found) // 4000)]
 
 

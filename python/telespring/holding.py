@@ -11,6 +11,7 @@ import numpy as np
 
 import telespring as ts
 from telespring._types import FloatArray
+from telespring.paths import figure_of_eight, path_of_program
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
@@ -180,22 +181,12 @@ def places_of(experiment: Experiment, modules: Path | None = None) -> tuple[Floa
     >>> len(places), along  # the centre is passed twice
     (31, 'one period of the target')
     """
-    task = experiment.task
-    if task["kind"] != "python":
-        # Where a trial ends before the first period does, the rest of the path is not visited.
-        end = min(2.0 * np.pi, float(task["angular_frequency"]) * experiment.duration)
-        phase = np.linspace(0.0, end, POSES + 1)
-        across, along = task["amplitude"]
-        path = np.column_stack([across * np.sin(2.0 * phase), along * np.sin(phase)])
-        whole = "one period" if end == 2.0 * np.pi else "the trial"
+    if experiment.task["kind"] != "python":
+        path, whole = figure_of_eight(experiment, POSES)
         # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
-        return np.unique(np.round(path, 12) + 0.0, axis=0), f"{whole} of the target"
-    from telespring.experiment.programs import programs_of
-    from telespring.experiment.schedule import tick_count
-
-    found = programs_of(experiment, modules).positions(tick_count(experiment), experiment.sample_period)
-    assert found is not None
-    return _spread(found, POSES), "a whole trial of the target"
+        places = np.unique(np.round(path, 12) + 0.0, axis=0)
+        return places, f"{'one period' if whole else 'the trial'} of the target"
+    return _spread(path_of_program(experiment, modules), POSES), "a whole trial of the target"
 
 
 def _spread(path: FloatArray, count: int) -> FloatArray:

@@ -23,20 +23,12 @@ from telespring.experiment.records import Record
 from telespring.experiment.schedule import Trial, condition_labels, sample_count, sample_times
 from telespring.experiment.signals import SIGNALS, STATUSES, TARGET, rounded
 from telespring.files import replacing
+from telespring.foreseen import PERFECT_LABORATORY
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
 
 __all__ = ["write_dataset"]
-
-#: What a study that does not mention its laboratory has.
-_PERFECT = {
-    "computing_tick": False,
-    "actuator_lag": 0.0,
-    "encoder_resolution": 0.0,
-    "jitter": 0.0,
-    "loss": 0.0,
-}
 
 _PLACE = ("condition", "trial")
 _DIMENSIONS = ("condition", "trial", "time", "robot", "axis")
@@ -193,7 +185,9 @@ def _described(units: str, long_name: str, **more: Any) -> dict[str, Any]:
 def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
     """Everything that the dataset was made from; no time stamps, so that the same study gives the same."""
     study = tomllib.loads(identity.study)
-    laboratory = _PERFECT | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}
+    laboratory = (
+        PERFECT_LABORATORY | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}
+    )
     return identity.to_attributes() | {
         "duration": experiment.duration,
         "discard": experiment.discard,
