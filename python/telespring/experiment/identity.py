@@ -6,25 +6,26 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from telespring import _core
 
-__all__ = ["SCHEMA", "VERSION", "Identity"]
+__all__ = ["SCHEMA", "Identity", "version"]
 
 #: Changes when a variable or attribute of the dataset changes its meaning or goes away.
 SCHEMA = "telespring rehearsal 1"
 
 
-def _version() -> str:
-    """Name the compiled core that computes, the build included: another build may give other numbers."""
+@cache
+def version() -> str:
+    """Name the compiled core that computes, the build included: another build may give other numbers.
+
+    Not what is installed beside it, and only where it is asked for: it reads the whole core.
+    """
     built = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
     return f"{_core.__version__}+{built[:12]}"
-
-
-#: Of the core that computes, not of what is installed beside it.
-VERSION = _version()
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from telespring._core import Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.experiment.folder import RehearsalFolder
-from telespring.experiment.identity import SCHEMA, VERSION, Identity
+from telespring.experiment.identity import SCHEMA, Identity, version
 from telespring.experiment.lock import locked
 from telespring.experiment.programs import ProgramFailed, Programs, Stopped, programs_of
 from telespring.experiment.records import Record
@@ -157,7 +157,7 @@ def run_protocol(
     if workers is None and programs.agents != (None, None):
         # The interpreter runs one agent at a time; threads would only wait for each other.
         threads = 1
-    identity = Identity(study.name, study.to_toml(), programs.provenance(), SCHEMA, VERSION)
+    identity = Identity(study.name, study.to_toml(), programs.provenance(), SCHEMA, version())
     trials = schedule(experiment)
     home = RehearsalFolder(Path(folder), identity)
     home.make()
@@ -204,7 +204,7 @@ def forget(folder: str | os.PathLike[str]) -> None:
     OSError
         Where it cannot be removed.
     """
-    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, VERSION))
+    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, version()))
     if home.foreign():
         with locked(home.path):
             home.empty()
