@@ -9,7 +9,7 @@ from harness import Effort, Row
 from rustside import RustSide
 
 import telespring as ts
-from telespring.experiment import run_protocol
+from telespring.rehearsal import run_protocol
 
 ALL = "rehearsal: 340 trials of 29.1 s, 1 kHz, file included"
 SHORT = "[protocol]\ntrials = 1\nduration = 1.0\ndiscard = 0.5\n"

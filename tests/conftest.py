@@ -20,7 +20,7 @@ from typer.testing import CliRunner, Result
 
 import telespring as ts
 from telespring.cli import app
-from telespring.study import Analysis
+from telespring.paper import Analysis
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from telespring import paper
+from telespring.paper import as_printed
 
 
 def maximum_delay(m1: float, b1: float, m2: float, b2: float, k: float) -> tuple[float, float]:
@@ -20,8 +20,8 @@ def maximum_delay(m1: float, b1: float, m2: float, b2: float, k: float) -> tuple
     if k <= (b1**2 + b2**2) / (2 * (m1 + m2)):
         return math.inf, math.nan
     found = []
-    for root in np.roots(paper.cubic_equation_8(m1, b1, m2, b2, k)):
+    for root in np.roots(as_printed.cubic_equation_8(m1, b1, m2, b2, k)):
         if abs(root.imag) < 1e-9 * max(1.0, abs(root)) and root.real > 0.0:
             frequency = math.sqrt(root.real)
-            found.append((paper.delay_equation_9(m1, b1, m2, b2, k, frequency), frequency))
+            found.append((as_printed.delay_equation_9(m1, b1, m2, b2, k, frequency), frequency))
     return min(found, default=(math.inf, math.nan))

@@ -18,11 +18,9 @@ from scipy import stats
 from scipy.optimize import minimize
 
 import telespring as ts
-from telespring import _core, analysis, figures
+from telespring import _core, analysis
 from telespring._types import FloatArray
-from telespring.arms_boundary import boundary_in_arms
-from telespring.arms_boundary import draw as draw_boundary
-from telespring.calibration import (
+from telespring.paper.calibration import (
     TABLE_I,
     Calibration,
     PublishedRow,
@@ -34,16 +32,19 @@ from telespring.calibration import (
     predict,
     score,
 )
-from telespring.calibration.design import explore
-from telespring.calibration.fit import fit
-from telespring.calibration.least_squares import least_squares
-from telespring.calibration.likelihood import Likelihood, threshold
-from telespring.calibration.search import lowest
-from telespring.calibration.simulator import RigSimulator
-from telespring.calibration.surrogate import Surrogate
-from telespring.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
-from telespring.calibration.words import _of_growth, signed
-from telespring.study_text import with_values
+from telespring.paper.calibration.design import explore
+from telespring.paper.calibration.fit import fit
+from telespring.paper.calibration.laboratory import RigSimulator
+from telespring.paper.calibration.least_squares import least_squares
+from telespring.paper.calibration.likelihood import Likelihood, threshold
+from telespring.paper.calibration.minimise import lowest
+from telespring.paper.calibration.statements import _of_growth, signed
+from telespring.paper.calibration.surrogate import Surrogate
+from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
+from telespring.paper.sections.arms.boundary import boundary_in_arms
+from telespring.paper.sections.arms.boundary import draw as draw_boundary
+from telespring.show import figures
+from telespring.study.editing import with_values
 
 FITTED = [i for i, row in enumerate(TABLE_I) if row.stiffness in (None, 142.0)]
 SIZES = (64, 32, 12)

@@ -18,8 +18,8 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from conftest import PaperStudy
 from telespring import cli
-from telespring.axes import Axis
-from telespring.decision import decide
+from telespring.decision.decide import decide
+from telespring.theory.axis import Axis
 
 UNKNOWN_KEY = """
 robot1 = {mass = 1.0, damping = 5.0}
@@ -432,7 +432,7 @@ def test_law_a_terminal_without_greek_gets_its_answer() -> None:
     assert "≤" in json.loads(answer.stdout)["verdicts"]["any_network"]["rule"]
 
 
-@pytest.mark.parametrize("module", ["typer", "telespring.decision"])
+@pytest.mark.parametrize("module", ["typer", "telespring.decision.decide"])
 def test_law_ctrl_c_while_loading_ends_quietly(module: str) -> None:
     found = as_process("decide", code=INTERRUPTED_WHILE_LOADING.replace("MODULE", module))
     assert found.returncode == 130
@@ -535,15 +535,15 @@ def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path) -> None:
 WAITS_FOR_ITS_FIRST_STEP = """
 import sys, time
 from telespring import cli
-from telespring.study import run
+from telespring.paper import run
 def waits(scene):
     sys.stdout.write("begun\\n")
     sys.stdout.flush()
     time.sleep(60)
 run.PARTS = (run.PARTS[0], run.Part("waits", waits))
 run.STEPS = cli_steps = (*(part.name for part in run.PARTS), "report")
-import telespring.study
-telespring.study.STEPS = cli_steps
+import telespring.paper
+telespring.paper.STEPS = cli_steps
 cli.app(["study", "--out", sys.argv[1]])
 """
 

@@ -11,7 +11,7 @@ from scipy import stats
 import oracle_laboratory as oracle
 import telespring as ts
 from telespring import _core
-from telespring.study_text import with_values
+from telespring.study.editing import with_values
 
 PERIOD = 2 * math.pi / 2.59  # of the target, s
 

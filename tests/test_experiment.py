@@ -21,10 +21,10 @@ from typer.testing import CliRunner, Result
 
 import telespring as ts
 from telespring import _core, cli
-from telespring.experiment import records, run_protocol
-from telespring.experiment.lock import LOCK, locked
-from telespring.experiment.schedule import condition_labels, schedule
-from telespring.experiment.signals import SIGNALS
+from telespring.rehearsal import run_protocol, trial_file
+from telespring.rehearsal.encoding import SIGNALS
+from telespring.rehearsal.lock import LOCK, locked
+from telespring.rehearsal.schedule import condition_labels, schedule
 
 # Short trials of the paper's robots; 1500 N/m over 0.1 s is so unstable that it diverges within 2 s.
 STUDY = """
@@ -171,7 +171,7 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
         killed += 1
         at_work += any(disturbed.rglob("*.trial"))
         # never an unfinished trial under a finished one's name
-        assert all(records.kept(file) is not None for file in disturbed.rglob("*.trial"))
+        assert all(trial_file.kept(file) is not None for file in disturbed.rglob("*.trial"))
     else:
         pytest.fail("it never came through")
     assert at_work, f"of {killed} kills none met a rehearsal with finished trials: this shows nothing"
@@ -182,10 +182,10 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
 @pytest.mark.parametrize(
     "place",
     [
-        "telespring.experiment.folder.write_whole",
-        "telespring.experiment.dataset._declare_signals",
-        "telespring.experiment.folder.RehearsalFolder.settle",
-        "telespring.experiment.folder.RehearsalFolder.tidy",
+        "telespring.rehearsal.store.write_whole",
+        "telespring.rehearsal.dataset._declare_signals",
+        "telespring.rehearsal.store.RehearsalFolder.settle",
+        "telespring.rehearsal.store.RehearsalFolder.tidy",
     ],
 )
 def test_law_killed_at_a_delicate_moment_it_ends_with_the_same_dataset(
@@ -193,7 +193,7 @@ def test_law_killed_at_a_delicate_moment_it_ends_with_the_same_dataset(
 ) -> None:
     """Before the plan is written, inside the dataset's file, after its renaming, before the trials go."""
     code = (
-        "import os, signal, sys, unittest.mock, telespring as ts, telespring.experiment.dataset\n"
+        "import os, signal, sys, unittest.mock, telespring as ts, telespring.rehearsal.dataset\n"
         "kill = lambda *_, **__: os.kill(os.getpid(), signal.SIGKILL)\n"
         "with unittest.mock.patch(sys.argv[1], kill):\n"
         "    ts.rehearse(ts.Study.from_toml(sys.argv[2]), sys.argv[3])"
@@ -332,7 +332,7 @@ def test_law_a_file_of_the_datasets_name_that_is_none_is_refused(short: ts.Study
 
 def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study, tmp_path: Path) -> None:
     code = (
-        "import sys, time, pathlib; from telespring.experiment.lock import locked\n"
+        "import sys, time, pathlib; from telespring.rehearsal.lock import locked\n"
         "with locked(pathlib.Path(sys.argv[1])):\n    print('locked', flush=True); time.sleep(60)"
     )
     owner = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE)
@@ -438,14 +438,14 @@ def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study, out = written(tmp_path, study_text()), tmp_path / "out"
-    keep = records.keep
+    keep = trial_file.keep
 
-    def interrupted(path: Path, record: records.Record) -> None:
+    def interrupted(path: Path, record: trial_file.Record) -> None:
         if len(list(path.parent.glob("*.trial"))) == 3:
             signal.raise_signal(signal.SIGINT)
         keep(path, record)
 
-    monkeypatch.setattr("telespring.experiment.folder.keep", interrupted)
+    monkeypatch.setattr("telespring.rehearsal.store.keep", interrupted)
     stopped = command(study, "--out", out)
     assert stopped.exit_code == 130
     assert "3 of 9 trials are kept; the same command goes on with the others." in stopped.output

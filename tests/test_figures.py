@@ -8,7 +8,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from telespring import figures
+from telespring.show import figures
 
 
 def nyquist() -> Figure:

@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from telespring.files import replacing, write_whole
+from telespring._files import replacing, write_whole
 
 
 def test_law_written_text_is_read_back_and_nothing_else_is_left(tmp_path: Path) -> None:

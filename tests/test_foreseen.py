@@ -12,15 +12,15 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from telespring.cli import app
-from telespring.foreseen import target_path, warnings_of
-from telespring.study import PARTS, Analysis, analyse
-from telespring.study.arms import find_arms
-from telespring.study.experiment import find_experiment
-from telespring.study.laboratory import find_laboratory
-from telespring.study.part import Scene
-from telespring.study.robots import find_allowed
-from telespring.study.schematics import find_schematics
-from telespring.study_text import with_values
+from telespring.paper import PARTS, Analysis, analyse
+from telespring.paper.scene import Scene
+from telespring.paper.sections.arms.section import find_arms
+from telespring.paper.sections.experiment.section import find_experiment
+from telespring.paper.sections.laboratory.section import find_laboratory
+from telespring.paper.sections.model.section import find_schematics
+from telespring.paper.sections.robots.section import find_allowed
+from telespring.rehearsal.preflight import target_path, warnings_of
+from telespring.study.editing import with_values
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "examples").glob("*.toml"))
 

@@ -12,15 +12,15 @@ from scipy import optimize
 
 from telespring import InvalidInput
 from telespring._types import FloatArray
-from telespring.identify import (
+from telespring.identification import (
     Excitation,
     design_excitation,
     identify,
     paper_excitation,
     paper_reweightings,
 )
-from telespring.identify.regression import least_squares, robust_least_squares
-from telespring.identify.signals import choose_cutoff
+from telespring.identification.filtering import choose_cutoff
+from telespring.identification.regression import least_squares, robust_least_squares
 
 RATE = 1000.0
 MASS, DAMPING, COULOMB, OFFSET = 0.8334, 7.7257, 0.6, -0.3

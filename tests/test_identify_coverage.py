@@ -9,10 +9,10 @@ import pytest
 
 import telespring as ts
 from telespring import InvalidInput
-from telespring.identify import Identification, identify
-from telespring.identify.rig import Noise, RigLog, rig_log
-from telespring.identify.study import study_identification
-from telespring.study_text import with_values
+from telespring.identification import Identification, identify
+from telespring.identification.simulated_logs import Noise, RigLog, rig_log
+from telespring.paper.sections.identification.numbers import study_identification
+from telespring.study.editing import with_values
 
 #: Fixed before the first run.
 SEED = 20251122

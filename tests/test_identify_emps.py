@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from telespring import cli
 from telespring._types import FloatArray
-from telespring.identify import identify, paper_reweightings, read_log
-from telespring.identify.estimation import Method
+from telespring.identification import identify, paper_reweightings, read_log
+from telespring.identification.estimation import Method
 
 ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT.parent / "shared" / "data" / "emps" / "DATA_EMPS.mat"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from telespring.figures import to_svg
-from telespring.figures.identification import excitation_figure, regression_figure, residual_figure
-from telespring.identify import Identification, identify, paper_excitation
+from telespring.identification import Identification, identify, paper_excitation
+from telespring.show.figures import to_svg
+from telespring.show.figures.identification import excitation_figure, regression_figure, residual_figure
 
 
 @pytest.fixture(scope="module")

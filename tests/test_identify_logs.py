@@ -17,8 +17,8 @@ from typer.testing import CliRunner, Result
 
 import telespring as ts
 from telespring import InvalidInput, cli
-from telespring.identify import identify, paper_excitation, read_log, robot_toml, write_robot
-from telespring.study_text import with_robot
+from telespring.identification import identify, paper_excitation, read_log, robot_toml, write_robot
+from telespring.study.editing import with_robot
 
 TRUTH = {"x": (0.8334, 7.7257), "y": (1.0649, 10.1168)}
 
@@ -260,7 +260,7 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
     path.write_bytes(b"PAR1")
     code = (
         "import sys; sys.modules['pyarrow'] = None\n"
-        "from telespring.identify import read_log\n"
+        "from telespring.identification import read_log\n"
         f"read_log({str(path)!r})"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -16,17 +16,18 @@ from typer.testing import CliRunner, Result
 import oracle_collocation as oracle
 import telespring as ts
 from jointed_arms import ARM, OTHER
-from telespring import cli, figures
+from telespring import cli
 from telespring._types import FloatArray
-from telespring.holding import holding_of, places_of
-from telespring.in_arms import InArms, names_arms_or_agents, stability_in_arms
-from telespring.pose_stability import pose_stability
-from telespring.report import render
-from telespring.study.arms import find_arms
-from telespring.study.laboratory import find_laboratory
-from telespring.study.part import Scene
-from telespring.study.robots import find_allowed
-from telespring.study_text import with_values
+from telespring.decision.arms import InArms, names_arms_or_agents, stability_in_arms
+from telespring.decision.handles import holding_of, places_of
+from telespring.paper.page import render
+from telespring.paper.scene import Scene
+from telespring.paper.sections.arms.section import find_arms
+from telespring.paper.sections.laboratory.section import find_laboratory
+from telespring.paper.sections.robots.section import find_allowed
+from telespring.show import figures
+from telespring.study.editing import with_values
+from telespring.theory.poses import pose_stability
 
 LUMPED: dict[str, Any] = {
     "arm1": {"kind": "lumped", "mass": [0.8, 0.5], "damping": [1.0, 0.3]},

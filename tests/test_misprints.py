@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from oracle_collocation import Axes, spectral_abscissa
-from telespring.misprints import misprints
+from telespring.paper.misprints import misprints
 
 Robots = tuple[float, float, float, float]
 Expected = float | Any | None

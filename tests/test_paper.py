@@ -10,9 +10,9 @@ import pytest
 
 import telespring as ts
 from printed_formulas import maximum_delay
-from telespring import paper
-from telespring.study.number_sets import find_number_sets, number_set, roots_of_robots_alike
-from telespring.study.part import Scene
+from telespring.paper import as_printed
+from telespring.paper.scene import Scene
+from telespring.paper.sections.number_sets.section import find_number_sets, number_set, roots_of_robots_alike
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_cross_printed_formulas_in_the_core_against_companion_matrix_roots() -> 
             assert math.isinf(found)
             continue
         # near B = 0 the printed sign jumps, and rounding of the root decides
-        if abs(paper.sign_of_equation_9(m1, b1, m2, b2, k, frequency)) < 1e-6 * frequency**2:
+        if abs(as_printed.sign_of_equation_9(m1, b1, m2, b2, k, frequency)) < 1e-6 * frequency**2:
             continue
         compared += 1
         # 1e-7: the companion matrix' roots, worst where two of them are close
@@ -55,7 +55,7 @@ def test_cross_printed_formulas_in_the_core_against_companion_matrix_roots() -> 
 
 
 def test_ref_table_ii_is_transcribed(du2025: dict[str, Any]) -> None:
-    assert [tuple(row["sets"]) for row in du2025["table2"]["row"]] == list(paper.TABLE_II)
+    assert [tuple(row["sets"]) for row in du2025["table2"]["row"]] == list(as_printed.TABLE_II)
     assert du2025["table2"]["columns"] == ["eta1", "eta2", "xi1", "xi2", "xi3"]
 
 
@@ -64,7 +64,9 @@ def test_cross_roots_of_robots_alike_against_the_companion_matrix() -> None:
     mass, damping = 0.8334, 7.7257
     for stiffness in (5.0, 14.0, 20.0, 30.0, 50.0, 142.0):
         ours = np.sort_complex(np.array(roots_of_robots_alike(mass, damping, stiffness)))
-        theirs = np.sort_complex(np.roots(paper.cubic_equation_8(mass, damping, mass, damping, stiffness)))
+        theirs = np.sort_complex(
+            np.roots(as_printed.cubic_equation_8(mass, damping, mass, damping, stiffness))
+        )
         # 1e-6: two roots are close at 14 N/m, where rounding grows by its square root
         assert ours == pytest.approx(theirs, rel=1e-6)
 
@@ -74,7 +76,7 @@ def test_cross_table_ii_against_numbers_read_from_the_companion_matrix(table: di
     mass, damping = table["mass"], table["damping"]
     for at in (0, 2, 4):
         row = table["rows"][at]
-        roots = np.roots(paper.cubic_equation_8(mass, damping, mass, damping, row["stiffness"]))
+        roots = np.roots(as_printed.cubic_equation_8(mass, damping, mass, damping, row["stiffness"]))
         size = damping**2 / mass**2
         real = sorted(("R+" if root.real > 0 else "R-") for root in roots if abs(root.imag) < 1e-6 * size)
         named = [row[f"xi{i}_set"] for i in (1, 2, 3)]

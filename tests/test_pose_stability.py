@@ -11,7 +11,7 @@ import telespring as ts
 from jointed_arms import ARM, OTHER
 from telespring import _core
 from telespring._types import FloatArray
-from telespring.pose_stability import pose_stability, pose_system
+from telespring.theory.poses import pose_stability, pose_system
 
 
 def path(count: int) -> FloatArray:

@@ -14,7 +14,7 @@ import xarray as xr
 import telespring as ts
 from made_trials import figure_eight, offsets, small
 from telespring.analysis import measure, read_recorded, target_of, write_recorded, write_template
-from telespring.analysis.columns import INDEX_OPTIONAL, INDEX_REQUIRED, TARGET, TIME, columns_of
+from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED, TARGET, TIME, columns_of
 
 TASK = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
 

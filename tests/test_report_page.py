@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from telespring.study import Analysis
+from telespring.paper import Analysis
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 

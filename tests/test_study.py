@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring.experiment import run_protocol
-from telespring.misprints import held_partner_growth
-from telespring.report import PLACES, SECTIONS, Style, format_quantity, look_up
-from telespring.study import PARTS, STEPS, Analysis, analyse, write
-from telespring.study.experiment import find_experiment
-from telespring.study.maps import find_examples
-from telespring.study.misprints import find_misprints
-from telespring.study.robots import find_allowed
-from telespring.study.schematics import find_schematics
-from telespring.summary import summarise
+from telespring.paper import PARTS, STEPS, Analysis, analyse, write
+from telespring.paper.misprints import held_partner_growth
+from telespring.paper.page import PLACES, SECTIONS, Style, format_quantity, look_up
+from telespring.paper.sections.experiment.section import find_experiment
+from telespring.paper.sections.map.section import find_examples
+from telespring.paper.sections.misprints.section import find_misprints
+from telespring.paper.sections.model.section import find_schematics
+from telespring.paper.sections.robots.section import find_allowed
+from telespring.paper.sections.summary.allowed import summarise
+from telespring.rehearsal import run_protocol
 
 # An unequal pair with one axis and an arm on one side, as far from the H-MANs as the file allows.
 OTHER = """
@@ -470,7 +470,7 @@ def test_law_a_full_disk_leaves_neither_file(analysis: Analysis, tmp_path: Path,
     """The limit on a file's size stands for the disk: room for one of the files, or for neither."""
     program = (
         "import resource, signal, sys, pickle\n"
-        "from telespring.study import write\n"
+        "from telespring.paper import write\n"
         "analysis = pickle.load(open(sys.argv[1], 'rb'))\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room}))\n"

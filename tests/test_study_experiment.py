@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from telespring.cli import app
-from telespring.study_text import with_robot, with_values
+from telespring.study.editing import with_robot, with_values
 
 ROBOT = """
 [robot]

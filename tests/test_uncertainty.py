@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring.decision import decide
-from telespring.uncertainty import (
+from telespring.decision.decide import decide
+from telespring.decision.uncertainty import (
     DRAWS,
     Probability,
     delta_method,

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import pytest
 
 import telespring as ts
-from telespring.tiers import Tier
+from telespring.theory.verdicts import Tier
 
 
 def test_ref_tiers_of_the_h_mans_are_the_closed_forms(hman: ts.Dyad) -> None:

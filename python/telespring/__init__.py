@@ -4,20 +4,6 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 """
 
 from telespring._errors import InvalidInput
-from telespring.criteria import (
-    Crossing,
-    critical_stiffness,
-    crossings,
-    decay_stiffness,
-    maximum_delay,
-    maximum_stiffness,
-    minimum_damping,
-    stability_map,
-    stable_delays,
-    unstable_root_count,
-)
-from telespring.dde import DelaySolution, solve_dde
-from telespring.experiment import rehearse
 from telespring.model import (
     Coupling,
     DelaySystem,
@@ -31,7 +17,21 @@ from telespring.model import (
     Uncertainty,
     hman,
 )
-from telespring.response import (
+from telespring.rehearsal import rehearse
+from telespring.theory.criteria import (
+    Crossing,
+    critical_stiffness,
+    crossings,
+    decay_stiffness,
+    maximum_delay,
+    maximum_stiffness,
+    minimum_damping,
+    stability_map,
+    stable_delays,
+    unstable_root_count,
+)
+from telespring.theory.dde import DelaySolution, solve_dde
+from telespring.theory.response import (
     FrequencyGrid,
     FrequencyMargin,
     FrequencyResponse,
@@ -45,15 +45,15 @@ from telespring.response import (
     partner_response,
     transfer_matrix,
 )
-from telespring.simulation import Sampled, Signal, Sine, Trajectory, simulate, simulate_array
-from telespring.spectrum import (
+from telespring.theory.simulation import Sampled, Signal, Sine, Trajectory, simulate, simulate_array
+from telespring.theory.spectrum import (
     CertificateWarning,
     Spectrum,
     certified_roots,
     characteristic_roots,
     spectral_abscissa,
 )
-from telespring.tiers import (
+from telespring.theory.verdicts import (
     AxisTier,
     AxisVerdict,
     DelayBudget,

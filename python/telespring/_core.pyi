@@ -19,7 +19,7 @@ from telespring._types import (
     OptionValues,
     PerAxis,
 )
-from telespring.spectrum import Spectrum
+from telespring.theory.spectrum import Spectrum
 
 __all__ = [
     "Coupling",

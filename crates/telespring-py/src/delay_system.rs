@@ -224,7 +224,7 @@ impl DelaySystem {
         static SPECTRUM: PyOnceLock<Py<PyType>> = PyOnceLock::new();
         let count = count.check()?;
         let found = py.detach(|| self.0.characteristic_roots(count))?;
-        Ok(SPECTRUM.import(py, "telespring.spectrum", "Spectrum")?.call1(roots(py, found))?)
+        Ok(SPECTRUM.import(py, "telespring.theory.spectrum", "Spectrum")?.call1(roots(py, found))?)
     }
 
     fn __repr__(&self) -> String {
@@ -249,7 +249,7 @@ fn warn(py: Python<'_>, whose: &str, certificate: &Certificate) -> PyResult<()> 
     if certificate.is_complete() {
         return Ok(());
     }
-    let category = WARNING.import(py, "telespring.spectrum", "CertificateWarning")?;
+    let category = WARNING.import(py, "telespring.theory.spectrum", "CertificateWarning")?;
     let text = format!("the {whose} certificate is {certificate}");
     py.import("warnings")?.call_method1("warn", (text, category)).map(drop)
 }

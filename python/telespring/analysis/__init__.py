@@ -1,8 +1,8 @@
 """Measure and compare the trials of an experiment, rehearsed or recorded, as the paper's section V does."""
 
 from telespring.analysis.measures import measure, measure_trials
-from telespring.analysis.recorded import read_recorded, target_of
-from telespring.analysis.recording import write_recorded, write_template
+from telespring.analysis.recordings.reading import read_recorded, target_of
+from telespring.analysis.recordings.writing import write_recorded, write_template
 from telespring.analysis.results import analyse_taken, analyse_trials
 from telespring.analysis.statistics import (
     Comparison,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.analysis.doubts import doubts
 from telespring.analysis.measures import measure_trials
+from telespring.analysis.plausibility import doubts
 from telespring.analysis.statistics import GroupTest, compare_pairs, holm, kruskal_wallis
 from telespring.analysis.table import baseline_of, compare_with_baseline, describe, group_name, table1
 from telespring.analysis.trials import Trials, take_trials
-from telespring.axes import finite_or_none
+from telespring.theory.axis import finite_or_none
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,7 @@ from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.analysis.statistics import Comparison, compare_pairs
 from telespring.analysis.trials import Trials
-from telespring.axes import finite_or_none
+from telespring.theory.axis import finite_or_none
 
 __all__ = ["baseline_of", "compare_with_baseline", "describe", "group_name", "table1", "table1_csv"]
 

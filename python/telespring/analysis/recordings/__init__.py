@@ -1,0 +1,1 @@
+"""Recorded trials as CSV: their layout, reading, checks and writing."""

@@ -1,1 +1,0 @@
-"""Commands of the program `telespring` that stand in files of their own."""

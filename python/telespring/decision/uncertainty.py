@@ -1,0 +1,381 @@
+"""What the uncertainty of identified robots does to the verdict.
+
+Mass and damping of each robot on each axis are taken as jointly normal, with the standard deviations and the
+correlation that identification gave, robots and axes independent, and what is not physical cut off (a mass
+above 0, a damping not below 0). Random numbers come from a fixed seed: the same input gives the same output.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from telespring._types import FloatArray
+from telespring.model import Dyad
+from telespring.theory import criteria
+from telespring.theory.axis import axes_of, finite_or_none
+from telespring.theory.criteria import unstable_root_count
+
+__all__ = [
+    "AxisUncertainty",
+    "MarginUncertainty",
+    "Probability",
+    "RobotUncertainty",
+    "delta_method",
+    "margin_uncertainty",
+    "sample_parameters",
+    "stable_probability",
+]
+
+#: Draws from the parameters' distribution, and the seed they come from.
+DRAWS = 20_000
+SEED = 20251121
+_LIGHTEST = 1e-4
+
+
+class RobotUncertainty(Protocol):
+    """Standard deviations of one robot's mass and damping per axis, and their correlation.
+
+    `telespring.Study.uncertainty` gives one per robot.
+    """
+
+    @property
+    def mass_sd(self) -> Sequence[float] | FloatArray:
+        """Per axis, kg."""
+
+    @property
+    def damping_sd(self) -> Sequence[float] | FloatArray:
+        """Per axis, N·s/m."""
+
+    @property
+    def correlation(self) -> Sequence[float] | FloatArray:
+        """Per axis, between the errors of mass and damping."""
+
+
+@dataclass(frozen=True)
+class Probability:
+    """A probability found by Monte Carlo.
+
+    Attributes
+    ----------
+    value
+        Share of the draws.
+    standard_error
+        Of that share, with one more draw of either kind added (Wilson's midpoint), so that it is not 0
+        where all draws agree.
+    draws
+        How many there were.
+    """
+
+    value: float
+    standard_error: float
+    draws: int
+
+    @classmethod
+    def of(cls, stable: np.ndarray[Any, np.dtype[np.bool_]]) -> Probability:
+        """Count the share of draws that are true."""
+        draws = int(stable.size)
+        count = int(np.count_nonzero(stable))
+        share = (count + 1) / (draws + 2)
+        return cls(count / draws, math.sqrt(share * (1.0 - share) / (draws + 2)), draws)
+
+    def to_json(self) -> dict[str, Any]:
+        """Give plain numbers."""
+        return {"value": self.value, "standard_error": self.standard_error, "draws": self.draws}
+
+
+@dataclass(frozen=True)
+class AxisUncertainty:
+    """How well the margins of one axis (or of all) are known.
+
+    Attributes
+    ----------
+    axis
+        Its name; None for the worst over all axes.
+    critical_stiffness
+        95 % interval, N/m.
+    maximum_delay
+        95 % interval, s; an end is infinite where no delay destabilises.
+    delay_unbounded
+        Share of the draws in which no delay destabilises.
+    """
+
+    axis: str | None
+    critical_stiffness: tuple[float, float]
+    maximum_delay: tuple[float, float]
+    delay_unbounded: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Give plain numbers; None for an infinite delay."""
+        return {
+            "axis": self.axis,
+            "critical_stiffness_interval": list(self.critical_stiffness),
+            "maximum_delay_interval": [finite_or_none(value) for value in self.maximum_delay],
+            "maximum_delay_unbounded_probability": self.delay_unbounded,
+        }
+
+
+@dataclass(frozen=True)
+class MarginUncertainty:
+    """What is known of a verdict when the robots are known within their errors.
+
+    Attributes
+    ----------
+    axes
+        One entry per axis.
+    worst
+        The worst over all axes, draw by draw.
+    stable
+        Probability that the delay is stable on all axes.
+    """
+
+    axes: tuple[AxisUncertainty, ...]
+    worst: AxisUncertainty
+    stable: Probability
+
+    def to_json(self) -> dict[str, Any]:
+        """Give plain numbers."""
+        return {
+            "stable_probability": self.stable.to_json(),
+            "axes": [axis.to_json() for axis in self.axes],
+            "worst": self.worst.to_json(),
+        }
+
+
+def sample_parameters(
+    dyad: Dyad,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    *,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> FloatArray:
+    """Draw masses and dampings of both robots.
+
+    Parameters
+    ----------
+    dyad : telespring.Dyad
+        The robots, and operators that are added to them.
+    uncertainty : pair
+        Of each robot; None where it is known exactly.
+    draws : int
+        How many.
+    seed : int
+        Of the random numbers.
+
+    Returns
+    -------
+    ndarray
+        m1, b1, m2, b2 in kg and N·s/m, shape (4, axes, draws). A draw with a robot's mass below 0.0001 kg
+        or damping below 0 is drawn anew.
+    """
+    random = np.random.default_rng(seed)
+    found = np.empty((4, len(dyad.axes), draws))
+    for robot in range(2):
+        mass, damping = dyad.robots[robot].mass, dyad.robots[robot].damping
+        known = uncertainty[robot]
+        for i in range(len(dyad.axes)):
+            # Drawn even where nothing is uncertain, so that one robot's draws do not hang on the other's.
+            own = np.random.default_rng(random.integers(2**63))
+            drawn = _axis_draws(own, float(mass[i]), float(damping[i]), _deviations(known, i), draws)
+            found[2 * robot, i] = drawn[0] + dyad.operators[robot].mass[i]
+            found[2 * robot + 1, i] = drawn[1] + dyad.operators[robot].damping[i]
+    return found
+
+
+def _deviations(known: RobotUncertainty | None, axis: int) -> tuple[float, float, float]:
+    if known is None:
+        return 0.0, 0.0, 0.0
+    return float(known.mass_sd[axis]), float(known.damping_sd[axis]), float(known.correlation[axis])
+
+
+def _axis_draws(
+    random: np.random.Generator,
+    mass: float,
+    damping: float,
+    deviations: tuple[float, float, float],
+    draws: int,
+) -> FloatArray:
+    """Draw from the truncated normal by throwing away what is not physical."""
+    mass_sd, damping_sd, correlation = deviations
+    kept = np.empty((2, 0))
+    while kept.shape[1] < draws:
+        first, second = random.normal(size=(2, draws))
+        second = correlation * first + math.sqrt(max(0.0, 1.0 - correlation**2)) * second
+        both = np.stack([mass + mass_sd * first, damping + damping_sd * second])
+        physical = (both[0] >= _LIGHTEST) & (both[1] >= 0.0)
+        kept = np.concatenate([kept, both[:, physical]], axis=1)
+    return kept[:, :draws]
+
+
+def stable_probability(
+    dyad: Dyad,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    stiffness: float,
+    delay: float | tuple[float, float],
+    *,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> Probability:
+    """Find the probability that a stiffness and a constant delay are stable on all axes.
+
+    Parameters
+    ----------
+    dyad : telespring.Dyad
+        The robots as estimated, and what holds them.
+    uncertainty : pair
+        Of each robot, such as `telespring.Study.uncertainty`; None where it is known exactly.
+    stiffness : float
+        N/m.
+    delay : float or pair
+        One-way delay, s; only the mean of both ways counts.
+    draws, seed : int
+        Of the Monte Carlo.
+
+    Returns
+    -------
+    Probability
+        With its Monte Carlo standard error.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where a value is out of its range.
+
+    Examples
+    --------
+    Table III's robots, known within 1 %, at the boundary itself:
+
+    >>> from types import SimpleNamespace
+    >>> import telespring as ts
+    >>> known = SimpleNamespace(mass_sd=[0.01, 0.01], damping_sd=[0.08, 0.1], correlation=[0.0, 0.0])
+    >>> found = stable_probability(ts.hman(), (known, known), 71.231976, 0.16718632)
+    >>> 0.45 < found.value < 0.55
+    True
+    """
+    parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
+    return Probability.of(_stable(parameters, dyad, stiffness, float(np.mean(delay))))
+
+
+def _stable(
+    parameters: FloatArray, dyad: Dyad, stiffness: float, delay: float
+) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    stable = np.ones(parameters.shape[2], dtype=bool)
+    for axis in axes_of(dyad):
+        m1, b1, m2, b2 = parameters[:, axis.index]
+        count = unstable_root_count(m1, b1, m2, b2, stiffness, delay, **axis.keywords)
+        stable &= np.asarray(count) == 0
+    return stable
+
+
+def margin_uncertainty(
+    dyad: Dyad,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    stiffness: float,
+    delay: float | tuple[float, float],
+    *,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> MarginUncertainty:
+    """Carry the parameters' errors to critical stiffness, maximum delay and the verdict.
+
+    Parameters
+    ----------
+    dyad : telespring.Dyad
+        The robots as estimated, and what holds them.
+    uncertainty : pair
+        Of each robot; None where it is known exactly.
+    stiffness : float
+        N/m, for the maximum delay and the verdict.
+    delay : float or pair
+        One-way delay, s; only the mean of both ways counts.
+    draws, seed : int
+        Of the Monte Carlo.
+
+    Returns
+    -------
+    MarginUncertainty
+        95 % intervals (from the 2.5 % and 97.5 % quantiles of the draws) and the probability of stability.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where a value is out of its range.
+    """
+    parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
+    critical, delays = [], []
+    for axis in axes_of(dyad):
+        m1, b1, m2, b2 = parameters[:, axis.index]
+        critical.append(np.asarray(criteria.critical_stiffness(m1, b1, m2, b2, **axis.keywords)))
+        delays.append(np.asarray(criteria.maximum_delay(m1, b1, m2, b2, stiffness, **axis.keywords)))
+    names = [str(name) for name in dyad.axes]
+    return MarginUncertainty(
+        axes=tuple(_intervals(name, k, d) for name, k, d in zip(names, critical, delays, strict=True)),
+        worst=_intervals(None, np.min(critical, axis=0), np.min(delays, axis=0)),
+        stable=Probability.of(_stable(parameters, dyad, stiffness, float(np.mean(delay)))),
+    )
+
+
+def _intervals(axis: str | None, critical: FloatArray, delay: FloatArray) -> AxisUncertainty:
+    def interval(values: FloatArray) -> tuple[float, float]:
+        # By order, not by interpolation: some of the delays may be infinite.
+        low, high = np.quantile(values, [0.025, 0.975], method="closest_observation")
+        return float(low), float(high)
+
+    return AxisUncertainty(axis, interval(critical), interval(delay), float(np.isinf(delay).mean()))
+
+
+def delta_method(
+    dyad: Dyad,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    stiffness: float,
+    axis: int = 0,
+) -> tuple[float, float]:
+    """Give the standard deviations of critical stiffness and maximum delay to first order.
+
+    The derivatives are central differences of the exact criteria. Good where the errors are small and the
+    margins are smooth; the Monte Carlo of `margin_uncertainty` needs neither.
+
+    Parameters
+    ----------
+    dyad : telespring.Dyad
+        The robots as estimated, and what holds them.
+    uncertainty : pair
+        Of each robot; None where it is known exactly.
+    stiffness : float
+        N/m, for the maximum delay.
+    axis : int
+        Counted from 0.
+
+    Returns
+    -------
+    critical_stiffness, maximum_delay : float
+        Standard deviations, N/m and s; NaN where the maximum delay is infinite.
+    """
+    judged = axes_of(dyad)[axis]
+    middle = np.array(judged.parameters)
+    covariance = np.zeros((4, 4))
+    for robot, known in enumerate(uncertainty):
+        mass_sd, damping_sd, correlation = _deviations(known, axis)
+        block = np.array(
+            [
+                [mass_sd**2, correlation * mass_sd * damping_sd],
+                [correlation * mass_sd * damping_sd, damping_sd**2],
+            ]
+        )
+        covariance[2 * robot : 2 * robot + 2, 2 * robot : 2 * robot + 2] = block
+    step = 1e-6 * middle
+    m1, b1, m2, b2 = (middle + np.concatenate([np.diag(step), -np.diag(step)])).T
+    critical = np.asarray(criteria.critical_stiffness(m1, b1, m2, b2, **judged.keywords))
+    delays = np.asarray(criteria.maximum_delay(m1, b1, m2, b2, stiffness, **judged.keywords))
+    deviations = []
+    for values in (critical, delays):
+        if not np.isfinite(values).all():
+            deviations.append(math.nan)
+            continue
+        gradient = (values[:4] - values[4:]) / (2.0 * step)
+        deviations.append(math.sqrt(float(gradient @ covariance @ gradient)))
+    return deviations[0], deviations[1]

@@ -1,0 +1,35 @@
+"""Identification of a robot (Appendix B): movements that excite it, and its parameters from a log.
+
+`identify` estimates; `paper_excitation` and `design_excitation` give movements; `read_log` reads CSV,
+Parquet and MAT files; `write_robot` writes what a study or `telespring decide` reads.
+"""
+
+from telespring.identification.estimation import (
+    AxisIdentification,
+    CrossInertia,
+    Estimate,
+    Identification,
+    identify,
+)
+from telespring.identification.excitation import Excitation, Extremes, design_excitation, paper_excitation
+from telespring.identification.log_reading import Log, read_log
+from telespring.identification.regression import Reweighting, paper_reweightings
+from telespring.identification.robot_file import robot_toml, write_robot
+
+__all__ = [
+    "AxisIdentification",
+    "CrossInertia",
+    "Estimate",
+    "Excitation",
+    "Extremes",
+    "Identification",
+    "Log",
+    "Reweighting",
+    "design_excitation",
+    "identify",
+    "paper_excitation",
+    "paper_reweightings",
+    "read_log",
+    "robot_toml",
+    "write_robot",
+]

@@ -1,0 +1,152 @@
+"""Simulated beside published tracking errors, cell by cell, and how far they agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from telespring._types import FloatArray
+from telespring.analysis import compare_pairs
+from telespring.paper.table_1 import PublishedRow
+from telespring.theory.axis import finite_or_none
+
+__all__ = ["Prediction", "Score", "null_prediction", "predict", "score"]
+
+
+@dataclass(frozen=True)
+class Score:
+    """Agreement over some cells.
+
+    Attributes
+    ----------
+    cells
+        How many.
+    rms_error
+        m; not a number where a cell has no simulated value.
+    mean_error
+        Simulated less published, m.
+    rank_correlation, p_value
+        Spearman's, between simulated and published; None where all simulated values are equal.
+    """
+
+    cells: int
+    rms_error: float
+    mean_error: float
+    rank_correlation: float | None
+    p_value: float | None
+
+    def numbers(self) -> dict[str, Any]:
+        """Give plain values for JSON, errors in mm."""
+        return {
+            "cells": self.cells,
+            "rms_error": finite_or_none(1e3 * self.rms_error),
+            "mean_error": finite_or_none(1e3 * self.mean_error),
+            "rank_correlation": self.rank_correlation,
+            "rank_correlation_p": self.p_value,
+        }
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A laboratory's errors in all conditions of the table.
+
+    Attributes
+    ----------
+    mean, standard_deviation
+        (condition, robot), m; over the completed trials, not a number where there are too few.
+    ended_early
+        Trials of each condition that ended before their time.
+    arrow
+        (condition, robot), against TE2 in the unconnected mode as the paper's.
+    """
+
+    mean: FloatArray
+    standard_deviation: FloatArray
+    ended_early: tuple[int, ...]
+    arrow: tuple[tuple[str, str], ...]
+
+    def arrows_agreeing(self, published: Sequence[PublishedRow]) -> list[tuple[bool | None, bool | None]]:
+        """Tell which arrows are the published ones; None for the baseline itself, which has none."""
+        return [
+            (one[0] == row.arrow[0], None if row.stiffness is None else one[1] == row.arrow[1])
+            for one, row in zip(self.arrow, published, strict=True)
+        ]
+
+
+def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction:
+    """Summarise trials as Table I does.
+
+    Parameters
+    ----------
+    errors
+        (condition, trial, robot), m; not a number where a trial ended early.
+    published
+        The conditions; the first one without a stiffness is the baseline.
+
+    Returns
+    -------
+    Prediction
+        Means, standard deviations and the arrows of the rank-sum test at p < 0.05.
+    """
+    baseline = next(i for i, row in enumerate(published) if row.stiffness is None)
+    names = {(i, robot): f"{i}/{robot}" for i in range(len(published)) for robot in (0, 1)}
+    groups = {
+        name: errors[i, :, robot][np.isfinite(errors[i, :, robot])] for (i, robot), name in names.items()
+    }
+    reference = names[baseline, 1]
+    found = {
+        each.first: each.arrow()
+        for each in compare_pairs(
+            [(name, reference) for name in names.values() if name != reference],
+            groups,
+        )
+    }
+    mean, deviation = np.full((len(published), 2), np.nan), np.full((len(published), 2), np.nan)
+    for (i, robot), name in names.items():
+        if len(groups[name]):
+            mean[i, robot] = groups[name].mean()
+        if len(groups[name]) > 1:
+            deviation[i, robot] = groups[name].std(ddof=1)
+    return Prediction(
+        mean=mean,
+        standard_deviation=deviation,
+        ended_early=tuple(int(each) for each in (~np.isfinite(errors).all(axis=2)).sum(axis=1)),
+        arrow=tuple((found[names[i, 0]], found.get(names[i, 1], "")) for i in range(len(published))),
+    )
+
+
+def score(simulated: FloatArray, published: FloatArray) -> Score:
+    """Compare cells of any shape, m.
+
+    Examples
+    --------
+    >>> found = score(np.array([0.03, 0.04, 0.05]), np.array([0.031, 0.038, 0.060]))
+    >>> found.rank_correlation, round(1e3 * found.rms_error, 3)
+    (1.0, 5.916)
+    """
+    from scipy.stats import spearmanr
+
+    one, two = np.ravel(simulated), np.ravel(published)
+    correlation = p_value = None
+    if np.isfinite(one).all() and np.ptp(one) > 0 and np.ptp(two) > 0:
+        result = spearmanr(one, two)
+        correlation, p_value = float(result.statistic), float(result.pvalue)
+        if math.isnan(correlation):
+            correlation = p_value = None
+    return Score(
+        cells=one.size,
+        rms_error=float(np.sqrt(np.mean((one - two) ** 2))),
+        mean_error=float(np.mean(one - two)),
+        rank_correlation=correlation,
+        p_value=p_value,
+    )
+
+
+def null_prediction(published: Sequence[PublishedRow], rows: Sequence[int]) -> FloatArray:
+    """Predict for every one of these rows what was published for the unconnected mode, (row, robot), m."""
+    baseline = next(row for row in published if row.stiffness is None)
+    return np.tile(baseline.mean, (len(rows), 1))

@@ -1,0 +1,82 @@
+"""Where the laboratory is run: evenly over the unknowns first, then where the table could be met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from telespring._types import FloatArray
+from telespring.paper.calibration.fit import optimum
+from telespring.paper.calibration.likelihood import Likelihood, threshold
+from telespring.paper.calibration.surrogate import Surrogate
+from telespring.paper.calibration.unknowns import NAMES, VARIANTS, free_of
+
+__all__ = ["Sizes", "explore"]
+
+#: Points of the even design, of the plausible region, and around each variant's optimum.
+Sizes = tuple[int, int, int]
+
+_NEIGHBOURHOOD = 0.15
+
+#: Mean errors (point, condition, robot), m, at points in units of the upper bounds.
+Laboratory = Callable[[FloatArray], FloatArray]
+
+
+def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Surrogate:
+    """Run the laboratory at a design of points and build the surrogate through them.
+
+    A quarter of the points has no arm mass on top: there both variants are the same model.
+
+    Parameters
+    ----------
+    laboratory
+        Runs many points; all with the same random numbers, so that the surrogate is smooth.
+    likelihood
+        Tells where more points are worth their time: where it is high, and around both optima.
+    sizes
+        How many points.
+
+    Returns
+    -------
+    Surrogate
+        Through all of them.
+    """
+    even, plausible, near = sizes
+    points = _spread(even, 1)
+    surrogate = Surrogate(points, laboratory(points))
+    offered = _spread(16 * max(plausible, 64), 2)
+    deviance = likelihood.deviance(surrogate(offered))
+    inside = offered[deviance <= deviance.min() + threshold(len(likelihood.mean), len(NAMES))]
+    if len(inside) < plausible:
+        inside = offered[np.argsort(deviance, kind="stable")[:plausible]]
+    surrogate = _with(surrogate, inside[:plausible], laboratory)
+    for number, variant in enumerate(VARIANTS):
+        free = free_of(variant)
+        best, _ = optimum(surrogate, likelihood, free)
+        around = best + 2 * _NEIGHBOURHOOD * (_spread(near, 3 + number, every=0) - 0.5)
+        around = np.clip(around, 0.0, 1.0)
+        fixed = [i for i in range(len(NAMES)) if i not in free]
+        around[:, fixed] = best[fixed]
+        surrogate = _with(surrogate, around, laboratory)
+    return surrogate
+
+
+def _spread(count: int, seed: int, every: int = 4) -> FloatArray:
+    """Give Sobol's points over the unit cube, every so many of them moved to no arm mass."""
+    from scipy.stats import qmc
+
+    # Sobol's points come in powers of two
+    points = qmc.Sobol(len(NAMES), seed=seed).random_base2(max(count - 1, 1).bit_length())[:count]
+    if every:
+        points[::every, 0] = 0.0
+    return np.asarray(points)
+
+
+def _with(surrogate: Surrogate, points: FloatArray, laboratory: Laboratory) -> Surrogate:
+    # a point that stands there already, as bounds bring about, would make the interpolation singular
+    both = np.concatenate([surrogate.points, points])
+    _, first = np.unique(np.round(both, 9), axis=0, return_index=True)
+    new = both[np.sort(first[first >= len(surrogate.points)])]
+    errors = laboratory(new)
+    return Surrogate(np.concatenate([surrogate.points, new]), np.concatenate([surrogate.errors, errors]))

@@ -1,0 +1,47 @@
+"""Where the paper prints something else than what follows from its own Eq. 1, with the numbers.
+
+Every number is computed when the study runs: what is printed by the formulas in
+`telespring.paper.as_printed`, what is true by the package.
+"""
+
+from __future__ import annotations
+
+from telespring.model import hman
+from telespring.paper import as_printed
+from telespring.paper.misprints import experiment, formulas, statements
+from telespring.paper.misprints.record import Evidence, Misprint
+from telespring.paper.misprints.statements import RETURNING, held_partner_growth
+from telespring.theory.axis import axes_of, free_axis
+
+__all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprints"]
+
+
+def misprints() -> list[Misprint]:
+    """All of them, in the paper's order, shown on the paper's own robots or the smallest example."""
+    dyad = hman()
+    axes = axes_of(dyad)
+    reference = min(axis.critical_stiffness() for axis in axes)
+    base = free_axis(
+        as_printed.TABLE_III.base_mass,
+        as_printed.TABLE_III.base_damping,
+        as_printed.TABLE_III.base_mass,
+        as_printed.TABLE_III.base_damping,
+    )
+    return [
+        formulas.diagonal_of_equation_2(axes[1], 2 * reference),
+        statements.rigid_body_root(dyad, axes[0], 2 * reference),
+        statements.equation_5_is_not_sufficient(),
+        statements.stability_returns(),
+        formulas.sign_in_equation_9(base),
+        statements.less_or_equal(dyad, axes[0], 2 * reference),
+        formulas.loop_of_figure_3(base),
+        formulas.letters_of_section_3(base),
+        experiment.numbers_of_the_robots(axes),
+        experiment.reference_delay(axes),
+        experiment.figure_5h(axes, reference),
+        experiment.figure_5j(axes, reference),
+        statements.constant_delay_only(base),
+        formulas.conjugate_polynomial(axes[0], 2 * reference),
+        formulas.equation_16(base),
+        formulas.table_2(base),
+    ]

@@ -1,0 +1,226 @@
+"""What the paper says of stability and is not so."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from telespring.model import Dyad, Robot
+from telespring.paper import as_printed
+from telespring.paper.misprints.record import Evidence, Misprint
+from telespring.theory.axis import Axis, finite_or_none, free_axis
+from telespring.theory.spectrum import characteristic_roots, spectral_abscissa
+
+__all__ = [
+    "RETURNING",
+    "constant_delay_only",
+    "equation_5_is_not_sufficient",
+    "held_partner_growth",
+    "less_or_equal",
+    "rigid_body_root",
+    "stability_returns",
+]
+
+#: Masses (kg), dampings (N·s/m) and stiffness (N/m) of a dyad that is stable again at longer delay.
+RETURNING = ((0.97670822, 2.15372614, 0.30379312, 4.59594729), 9.174736188)
+
+
+def _dyad(m1: float, b1: float, m2: float, b2: float) -> Dyad:
+    return Dyad(Robot([m1], [b1]), Robot([m2], [b2]))
+
+
+def rigid_body_root(dyad: Dyad, axis: Axis, k: float) -> Misprint:
+    """Show that s = 0 is a root, and a simple one."""
+    m1, b1, m2, b2 = axis.parameters
+    delay = 0.5 * float(axis.maximum_delay(k))
+    slope = k * (b1 + b2) + 2 * delay * k**2
+    step = 1e-6
+
+    def characteristic(s: float) -> float:
+        return (m1 * s**2 + b1 * s + k) * (m2 * s**2 + b2 * s + k) - k**2 * math.exp(-2 * delay * s)
+
+    return Misprint(
+        key="rigid-body-root",
+        where="Section II, Fig. 3",
+        printed="Stability is read off the Nyquist plot's turns about −1, without more ado.",
+        true=(
+            "χ(0) = 0 for every parameter: both robots can be carried off together. The locus passes through "
+            "−1 at ω = 0, so the count means nothing until that root is divided out. "
+            "Stable means: s = 0 is a simple root and every other root lies in the open left half-plane."
+        ),
+        consequence="A program that counts turns naively calls every free dyad marginal or unstable.",
+        evidence=(
+            Evidence("χ(0)", characteristic(0.0), "N²/m²"),
+            Evidence("χ′(0) = k(b₁+b₂) + 2δk², not zero, so the root is simple", slope, "N²·s/m²"),
+            Evidence("χ′(0) by a difference quotient", characteristic(step) / step, "N²·s/m²"),
+            Evidence(
+                f"largest real part of the other roots, axis {axis.name}",
+                float(spectral_abscissa(dyad, k, delay, axis=axis.index)),
+                "1/s",
+            ),
+            Evidence("with the stiffness", k, "N/m"),
+            Evidence("and the one-way delay", delay, "s"),
+        ),
+    )
+
+
+def equation_5_is_not_sufficient() -> Misprint:
+    """Give a dyad that is unstable at a stiffness which Eq. 5 allows."""
+    m1, b1, m2, b2 = 1.0, 1.0, 1.0, 10.0
+    axis = free_axis(m1, b1, m2, b2)
+    printed = axis.critical_stiffness("paper")
+    k = 0.99 * printed
+    lost = float(axis.maximum_delay(k))
+    delay = 0.175
+    roots = np.roots(as_printed.cubic_equation_8(m1, b1, m2, b2, k))
+    positive = [r for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0]
+    return Misprint(
+        key="equation-5",
+        where="Eq. 5 and the proof in Appendix A1",
+        printed="Delay-independent stable if k ≤ (b₁²+b₂²)/(2(m₁+m₂)); a positive root of F needs F(0) < 0.",
+        true=(
+            "The bound only says F(0) ≥ 0. F can still have two positive roots, so the "
+            "converse in the proof is "
+            "false. Delay-independent if and only if F has no positive root. For equal "
+            "masses Eq. 5 fails as soon as one damping exceeds the other by the factor 1+√2."
+        ),
+        consequence="A spring that the paper calls safe at every delay makes unequal robots unstable.",
+        evidence=(
+            Evidence("masses of both robots", m1, "kg"),
+            Evidence("damping of robot 1", b1, "N·s/m"),
+            Evidence("damping of robot 2", b2, "N·s/m"),
+            Evidence("critical stiffness by Eq. 5", printed, "N/m"),
+            Evidence("exact critical stiffness", axis.critical_stiffness(), "N/m"),
+            Evidence("at the stiffness 0.99 of Eq. 5", k, "N/m"),
+            Evidence("F has positive roots, in number", float(len(positive)), "1"),
+            Evidence("stability is lost at the delay", lost, "s"),
+            Evidence("at the longer delay", delay, "s"),
+            Evidence(
+                "the largest real part of a root is",
+                float(spectral_abscissa(_dyad(m1, b1, m2, b2), k, delay)),
+                "1/s",
+            ),
+            Evidence("damping ratio from which Eq. 5 fails, equal masses", 1 + math.sqrt(2), "1"),
+        ),
+    )
+
+
+def stability_returns() -> Misprint:
+    """Give a dyad that is stable again at a longer delay."""
+    parameters, k = RETURNING
+    axis = free_axis(*parameters)
+    intervals = axis.stable_delays(k, 3.0)
+    (_, lost), (back, lost_again) = intervals[0], intervals[1]
+    between, again = 0.5 * (lost + back), 0.5 * (back + lost_again)
+    dyad = _dyad(*parameters)
+    return Misprint(
+        key="equation-4",
+        where="Section II below Eq. 3, Eqs. 4 and 6",
+        printed="The system becomes unstable when δ ≥ δₘ.",
+        true=(
+            "δₘ ends the first stable interval. F can have up to three positive roots, "
+            "some of which lead roots back, so the stable delays are a union of intervals."
+        ),
+        consequence="A dyad that is stable at its actual delay is refused.",
+        evidence=(
+            Evidence("first stable interval ends at", lost, "s"),
+            Evidence("stability returns at", back, "s"),
+            Evidence("and is lost again at", lost_again, "s"),
+            Evidence(
+                "largest real part of a root between the intervals",
+                float(spectral_abscissa(dyad, k, between)),
+                "1/s",
+            ),
+            Evidence(
+                "largest real part inside the second interval",
+                float(spectral_abscissa(dyad, k, again)),
+                "1/s",
+            ),
+            Evidence("with the stiffness", k, "N/m"),
+            Evidence("below which no delay should matter, by Eq. 5", axis.critical_stiffness("paper"), "N/m"),
+        ),
+    )
+
+
+def less_or_equal(dyad: Dyad, axis: Axis, k: float) -> Misprint:
+    """Show that a pair of roots lies on the imaginary axis at the maximum delay itself."""
+    delay = float(axis.maximum_delay(k))
+    roots = characteristic_roots(dyad, k, delay, count=2, axis=axis.index)
+    return Misprint(
+        key="conjecture-2",
+        where="Section III, conjecture 2",
+        printed="The system is stable when k > kₘ and δ ≤ δₘ.",
+        true=(
+            "Only δ < δₘ: at δₘ itself a pair of roots lies on the imaginary axis, and an "
+            "oscillation never ends."
+        ),
+        consequence="The marginal case is counted as stable; Section II says unstable (δ ≥ δₘ).",
+        evidence=(
+            Evidence(f"δₘ of axis {axis.name}", delay, "s"),
+            Evidence(
+                "real part of the rightmost pair there, 0 up to rounding", float(np.real(roots[0])), "1/s"
+            ),
+            Evidence("its frequency", float(abs(np.imag(roots[0]))), "rad/s"),
+            Evidence("with the stiffness", k, "N/m"),
+        ),
+    )
+
+
+def held_partner_growth(mass: float, damping: float, stiffness: float) -> tuple[float, float]:
+    """How two identical robots grow apart when each sample is held until the distance turns.
+
+    The partner's position in use is the one at the last hold, so the delay rises from 0 to the length
+    of the hold and falls back: it is bounded, but not constant. Each robot then swings about the held
+    position like m x'' + b x' + k x = k x_held, and the hold ends at the end of the swing.
+
+    Parameters
+    ----------
+    mass, damping, stiffness
+        kg, N·s/m and N/m; the stiffness above b²/(4m), so that the held robot overshoots.
+
+    Returns
+    -------
+    hold, growth
+        Length of each hold (s), and the factor by which the distance grows from hold to hold.
+    """
+    decay = damping / (2 * mass)
+    turning = math.sqrt(stiffness / mass - decay**2)
+    hold = math.pi / turning
+    # From d at rest, drawn to -d: the overshoot beyond -d is 2 d exp(-decay hold).
+    return hold, 1 + 2 * math.exp(-decay * hold)
+
+
+def constant_delay_only(base: Axis) -> Misprint:
+    """Give the growth under a varying delay at a stiffness that every constant delay allows."""
+    mass, damping = base.masses[0], base.dampings[0]
+    k = base.critical_stiffness()
+    hold, growth = held_partner_growth(mass, damping, k)
+    near_hold, near_growth = held_partner_growth(mass, damping, 0.6 * k)
+    return Misprint(
+        key="constant-delay-only",
+        where="Section VI",
+        printed="k ≤ kₘ ensures robustness against unpredictable network delays.",
+        true=(
+            "Only against any constant delay. A delay that varies drives identical robots unstable at every "
+            "k > b²/(4m), half of kₘ: it is enough that each position received is held "
+            "until the robots have swung."
+        ),
+        consequence=(
+            "A real network, whose delay varies, makes a spring unstable that the paper calls robust."
+        ),
+        evidence=(
+            Evidence("kₘ of the base robot", k, "N/m"),
+            Evidence("b²/(4m), safe on any network", damping**2 / (4 * mass), "N/m"),
+            Evidence("at kₘ, each position held for", hold, "s"),
+            Evidence("the distance grows per hold by the factor", growth, "1"),
+            Evidence("which is a growth rate of", math.log(growth) / hold, "1/s"),
+            Evidence("at 0.6 of kₘ, each position held for", near_hold, "s"),
+            Evidence("the factor per hold is", near_growth, "1"),
+            Evidence(
+                "maximum constant delay at 0.6 of kₘ (none: no value)",
+                finite_or_none(float(base.maximum_delay(0.6 * k))),
+                "s",
+            ),
+        ),
+    )

@@ -1,0 +1,162 @@
+"""Reference stiffness K and delay Δ of a study, in whose multiples the paper draws its figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from telespring._errors import InvalidInput
+from telespring.model import Dyad, Robot
+from telespring.theory.axis import Axis
+
+__all__ = ["MAP_POINTS", "MAP_WIDTH", "Reference", "classify", "reference_of", "refuse_what_cannot_be_drawn"]
+
+#: The map is drawn over this many stiffnesses up to this multiple of K, the largest that is used.
+MAP_POINTS = 600
+MAP_WIDTH = 4.6
+
+#: What the figures use: multiples of K, of Δ, and of the first robot's mass and damping.
+_STIFFNESS_FACTORS = (MAP_WIDTH / MAP_POINTS, MAP_WIDTH)
+_DELAY_FACTOR = 2.0
+_ROBOT_FACTORS = (0.5, 4.0)
+
+#: The ranges in which the core computes: N/m, s, kg and N·s/m.
+_STIFFNESS_RANGE = (1e-6, 1e7)
+_LONGEST_DELAY = 100.0
+_MASS_RANGE = (1e-4, 1e4)
+_LARGEST_DAMPING = 1e6
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Reference stiffness (N/m) and delay (s) of a set of axes, as in Eq. 11 at twice the stiffness."""
+
+    stiffness: float
+    delay: float
+    stiffness_axis: str
+    delay_axis: str
+
+
+def reference_of(axes: list[Axis]) -> Reference:
+    """Find K and Δ of Eq. 11, from the exact critical stiffness.
+
+    Operators can make every stiffness safe; Eq. 5 on the same masses and dampings and a delay of
+    0.1 s then stand in, so that there still is something to draw.
+
+    Parameters
+    ----------
+    axes
+        Every axis must be damped, and K must lie in the range of `refuse_what_cannot_be_drawn`.
+
+    Returns
+    -------
+    Reference
+        K, Δ and the axes that set them.
+    """
+    stiffness, stiffness_axis = _reference_stiffness(axes)
+    delays = {axis.name: float(axis.maximum_delay(2 * stiffness)) for axis in axes}
+    delay_axis = min(delays, key=lambda name: delays[name])
+    delay = delays[delay_axis]
+    return Reference(stiffness, delay if math.isfinite(delay) else 0.1, stiffness_axis, delay_axis)
+
+
+def classify(axis: Axis, stiffness: float, delay: float) -> str:
+    """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
+    for crossing in axis.crossings(stiffness):
+        spacing = math.pi / crossing["frequency"]
+        turns = round((delay - crossing["delay"]) / spacing)
+        if turns >= 0 and abs(delay - crossing["delay"] - turns * spacing) <= 1e-9 * delay:
+            return "marginal"
+    return "stable" if axis.is_stable(stiffness, delay) else "unstable"
+
+
+def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> None:
+    """Refuse robots whose figures would leave the ranges of the core, by what the user wrote.
+
+    Parameters
+    ----------
+    dyad
+        The study's robots.
+    axes
+        The study's own axes.
+    alike
+        Two robots that are both like robot 1 on its first axis.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Naming the mass or damping that takes a figure out of range.
+    """
+    for side, robot in enumerate(dyad.robots, start=1):
+        for i, damping in enumerate(robot.damping):
+            if damping == 0.0:
+                raise InvalidInput(
+                    f"robot{side}.damping[{i}]",
+                    "0",
+                    "the paper's study needs a damping above 0 N·s/m on every axis, for K is 0 without it",
+                    "Give the measured damping, or use `telespring decide`.",
+                )
+    # Fig. 4 varies the first robot on its first axis.
+    mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
+    least, most = _MASS_RANGE[0] / _ROBOT_FACTORS[0], _MASS_RANGE[1] / _ROBOT_FACTORS[1]
+    if not least <= mass <= most:
+        raise InvalidInput(
+            "robot1.mass[0]",
+            f"{mass:g}",
+            f"the study, which also draws half and four times this mass, takes {least:g} to {most:g} kg",
+            "Check the unit (kg), or use `telespring decide`.",
+        )
+    if damping > _LARGEST_DAMPING / _ROBOT_FACTORS[1]:
+        raise InvalidInput(
+            "robot1.damping[0]",
+            f"{damping:g}",
+            f"the study, which also draws four times this damping, takes up to "
+            f"{_LARGEST_DAMPING / _ROBOT_FACTORS[1]:g} N·s/m",
+            "Check the unit (N·s/m), or use `telespring decide`.",
+        )
+    for group, robots in ((axes, dyad.robots), ([alike], dyad.robots[:1])):
+        stiffness, name = _reference_stiffness(group)
+        low, high = (factor * stiffness for factor in _STIFFNESS_FACTORS)
+        axis = next(each for each in group if each.name == name)
+        if low < _STIFFNESS_RANGE[0] or high > _STIFFNESS_RANGE[1]:
+            least, most = (
+                bound / factor for bound, factor in zip(_STIFFNESS_RANGE, _STIFFNESS_FACTORS, strict=True)
+            )
+            raise _refusal(
+                robots,
+                axis,
+                low < _STIFFNESS_RANGE[0],
+                f"it makes the critical stiffness of axis {name} {stiffness:.3g} N/m, and the study draws "
+                f"multiples of one from {least:.3g} to {most:.3g} N/m",
+            )
+        reference = reference_of(group)
+        if _DELAY_FACTOR * reference.delay > _LONGEST_DELAY:
+            raise _refusal(
+                robots,
+                next(each for each in group if each.name == reference.delay_axis),
+                True,
+                f"it makes the reference delay Δ of axis {reference.delay_axis} {reference.delay:.3g} s, and "
+                f"the study draws up to twice a Δ of at most {_LONGEST_DELAY / _DELAY_FACTOR:g} s",
+            )
+
+
+def _reference_stiffness(axes: list[Axis]) -> tuple[float, str]:
+    critical = {axis.name: axis.critical_stiffness() for axis in axes}
+    name = min(critical, key=lambda each: critical[each])
+    if math.isinf(critical[name]):
+        return min(axis.critical_stiffness("paper") for axis in axes), name
+    return critical[name], name
+
+
+def _refusal(robots: Sequence[Robot], axis: Axis, too_little: bool, allowed: str) -> InvalidInput:
+    """Name the robot whose damping on that axis is the farther out."""
+    dampings = [float(robot.damping[axis.index]) for robot in robots]
+    side = dampings.index(min(dampings) if too_little else max(dampings))
+    return InvalidInput(
+        f"robot{side + 1}.damping[{axis.index}]",
+        f"{dampings[side]:g}",
+        allowed,
+        f"Give {'more' if too_little else 'less'} damping if the unit (N·s/m) was mistaken, "
+        "or use `telespring decide`.",
+    )

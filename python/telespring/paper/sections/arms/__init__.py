@@ -1,0 +1,1 @@
+"""The section `arms` of the report."""

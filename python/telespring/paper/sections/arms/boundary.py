@@ -1,0 +1,285 @@
+"""How the arms in which two agents hold the handles move the stability boundary.
+
+The paper's criterion takes the handles as free, but in its experiment an agent holds each of them: an arm
+whose force is k_c (p* - p), Eqs. 13 and 14. To the dyad that is a spring to the ground, and the criterion
+with grounded operators applies. The arms are massless and undamped unless their mass and damping are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from telespring.model import Dyad, Operator
+from telespring.theory.axis import Axis, axes_of, finite_or_none
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["ArmsBoundary", "BoundaryOfAxis", "boundary_in_arms", "draw"]
+
+Intervals = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class BoundaryOfAxis:
+    """One axis with free handles and in arms.
+
+    Attributes
+    ----------
+    free, held
+        The axis without and with the agents' stiffness.
+    stable_free, stable_held
+        For each stiffness all stable one-way delays up to the horizon, half-open intervals, s.
+    unstable_held
+        For each stiffness what lies between those, in arms, s; an end at the horizon is cut there.
+    """
+
+    free: Axis
+    held: Axis
+    stable_free: tuple[Intervals, ...]
+    stable_held: tuple[Intervals, ...]
+    unstable_held: tuple[Intervals, ...]
+
+
+@dataclass(frozen=True)
+class ArmsBoundary:
+    """Stability of a dyad with free handles and in arms, at some stiffnesses and conditions.
+
+    Attributes
+    ----------
+    agent_stiffness
+        Of agent 1 and 2, N/m.
+    stiffnesses
+        Of the virtual spring, N/m.
+    horizon
+        Longest one-way delay looked at, s.
+    axes
+        One entry per axis of the dyad.
+    conditions
+        Stiffness (N/m) and one-way delay (s) of an experiment.
+    """
+
+    agent_stiffness: tuple[float, float]
+    stiffnesses: tuple[float, ...]
+    horizon: float
+    axes: tuple[BoundaryOfAxis, ...]
+    conditions: tuple[tuple[float, float], ...]
+
+    def numbers(self) -> dict[str, Any]:
+        """Give everything as plain values for JSON, in SI units; null where there is no bound."""
+        return {
+            "agent_stiffness": list(self.agent_stiffness),
+            "horizon": self.horizon,
+            "axes": [
+                {
+                    "axis": each.free.name,
+                    "critical_stiffness_free": finite_or_none(each.free.critical_stiffness()),
+                    "critical_stiffness_in_arms": finite_or_none(each.held.critical_stiffness()),
+                    "stiffnesses": [
+                        {
+                            "stiffness": stiffness,
+                            "stable_delays_free": [list(one) for one in each.stable_free[i]],
+                            "stable_delays_in_arms": [list(one) for one in each.stable_held[i]],
+                            "unstable_delays_in_arms": [list(one) for one in each.unstable_held[i]],
+                        }
+                        for i, stiffness in enumerate(self.stiffnesses)
+                    ],
+                }
+                for each in self.axes
+            ],
+            "conditions": [
+                {
+                    "stiffness": stiffness,
+                    "delay": delay,
+                    "free": _word(free),
+                    "in_arms": _word(held),
+                    "unstable_axes_free": free,
+                    "unstable_axes_in_arms": held,
+                }
+                for (stiffness, delay), free, held in self._verdicts()
+            ],
+            "statements": self.statements(),
+        }
+
+    def statements(self) -> list[str]:
+        """Say in words what the arms change, and what that means for the conditions."""
+        found = []
+        for each in self.axes:
+            same = (each.held.masses, each.held.dampings) == (each.free.masses, each.free.dampings)
+            arms = "" if same else " and the arms' mass and damping"
+            found.append(
+                f"Axis {each.free.name}: held by {_newtons(self.agent_stiffness)}{arms}, no constant delay "
+                f"destabilises up to {each.held.critical_stiffness():.1f} N/m; with free handles up to "
+                f"{each.free.critical_stiffness():.1f} N/m."
+            )
+            for stiffness, windows in zip(self.stiffnesses, each.unstable_held, strict=True):
+                if windows:
+                    where = "unstable at one-way delays in " + " and ".join(
+                        _window(one, self.horizon) for one in windows
+                    )
+                elif stiffness < each.held.critical_stiffness():
+                    where = "stable at every constant delay"
+                else:
+                    where = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
+                found.append(f"Axis {each.free.name} in arms at {stiffness:.4g} N/m: {where}.")
+        lost = [(condition, free, held) for condition, free, held in self._verdicts() if free or held]
+        for (stiffness, delay), free, held in lost:
+            found.append(
+                f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
+                f"{_word(free)}{_on(free)} with free handles, {_word(held)}{_on(held)} in arms."
+            )
+        return found
+
+    def _verdicts(self) -> list[tuple[tuple[float, float], list[str], list[str]]]:
+        return [
+            (
+                (stiffness, delay),
+                [each.free.name for each in self.axes if not each.free.is_stable(stiffness, delay)],
+                [each.held.name for each in self.axes if not each.held.is_stable(stiffness, delay)],
+            )
+            for stiffness, delay in self.conditions
+        ]
+
+
+def boundary_in_arms(
+    dyad: Dyad,
+    stiffnesses: Sequence[float],
+    *,
+    agent_stiffness: tuple[float, float] = (120.0, 120.0),
+    arms: tuple[Operator, Operator] | None = None,
+    conditions: Sequence[tuple[float, float]] = (),
+    horizon: float = 1.0,
+) -> ArmsBoundary:
+    """Find the stable delays of a dyad with free handles and held by two agents' arms.
+
+    Parameters
+    ----------
+    dyad
+        The robots; their operators, if any, are kept and the agents' stiffness is added.
+    stiffnesses
+        Of the virtual spring, N/m.
+    agent_stiffness
+        k_c of agent 1 and 2, N/m; Table III has 120 for both.
+    arms
+        Mass and damping of both arms and of the agents' dampers, and any stiffness beside `agent_stiffness`;
+        massless and undamped unless given.
+    conditions
+        Stiffness (N/m) and one-way delay (s) of an experiment, told stable or unstable.
+    horizon
+        Longest one-way delay to look at, s.
+
+    Returns
+    -------
+    ArmsBoundary
+        Both boundaries; nothing is rounded.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where a value is out of its range.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> found = boundary_in_arms(ts.hman(), [71.23, 142.46])
+    >>> [[(round(a, 3), round(b, 3)) for a, b in axis.unstable_held[1][:1]] for axis in found.axes]
+    [[(0.078, 0.153)], [(0.118, 0.167)]]
+    >>> [axis.unstable_held[0] for axis in found.axes]
+    [(), ()]
+    """
+    axes = []
+    for free, held in zip(axes_of(dyad), axes_of(_held(dyad, agent_stiffness, arms)), strict=True):
+        stable_held = tuple(tuple(held.stable_delays(k, horizon)) for k in stiffnesses)
+        axes.append(
+            BoundaryOfAxis(
+                free=free,
+                held=held,
+                stable_free=tuple(tuple(free.stable_delays(k, horizon)) for k in stiffnesses),
+                stable_held=stable_held,
+                unstable_held=tuple(_between(each, horizon) for each in stable_held),
+            )
+        )
+    return ArmsBoundary(
+        agent_stiffness, tuple(map(float, stiffnesses)), float(horizon), tuple(axes), tuple(conditions)
+    )
+
+
+def draw(
+    found: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
+) -> Figure:
+    """Draw both boundaries over stiffness and delay, the conditions marked.
+
+    Parameters
+    ----------
+    found
+        What `boundary_in_arms` gave.
+    widest, longest
+        Largest stiffness (N/m) and one-way delay (s) drawn; unless given 165 N/m and 0.6 s, or what all
+        conditions need.
+    points
+        Stiffnesses at which the boundary is computed.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel per axis.
+    """
+    from telespring.show import figures
+
+    widest = widest or max(165.0, *(1.1 * k for k, _ in found.conditions), 0.0)
+    longest = longest or max(0.6, *(1.1 * delay for _, delay in found.conditions), 0.0)
+    stiffness = np.linspace(0.0, widest, points + 1)[1:]
+    panels = [
+        figures.ArmsPanel(
+            each.held.name,
+            [figures.MapColumn(float(k), each.held.stable_delays(float(k), longest)) for k in stiffness],
+            each.free.maximum_delay(stiffness),
+            [(k, delay, each.held.is_stable(k, delay)) for k, delay in found.conditions],
+        )
+        for each in found.axes
+    ]
+    return figures.arms_figure(panels, longest=longest)
+
+
+def _held(dyad: Dyad, agent_stiffness: tuple[float, float], arms: tuple[Operator, Operator] | None) -> Dyad:
+    """Add springs and arms to what holds the handles already."""
+    axes = np.ones(len(dyad.axes))
+    first, second = (
+        Operator(
+            (own.mass + arm.mass) * axes,
+            (own.damping + arm.damping) * axes,
+            (own.stiffness + arm.stiffness + spring) * axes,
+        )
+        for own, arm, spring in zip(
+            dyad.operators, arms or (Operator(), Operator()), agent_stiffness, strict=True
+        )
+    )
+    return Dyad(*dyad.robots, (first, second), dyad.coupling_damping)
+
+
+def _between(stable: Intervals, horizon: float) -> Intervals:
+    starts = (0.0, *(end for _, end in stable))
+    ends = (*(start for start, _ in stable), horizon)
+    return tuple((start, end) for start, end in zip(starts, ends, strict=True) if end > start)
+
+
+def _word(unstable: list[str]) -> str:
+    return "unstable" if unstable else "stable"
+
+
+def _on(unstable: list[str]) -> str:
+    return f" on {' and '.join(unstable)}" if unstable else ""
+
+
+def _newtons(stiffness: tuple[float, float]) -> str:
+    one, two = stiffness
+    return f"{one:g} N/m" if one == two else f"{one:g} and {two:g} N/m"
+
+
+def _window(window: tuple[float, float], horizon: float) -> str:
+    start, end = (1e3 * each for each in window)
+    return f"({start:.0f}, {end:.0f}) ms" if window[1] < horizon else f"({start:.0f} ms, beyond the horizon)"

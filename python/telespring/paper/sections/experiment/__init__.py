@@ -1,0 +1,1 @@
+"""The section `experiment` of the report."""

@@ -1,0 +1,121 @@
+"""Figs. 7 and 8 and Table I: the study's whole experiment, run on the virtual laboratory and analysed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from telespring.paper.scene import Found, Scene
+from telespring.paper.sections.experiment.reported import reported
+from telespring.paper.table_1 import TABLE_I
+from telespring.show import figures
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["find_experiment"]
+
+
+def find_experiment(scene: Scene) -> Found:
+    """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
+    from telespring.analysis.measures import measure_trials
+    from telespring.analysis.results import analyse_taken
+    from telespring.analysis.trials import take_trials
+    from telespring.rehearsal.run import forget
+    from telespring.show.drawings import draw_errors, draw_trajectories
+
+    experiment = scene.study.experiment
+    if experiment is None:
+        if scene.rehearsal is not None:
+            # no page beside another study's trials
+            forget(scene.rehearsal)
+        return Found()
+    trials = take_trials(_rehearsed(scene))
+    analysed = analyse_taken(trials, measure_trials(trials))
+    rows = analysed["table1"]
+    drawings = {
+        "trajectories": figures.to_svg(
+            draw_trajectories(trials),
+            "trajectories",
+            "Handle positions of every trial by condition",
+            f"A panel per condition with the target and {experiment.trials} trials of both robots.",
+        ),
+        "tracking": figures.to_svg(
+            draw_errors(analysed),
+            "tracking",
+            "Tracking error of both robots by condition",
+            " ".join(_in_words(row) for row in rows),
+        ),
+    }
+    published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
+    for row in rows:
+        row["printed"] = _printed(published.get(row["condition"]))
+    return Found(
+        numbers={
+            "table1": rows,
+            "experiment": {
+                "protocol": {
+                    "conditions": len(experiment.conditions),
+                    "trials": experiment.trials,
+                    "duration": experiment.duration,
+                    "discard": experiment.discard,
+                    "record_rate": experiment.record_rate,
+                    "seed": experiment.seed,
+                    "order": experiment.order,
+                },
+                "finished": sum(row["trials"] - row["ended_early"] for row in rows),
+                "ended_early": sum(row["ended_early"] for row in rows),
+                "reported": reported(analysed) if published else [],
+                # Fig. 8, caption
+                "printed_baseline_median": 0.03875 if published else None,
+                **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
+                "conditions": [_without_trials(each) for each in analysed["conditions"]],
+            },
+        },
+        drawings=drawings,
+    )
+
+
+def _rehearsed(scene: Scene) -> xarray.Dataset:
+    """Run the protocol, or go on with it, in the folder that keeps it."""
+    import xarray
+
+    from telespring.rehearsal.run import run_protocol
+
+    with TemporaryDirectory(prefix="telespring-") as aside:
+        folder = scene.rehearsal or Path(aside)
+        outcome = run_protocol(scene.study, folder, modules=scene.modules, replace_others=True)
+        return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
+
+
+def _printed(row: Any) -> dict[str, Any] | None:
+    """Table I's own row, in mm as it prints them."""
+    if row is None:
+        return None
+    found: dict[str, Any] = {}
+    for i in (0, 1):
+        # Through the printed two decimals, so that 0.03483 m is 34.83 mm again.
+        found[f"te{i + 1}_mean"] = round(1e3 * row.mean[i], 2)
+        found[f"te{i + 1}_sd"] = round(1e3 * row.standard_deviation[i], 2)
+        found[f"te{i + 1}_arrow"] = row.arrow[i]
+    return found
+
+
+def _without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
+    """Leave single trials to the dataset."""
+    measures = {
+        name: {
+            key: {k: v for k, v in value.items() if k != "values"} if isinstance(value, dict) else value
+            for key, value in measure.items()
+        }
+        for name, measure in condition["measures"].items()
+    }
+    return {**condition, "measures": measures}
+
+
+def _in_words(row: Mapping[str, Any]) -> str:
+    means: Sequence[float | None] = (row["te1_mean"], row["te2_mean"])
+    said = " and ".join("none" if mean is None else f"{mean:.1f} mm" for mean in means)
+    return f"{row['condition']}: {said}."

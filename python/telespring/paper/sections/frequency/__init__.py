@@ -1,0 +1,1 @@
+"""The section `frequency` of the report."""

@@ -1,0 +1,98 @@
+"""Fig. 4: magnitude and phase of one crossing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from telespring.model import Dyad, Robot
+from telespring.paper.reference import classify
+from telespring.paper.scene import Found, Scene
+from telespring.paper.settings import FACTORS, WORDS
+from telespring.show import figures
+from telespring.theory.axis import Axis, free_axis
+from telespring.theory.response import partner_response
+
+__all__ = ["find_frequency"]
+
+
+def find_frequency(scene: Scene) -> Found:
+    """Draw what one robot does per motion of the other, one parameter varied at a time."""
+    base = scene.alike_reference
+    mass, damping = scene.alike_axis.masses[0], scene.alike_axis.dampings[0]
+    frequency = np.geomspace(0.5, 60.0, 600)
+    nominal = {"k": base.stiffness, "δ": base.delay, "m": mass, "b": damping}
+    # At K no delay matters; what delay does shows above it.
+    varied_delay = {**nominal, "k": 2 * base.stiffness}
+    names = {"k": "K", "δ": "Δ", "m": "M", "b": "B"}
+    titles = {"k": "stiffness", "δ": "delay", "m": "inertia", "b": "damping"}
+    families, rows = [], []
+    for symbol in nominal:
+        curves = []
+        for factor in (0.0, 0.5, 1.0, 2.0) if symbol == "δ" else FACTORS:
+            value = {**(varied_delay if symbol == "δ" else nominal), symbol: factor * nominal[symbol]}
+            axis = free_axis(value["m"], value["b"], value["m"], value["b"])
+            pair = Dyad(Robot([value["m"]], [value["b"]]), Robot([value["m"]], [value["b"]]))
+            # What robot 1 does per motion of robot 2 is one crossing, k e^(−δs)/P.
+            curve = partner_response(pair, value["k"], value["δ"], frequency)
+            magnitude = np.asarray(curve.magnitude)
+            crossing = _gain_crossing(axis, value["k"], value["δ"])
+            label = f"{WORDS[factor]}{names[symbol]}" if factor else "0"
+            curves.append(
+                figures.FrequencyCurve(
+                    label=label,
+                    magnitude=magnitude,
+                    phase=np.degrees(np.asarray(curve.phase)),
+                    gain_crossing=crossing,
+                )
+            )
+            rows.append(
+                {
+                    "varied": titles[symbol],
+                    "label": label,
+                    "stiffness": value["k"],
+                    "delay": value["δ"],
+                    "mass": value["m"],
+                    "damping": value["b"],
+                    "peak_magnitude": float(max(1.0, magnitude.max())),
+                    "gain_crossing_frequency": None if crossing is None else crossing[0],
+                    "phase_margin": None if crossing is None else math.radians(180.0 + crossing[1]),
+                    "verdict": classify(axis, value["k"], value["δ"]),
+                }
+            )
+        at = " at 2K" if symbol == "δ" else ""
+        families.append(figures.FrequencyFamily(f"{titles[symbol]} {symbol}{at}", curves))
+    svg = figures.to_svg(
+        figures.frequency_figure(frequency, families),
+        "frequency",
+        "Magnitude and phase of one crossing under stiffness, delay, inertia and damping",
+        "Magnitude of the motion of one robot per motion of the other above its phase. "
+        "More stiffness or inertia "
+        "or less damping lifts the magnitude above one; more delay only lowers the "
+        "phase. A dot marks where the "
+        "magnitude falls through one; the dyad is stable where the phase there is above −180 degree.",
+    )
+    return Found(
+        numbers={
+            "frequency_response": {
+                "nominal": {"K": base.stiffness, "Delta": base.delay, "M": mass, "B": damping},
+                "curves": rows,
+            }
+        },
+        drawings={"frequency": svg},
+    )
+
+
+def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, float] | None:
+    """Frequency (rad/s) and phase (degree) where the magnitude falls through 1, if it does."""
+    found = axis.crossings(stiffness)
+    if not found:
+        return None
+    frequency = max(each["frequency"] for each in found)
+    mass, damping = axis.masses[0], axis.dampings[0]
+    if frequency < 1e-3 * math.sqrt(stiffness / mass):
+        # At the critical stiffness itself the crossing sits at rest; rounding may lift it off zero.
+        return None
+    lag = math.atan2(damping * frequency, stiffness - mass * frequency**2) + delay * frequency
+    return frequency, -math.degrees(lag)

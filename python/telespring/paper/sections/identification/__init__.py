@@ -1,0 +1,1 @@
+"""The section `identification` of the report."""

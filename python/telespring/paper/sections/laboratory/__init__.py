@@ -1,0 +1,1 @@
+"""The section `laboratory` of the report."""

@@ -1,0 +1,1 @@
+"""The section `map` of the report."""

@@ -1,0 +1,1 @@
+"""The section `misprints` of the report."""

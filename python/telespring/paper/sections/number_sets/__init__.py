@@ -1,0 +1,1 @@
+"""The section `number_sets` of the report."""

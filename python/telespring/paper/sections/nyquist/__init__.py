@@ -1,0 +1,1 @@
+"""The section `nyquist` of the report."""

@@ -1,0 +1,65 @@
+"""Fig. 3: Nyquist loci over stiffness and delay."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from telespring.paper.reference import classify
+from telespring.paper.scene import Found, Scene
+from telespring.paper.settings import setting_in_words
+from telespring.show import figures
+from telespring.theory.response import nyquist
+from telespring.theory.spectrum import spectral_abscissa
+
+__all__ = ["find_nyquist"]
+
+
+def find_nyquist(scene: Scene) -> Found:
+    """Draw nine loci of two robots alike and count what they encircle."""
+    ideal, axis, base = scene.alike, scene.alike_axis, scene.alike_reference
+    grid, rows = [], []
+    letters = iter("abcdefghi")
+    for stiffness_factor in (0.5, 1.0, 2.0):
+        stiffness = stiffness_factor * base.stiffness
+        drawn = []
+        for delay_factor in (0.5, 1.0, 2.0):
+            delay = delay_factor * base.delay
+            found = nyquist(ideal, stiffness, delay)
+            verdict = classify(axis, stiffness, delay)
+            count = None if verdict == "marginal" else found.encirclements
+            note = {
+                "stable": "stable",
+                "marginal": "marginal",
+                "unstable": f"{count} turns, unstable",
+            }[verdict]
+            drawn.append(
+                figures.NyquistPanel(
+                    setting=setting_in_words(stiffness_factor, delay_factor),
+                    locus=np.asarray(found.locus),
+                    verdict=verdict,
+                    note=note,
+                )
+            )
+            rows.append(
+                {
+                    "panel": next(letters),
+                    "stiffness_factor": stiffness_factor,
+                    "delay_factor": delay_factor,
+                    "stiffness": stiffness,
+                    "delay": delay,
+                    "verdict": verdict,
+                    "encirclements": count,
+                    "peak_loop_gain": float(np.abs(found.locus).max()),
+                    "spectral_abscissa": float(spectral_abscissa(ideal, stiffness, delay)),
+                }
+            )
+        grid.append(drawn)
+    svg = figures.to_svg(
+        figures.nyquist_figure(grid),
+        "nyquist",
+        "Nyquist loci of two identical robots",
+        "Nine loci of L for stiffness 0.5K, K and 2K and delay 0.5Δ, Δ and 2Δ. All start "
+        "at −1, the rigid-body "
+        "root. " + " ".join(f"({row['panel']}) {row['verdict']}." for row in rows),
+    )
+    return Found(numbers={"nyquist": {"panels": rows}}, drawings={"nyquist": svg})

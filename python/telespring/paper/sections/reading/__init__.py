@@ -1,0 +1,1 @@
+"""The section `reading` of the report."""

@@ -1,0 +1,1 @@
+"""The section `responses` of the report."""

@@ -1,0 +1,1 @@
+"""The section `robots` of the report."""

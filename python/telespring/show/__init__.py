@@ -1,0 +1,1 @@
+"""What a person reads: screens, figures and quantities, from plain results."""

@@ -1,0 +1,58 @@
+"""The figures of the paper, drawn from numbers that somebody else computed.
+
+Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none touches pyplot or
+computes stability. `to_svg` makes the text that stands in the report.
+"""
+
+from telespring.show.figures.arms import ArmsPanel, arms_figure
+from telespring.show.figures.calibration import (
+    CellSeries,
+    PairPanel,
+    ProfileCurve,
+    ProfilePanel,
+    cells_figure,
+    pairs_figure,
+    profiles_figure,
+)
+from telespring.show.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
+from telespring.show.figures.maps import MapAxis, MapColumn, region_map, tier_map
+from telespring.show.figures.nyquist import NyquistPanel, nyquist_figure
+from telespring.show.figures.poses import PoseRange, poses_figure
+from telespring.show.figures.responses import ResponsePanel, response_figure
+from telespring.show.figures.schematics import DrawnSide, dyad_schematic, laboratory_schematic, loop_schematic
+from telespring.show.figures.style import to_svg
+from telespring.show.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
+
+__all__ = [
+    "ArmsPanel",
+    "CellSeries",
+    "DrawnSide",
+    "ErrorGroup",
+    "FrequencyCurve",
+    "FrequencyFamily",
+    "MapAxis",
+    "MapColumn",
+    "NyquistPanel",
+    "PairPanel",
+    "PoseRange",
+    "ProfileCurve",
+    "ProfilePanel",
+    "ResponsePanel",
+    "TrialPanel",
+    "arms_figure",
+    "cells_figure",
+    "dyad_schematic",
+    "error_figure",
+    "frequency_figure",
+    "laboratory_schematic",
+    "loop_schematic",
+    "nyquist_figure",
+    "pairs_figure",
+    "poses_figure",
+    "profiles_figure",
+    "region_map",
+    "response_figure",
+    "tier_map",
+    "to_svg",
+    "trajectory_figure",
+]

@@ -1,0 +1,127 @@
+"""Stability over stiffness and delay, with free handles and in arms that have a stiffness of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from telespring.show.figures.maps import MapColumn
+from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, panel_label, styled
+
+__all__ = ["ArmsPanel", "arms_figure"]
+
+_STABLE = "#CFE8DF"
+
+
+@dataclass(frozen=True)
+class ArmsPanel:
+    """One axis of the dyad.
+
+    Attributes
+    ----------
+    name
+        The axis.
+    held
+        Stable delays in arms, at evenly spaced stiffnesses.
+    free
+        Smallest delay (s) at which stability is lost with free handles, at the same stiffnesses;
+        infinite where none is.
+    conditions
+        Stiffness (N/m), delay (s), and whether this axis is stable there in arms.
+    """
+
+    name: str
+    held: Sequence[MapColumn]
+    free: NDArray[np.float64]
+    conditions: Sequence[tuple[float, float, bool]]
+
+
+def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
+    """Draw for every axis where the dyad is stable in arms, and the boundary of free handles.
+
+    Parameters
+    ----------
+    panels
+        One per axis, side by side.
+    longest
+        Largest one-way delay drawn, s.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The panels.
+    """
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
+        row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
+        delay = np.linspace(0.0, longest, 1201)
+        for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
+            stiffness = np.array([each.stiffness for each in panel.held])
+            stable = np.zeros((delay.size, stiffness.size), dtype=bool)
+            for column, each in enumerate(panel.held):
+                for start, end in each.stable:
+                    stable[(delay >= start) & (delay < end), column] = True
+            axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[_STABLE])
+            axes.contour(
+                stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2
+            )
+            edge = np.where(np.isfinite(panel.free), panel.free, np.nan)
+            axes.plot(stiffness, 1e3 * edge, color=COLOURS["vermilion"], linestyle=DASHES[1])
+            for k, at, is_stable in panel.conditions:
+                axes.plot(
+                    [k],
+                    [1e3 * at],
+                    "o" if is_stable else "X",
+                    color=COLOURS["black"],
+                    markerfacecolor="white" if is_stable else COLOURS["black"],
+                    markersize=4.5 if is_stable else 6.0,
+                    clip_on=False,
+                    zorder=6,
+                )
+            axes.set(
+                xlim=(0.0, stiffness[-1]),
+                ylim=(0.0, 1e3 * longest),
+                xlabel="Stiffness of the virtual spring k, N/m",
+            )
+            panel_label(axes, "abcdef"[i], f"axis {panel.name}")
+        row[0].set_ylabel("One-way delay δ, ms")
+        black = COLOURS["black"]
+        figure.legend(
+            handles=[
+                Patch(facecolor=_STABLE, edgecolor=COLOURS["blue"], label="stable in arms"),
+                Line2D(
+                    [],
+                    [],
+                    color=COLOURS["vermilion"],
+                    linestyle=DASHES[1],
+                    label="free handles: stable below",
+                ),
+                Line2D(
+                    [],
+                    [],
+                    color=black,
+                    marker="o",
+                    markerfacecolor="white",
+                    linestyle="none",
+                    markersize=4.5,
+                    label="condition, stable in arms",
+                ),
+                Line2D(
+                    [],
+                    [],
+                    color=black,
+                    marker="X",
+                    linestyle="none",
+                    label="condition, unstable in arms",
+                ),
+            ],
+            loc="outside upper center",
+            ncols=4,
+        )
+    return figure

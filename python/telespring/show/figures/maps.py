@@ -1,0 +1,220 @@
+"""Stability over stiffness and delay: what each promise allows, and where the paper's ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, panel_label, styled
+
+__all__ = ["MapAxis", "MapColumn", "region_map", "tier_map"]
+
+_STABLE = "#CFE8DF"
+_AXIS_COLOURS = (COLOURS["blue"], COLOURS["vermilion"], COLOURS["purple"], COLOURS["sky"])
+
+
+@dataclass(frozen=True)
+class MapAxis:
+    """The boundary of one axis: stiffness (N/m) against exact and printed maximum delay (s)."""
+
+    name: str
+    stiffness: NDArray[np.float64]
+    exact: NDArray[np.float64]
+    printed: NDArray[np.float64] | None
+
+
+@dataclass(frozen=True)
+class MapColumn:
+    """One stiffness (N/m) and its stable intervals of one-way delay (s)."""
+
+    stiffness: float
+    stable: Sequence[tuple[float, float]]
+
+
+def tier_map(
+    axes_shown: Sequence[MapAxis],
+    *,
+    any_network: float,
+    any_constant: float,
+    bounded: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
+    conditions: Sequence[tuple[float, float]],
+    extent: tuple[float, float],
+    stable_for: str = "all axes",
+) -> Figure:
+    """Draw what each of the four verdicts allows, with every axis' boundary and the paper's.
+
+    Parameters
+    ----------
+    axes_shown
+        The axes' boundaries.
+    any_network, any_constant
+        Stiffness that the two delay-free verdicts allow, N/m.
+    bounded
+        Stiffness (N/m) and longest one-way age of a sample (s) on the limit of the varying-delay
+        verdict; None where that verdict is not available.
+    conditions
+        Stiffness and delay of the paper's experiment, marked by crosses.
+    extent
+        Largest stiffness (N/m) and delay (s) drawn.
+    stable_for
+        What the shaded region holds for, as the legend says it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The map.
+    """
+    widest, longest = extent
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
+        axes = figure.subplots()
+        stiffness = axes_shown[0].stiffness
+        worst = np.min([each.exact for each in axes_shown], axis=0)
+        axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=_STABLE, linewidth=0.0)
+        for each, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
+            shown = np.where(np.isfinite(each.exact), each.exact, np.nan)
+            axes.plot(each.stiffness, 1e3 * shown, color=colour, label=f"axis {each.name}, exact")
+            if each.printed is not None:
+                printed = np.where(np.isfinite(each.printed), each.printed, np.nan)
+                inside = np.flatnonzero(1e3 * printed < 1e3 * longest)
+                axes.plot(
+                    each.stiffness[inside][::12],
+                    1e3 * printed[inside][::12],
+                    linestyle="none",
+                    marker="o",
+                    markersize=3.6,
+                    markerfacecolor="white",
+                    markeredgecolor=colour,
+                    label=f"axis {each.name}, paper",
+                )
+        green, black = COLOURS["green"], COLOURS["black"]
+        axes.axvline(any_network, color=green, linestyle=DASHES[0], label="any network: left of this")
+        axes.axvline(
+            any_constant,
+            color=black,
+            linestyle=DASHES[1],
+            linewidth=1.0,
+            label="any constant delay: left of this",
+        )
+        if bounded is not None:
+            axes.plot(
+                bounded[0],
+                1e3 * bounded[1],
+                color=COLOURS["orange"],
+                linestyle=DASHES[3],
+                label="bounded varying delay: below this",
+            )
+        if conditions:
+            axes.plot(
+                [each[0] for each in conditions],
+                [1e3 * each[1] for each in conditions],
+                linestyle="none",
+                marker="x",
+                markersize=4.5,
+                color=black,
+                clip_on=False,
+                zorder=6,
+                label="the paper's experiment",
+            )
+        axes.set(
+            xlim=(0.0, widest),
+            ylim=(0.0, 1e3 * longest),
+            xlabel="Stiffness k, N/m",
+            ylabel="One-way delay δ, ms",
+        )
+        handles, _ = axes.get_legend_handles_labels()
+        handles.insert(0, Patch(color=_STABLE, label=f"constant delay, stable: {stable_for}"))
+        figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
+    return figure
+
+
+def region_map(
+    panels: Sequence[tuple[str, Sequence[MapColumn], NDArray[np.float64]]],
+    *,
+    longest: Sequence[float],
+    marks: Sequence[tuple[float, float] | None],
+) -> Figure:
+    """Draw the stable region of single axes, and what the paper calls stable beyond it.
+
+    Parameters
+    ----------
+    panels
+        Per panel its title, its columns at evenly spaced stiffness, and the delay (s) up to which
+        the paper's formulas call each column stable.
+    longest
+        Per panel the largest delay drawn, s.
+    marks
+        Per panel a stiffness and delay to mark, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The panels side by side.
+    """
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 3.3), layout="constrained")
+        grid = figure.subplots(1, len(panels), squeeze=False)[0]
+        for i, (axes, (title, columns, printed)) in enumerate(zip(grid, panels, strict=True)):
+            stiffness = np.array([column.stiffness for column in columns])
+            delay = np.linspace(0.0, longest[i], 801)
+            stable = np.zeros((delay.size, stiffness.size), dtype=bool)
+            for column, each in enumerate(columns):
+                for start, end in each.stable:
+                    stable[(delay >= start) & (delay < end), column] = True
+            claimed = delay[:, None] < np.where(np.isfinite(printed), printed, 2 * longest[i])[None, :]
+            axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[_STABLE])
+            axes.contour(
+                stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2
+            )
+            wrong = claimed & ~stable
+            if wrong.any():
+                axes.contourf(
+                    stiffness, 1e3 * delay, wrong, levels=[0.5, 1.5], colors=["none"], hatches=["//////"]
+                )
+            edge = np.where(np.isfinite(printed), printed, np.nan)
+            axes.plot(stiffness, 1e3 * edge, color=COLOURS["vermilion"], linestyle=DASHES[1])
+            first = int(np.argmax(np.isfinite(printed)))
+            if np.isfinite(printed).any() and first > 0:
+                axes.plot(
+                    [stiffness[first]] * 2,
+                    [1e3 * min(printed[first], longest[i]), 1e3 * longest[i]],
+                    color=COLOURS["vermilion"],
+                    linestyle=DASHES[1],
+                )
+            mark = marks[i]
+            if mark is not None:
+                axes.plot([mark[0]], [1e3 * mark[1]], "x", color=COLOURS["black"], markersize=6, zorder=6)
+            axes.set(
+                xlim=(0.0, stiffness[-1]),
+                ylim=(0.0, 1e3 * longest[i]),
+                xlabel="Stiffness k, N/m",
+            )
+            panel_label(axes, "ab"[i], title)
+        grid[0].set_ylabel("One-way delay δ, ms")
+        figure.legend(
+            handles=[
+                Patch(facecolor=_STABLE, edgecolor=COLOURS["blue"], label="stable (exact)"),
+                Patch(
+                    facecolor="none",
+                    edgecolor="black",
+                    hatch="//////",
+                    label="the paper says stable, it is not",
+                ),
+                Line2D(
+                    [],
+                    [],
+                    color=COLOURS["vermilion"],
+                    linestyle=DASHES[1],
+                    label="the paper's boundary (Eqs. 5 to 9)",
+                ),
+            ],
+            loc="outside upper center",
+            ncols=3,
+        )
+    return figure

@@ -1,0 +1,121 @@
+"""Stability pose by pose in arms that couple the axes, and where along the target's path they do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, GREY, panel_label, styled
+
+__all__ = ["PoseRange", "poses_figure"]
+
+#: Width of a mark for each percent of cross-axis inertia, points.
+_WIDTH = 0.25
+
+
+@dataclass(frozen=True)
+class PoseRange:
+    """One condition over all poses.
+
+    Attributes
+    ----------
+    label
+        Its stiffness and delay, for a reader.
+    least, worst
+        Spectral abscissa in the best and in the worst pose, 1/s.
+    independent
+        The worst with all that couples the axes left out, 1/s.
+    worst_position
+        Of both handles in the worst pose, m.
+    """
+
+    label: str
+    least: float
+    worst: float
+    independent: float
+    worst_position: tuple[float, float]
+
+
+def poses_figure(
+    conditions: Sequence[PoseRange], places: NDArray[np.float64], cross_inertia: NDArray[np.float64]
+) -> Figure:
+    """Draw how strongly the axes are coupled along the path, and each condition's range over the poses.
+
+    Parameters
+    ----------
+    conditions
+        From top to bottom.
+    places
+        Positions of both handles, m, shape (pose, 2).
+    cross_inertia
+        Of robot 1 and 2 in each pose, arm included, over the diagonal; shape (pose, 2).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Path and ranges.
+    """
+    blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 2.3 + 0.16 * max(len(conditions), 4)), layout="constrained")
+        path, ranges = figure.subplots(1, 2, width_ratios=(1.0, 1.7))
+        x, y = 1e3 * places.T
+        for robot, (marker, colour) in enumerate((("o", blue), ("s", vermilion))):
+            share = 100.0 * cross_inertia[:, robot]
+            path.scatter(
+                x, y, s=(_WIDTH * share) ** 2 + 1.0, marker=marker, facecolors="none", edgecolors=colour
+            )
+        worst = sorted({each.worst_position for each in conditions})
+        path.plot([1e3 * at[0] for at in worst], [1e3 * at[1] for at in worst], "*", color=black, ms=7.0)
+        path.set(xlabel="x, mm", ylabel="y, mm")
+        path.set_aspect("equal", adjustable="box")
+        path.margins(0.12)
+        panel_label(path, "a", "cross-axis inertia (width)")
+
+        ranges.axvline(0.0, color=GREY, linestyle=DASHES[1], linewidth=0.8)
+        for row, each in enumerate(conditions):
+            unstable = each.worst >= 0.0
+            ranges.plot([each.least, each.worst], [row, row], color=blue, linewidth=2.0)
+            ranges.plot(
+                each.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
+            )
+            ranges.plot(
+                each.worst,
+                row,
+                "X" if unstable else "o",
+                color=black,
+                markerfacecolor=black if unstable else "white",
+                ms=6.0 if unstable else 4.0,
+                zorder=5,
+            )
+        ranges.set_yticks(range(len(conditions)), [each.label for each in conditions])
+        ranges.set_ylim(max(len(conditions), 1) - 0.4, -0.6)
+        ranges.set_xlabel("Spectral abscissa, 1/s")
+        ranges.margins(x=0.08)
+        panel_label(ranges, "b", "over the poses; unstable above 0")
+        if not conditions:
+            ranges.clear()
+            ranges.set_axis_off()
+
+        one, two = 100.0 * cross_inertia.max(axis=0)
+        ours: Any = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
+        figure.legend(
+            handles=[
+                Line2D([], [], marker="o", color=blue, label=f"robot 1 (largest {one:.2g} %)", **ours),
+                Line2D([], [], marker="s", color=vermilion, label=f"robot 2 (largest {two:.2g} %)", **ours),
+                Line2D([], [], marker="*", color=black, linestyle="none", label="where a condition is worst"),
+                Line2D([], [], color=blue, linewidth=2.0, label="from best to worst pose"),
+                Line2D([], [], marker="o", color=black, label="worst pose, stable", **ours),
+                Line2D([], [], marker="X", color=black, linestyle="none", label="worst pose, unstable"),
+                Line2D([], [], marker="D", color=vermilion, label="worst if uncoupled", **ours),
+            ],
+            loc="outside upper center",
+            ncols=4,
+        )
+    return figure

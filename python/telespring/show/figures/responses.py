@@ -1,0 +1,107 @@
+"""Fig. 5: both robots' positions after opposite steps of force, over stiffness and delay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.typing import LineStyleType
+from numpy.typing import NDArray
+
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, panel_label, styled
+
+__all__ = ["ResponsePanel", "response_figure"]
+
+_AXIS_COLOURS = (COLOURS["blue"], COLOURS["vermilion"], COLOURS["green"], COLOURS["purple"])
+_ROBOT_DASHES: tuple[LineStyleType, ...] = ("solid", (0.0, (3.0, 1.4)))
+
+
+@dataclass(frozen=True)
+class ResponsePanel:
+    """One simulation.
+
+    Attributes
+    ----------
+    letter
+        The panel's letter in the paper's figure, or "" where the paper has no such panel.
+    setting
+        Stiffness and delay in words.
+    time
+        s; a simulation that diverged may have fewer samples than the others.
+    position
+        Position in m, indexed by time, robot, axis.
+    verdicts
+        Per axis "stable", "marginal" or "unstable".
+    """
+
+    letter: str
+    setting: str
+    time: NDArray[np.float64]
+    position: NDArray[np.float64]
+    verdicts: Sequence[str]
+
+
+def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[ResponsePanel]]) -> Figure:
+    """Draw the grid of responses, a row per stiffness and a column per delay.
+
+    Parameters
+    ----------
+    axis_names
+        Names of the robots' axes.
+    panels
+        Rows of panels.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The grid; a panel whose motion grows has its own scale, printed on it.
+    """
+    rows, columns = len(panels), len(panels[0])
+    longest = max(float(panel.time[-1]) for row in panels for panel in row)
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 1.5 * rows + 0.5), layout="constrained")
+        grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        for row, row_panels in enumerate(panels):
+            for column, panel in enumerate(row_panels):
+                axes = grid[row, column]
+                shown = 1e3 * panel.position
+                for axis in range(len(axis_names)):
+                    for robot in range(2):
+                        axes.plot(
+                            panel.time,
+                            shown[:, robot, axis],
+                            color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
+                            linestyle=_ROBOT_DASHES[robot],
+                            linewidth=0.9,
+                        )
+                extent = 1.12 * float(np.nanmax(np.abs(shown)))
+                # Room for the line of words under the curves.
+                axes.set(xlim=(0.0, longest), ylim=(-1.45 * extent, extent))
+                axes.locator_params(axis="y", nbins=5)
+                panel_label(axes, panel.letter, panel.setting)
+                words = ", ".join(
+                    f"{name} {verdict}" for name, verdict in zip(axis_names, panel.verdicts, strict=True)
+                )
+                if len(set(panel.verdicts)) == 1:
+                    words = panel.verdicts[0] if len(axis_names) == 1 else f"all axes {panel.verdicts[0]}"
+                axes.text(
+                    0.97, 0.04, words, transform=axes.transAxes, ha="right", fontsize=6.6, color="#303030"
+                )
+        handles = [
+            Line2D(
+                [],
+                [],
+                color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
+                linestyle=_ROBOT_DASHES[robot],
+                label=f"robot {robot + 1}, axis {name}",
+            )
+            for axis, name in enumerate(axis_names)
+            for robot in range(2)
+        ]
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(4, len(handles)))
+        figure.supxlabel("Time after the step, s", fontsize=7.5)
+        figure.supylabel("Position, mm", fontsize=7.5)
+    return figure

@@ -1,0 +1,355 @@
+"""Figs. 7 and 8: the trajectories of repeated trials, and their tracking errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import NDArray
+
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, styled
+
+__all__ = ["ErrorGroup", "TrialPanel", "error_figure", "trajectory_figure"]
+
+_ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
+#: A trajectory is drawn with at most so many points; more cannot be told apart in a panel this small.
+_POINTS = 600
+#: Dots per inch of the trajectories, which stand in the SVG as pictures: as paths they would be 20 MB.
+_DOTS = 180
+#: A panel shows at most so many times the target's extent; what runs away leaves it.
+_WIDEST = 1.6
+#: Room in inch: at the figure's edges, above each row of panels, and beside each pair.
+_LEFT, _RIGHT, _TOP, _BOTTOM, _ABOVE, _BESIDE = 0.52, 0.05, 0.22, 0.36, 0.19, 0.16
+
+
+@dataclass(frozen=True)
+class TrialPanel:
+    """The repeated trials of one condition.
+
+    Attributes
+    ----------
+    title
+        The condition in words.
+    position
+        m, (trial, time, robot, axis); NaN where a trial has ended.
+    target
+        m, (time, axis).
+    note
+        A short remark, such as how many trials ended early; "" for none.
+    """
+
+    title: str
+    position: NDArray[np.float64]
+    target: NDArray[np.float64]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class ErrorGroup:
+    """The tracking errors of one condition.
+
+    Attributes
+    ----------
+    label
+        Below the group, such as the delay.
+    family
+        Groups beside each other with the same family are bracketed under this name, such as a stiffness.
+    errors
+        Per robot the tracking error of each trial, m; NaN where there is none.
+    arrows
+        Per robot "↑", "↓" or "".
+    ended_early
+        Trials without a tracking error.
+    """
+
+    label: str
+    family: str
+    errors: tuple[NDArray[np.float64], NDArray[np.float64]]
+    arrows: tuple[str, str]
+    ended_early: int = 0
+
+
+def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPanel | None]]) -> Figure:
+    """Draw Fig. 7: both robots' paths in the plane, every trial over the others.
+
+    Parameters
+    ----------
+    alone
+        The unconnected mode, which stands in a column of its own; None where there is none.
+    grid
+        Rows of panels, a row per stiffness and a column per delay; None where there is no condition.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Per condition robot 1 on the left and robot 2 on the right, with the target; all to one scale. A
+        motion that leaves the panel says so.
+    """
+    columns = max([len(row) for row in grid], default=0) + (alone is not None)
+    placed: dict[tuple[int, int], TrialPanel] = {}
+    if alone is not None:
+        placed[0, 0] = alone
+    for row, panels in enumerate(grid):
+        for column, panel in enumerate(panels):
+            if panel is not None:
+                placed[row, column + (alone is not None)] = panel
+    reach = _reach(list(placed.values()))
+    # All panels have the proportions of what they show, so their places are computed, in inch.
+    cell = min(2.4, (FULL_WIDTH - _LEFT - _RIGHT) / max(1, columns))
+    width = 0.5 * (cell - _BESIDE)
+    height = min(3.0, width * reach[1] / reach[0])
+    rows = max(1, len(grid))
+    total = _TOP + rows * (height + _ABOVE) + _BOTTOM
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, total), dpi=_DOTS)
+        for (row, column), panel in placed.items():
+            bottom = _BOTTOM + (rows - 1 - row) * (height + _ABOVE)
+            for robot in range(2):
+                left = _LEFT + column * cell + robot * (width + 0.4 * _BESIDE)
+                place = (left / FULL_WIDTH, bottom / total, width / FULL_WIDTH, height / total)
+                axes = figure.add_axes(place)
+                _paths(axes, panel, robot, reach)
+                axes.tick_params(
+                    labelbottom=(row + 1, column) not in placed,
+                    labelleft=robot == 0 and (row, column - 1) not in placed,
+                )
+                if robot == 0 and (row, column - 1) not in placed:
+                    axes.set_ylabel("Position y, mm", fontsize=6.5, labelpad=1.5)
+                if robot == 0:
+                    axes.set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
+                elif panel.note:
+                    _remark(axes, 0.985, panel.note, "top", "#A03000")
+        handles = [
+            *(
+                Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side} of each pair)")
+                for robot, side in ((0, "left"), (1, "right"))
+            ),
+            Line2D([], [], color="black", linewidth=0.6, label="target"),
+        ]
+        figure.legend(handles=handles, loc="upper center", ncols=3, borderaxespad=0.2)
+        figure.supxlabel("Position x, mm", fontsize=7.5, y=0.05 / total, va="bottom")
+    return figure
+
+
+def _reach(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
+    """Give half the width and height of every panel, mm."""
+    goal = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
+    goal = np.maximum(goal, 0.25 * goal.max())
+    moved = goal
+    for panel in panels:
+        there = np.isfinite(panel.position).all(axis=-1).any(axis=-1).any(axis=-1)
+        if there.any():
+            # Most trials count, so that a few that run away do not make the others small.
+            farthest = np.nanmax(np.abs(panel.position[there]), axis=(1, 2))
+            moved = np.maximum(moved, 1e3 * np.quantile(farthest, 0.8, axis=0))
+    return np.asarray(1.08 * np.minimum(moved, _WIDEST * goal))
+
+
+def _paths(axes: Axes, panel: TrialPanel, robot: int, reach: NDArray[np.float64]) -> None:
+    stride = max(1, math.ceil(panel.position.shape[1] / _POINTS))
+    shown = 1e3 * panel.position[:, ::stride, robot]
+    lines = [path[np.isfinite(path).all(axis=-1)] for path in shown]
+    # Beyond a few panels' width nothing is seen, and larger numbers break the drawing.
+    lines = [np.clip(path, -4.0 * reach, 4.0 * reach) for path in lines if len(path) > 1]
+    axes.add_collection(
+        LineCollection(lines, colors=_ROBOTS[robot], linewidths=0.35, alpha=0.35, rasterized=True),
+        autolim=False,
+    )
+    goal = 1e3 * panel.target[:: max(1, stride // 2)]
+    axes.add_collection(
+        LineCollection(
+            [goal[np.isfinite(goal).all(axis=-1)]], colors="black", linewidths=0.45, rasterized=True
+        ),
+        autolim=False,
+    )
+    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]))
+    step = 10.0 ** math.floor(math.log10(reach[0]))
+    edge = step * math.floor(0.85 * reach[0] / step)
+    axes.set_xticks([-edge, 0.0, edge] if edge else [0.0], [f"{-edge:g}", "", f"{edge:g}"] if edge else ["0"])
+    axes.locator_params(axis="y", nbins=5)
+    axes.tick_params(labelsize=5.4, pad=1.5, length=1.5)
+    if any(np.any(np.abs(path) > 1.1 * reach) for path in lines):
+        _remark(axes, 0.015, "leaves the panel", "bottom", "#303030")
+
+
+def _remark(axes: Axes, height: float, words: str, anchor: str, colour: str) -> None:
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
+    axes.text(
+        0.5,
+        height,
+        words,
+        transform=axes.transAxes,
+        ha="center",
+        va=anchor,
+        fontsize=4.8,
+        color=colour,
+        bbox=box,
+    )
+
+
+def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_name: str = "UM") -> Figure:
+    """Draw Fig. 8: the tracking errors of both robots in every condition.
+
+    Parameters
+    ----------
+    groups
+        Conditions from left to right.
+    baseline
+        Median TE2 that all is compared with, m; None where there is none.
+    baseline_name
+        The condition it belongs to.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Boxes (median, quartiles, whiskers to the last value within 1.5 times the box) with every trial as
+        a dot; an arrow above a box says that it differs from the baseline.
+    """
+    values = [1e3 * np.concatenate(group.errors) for group in groups]
+    finite = np.concatenate(values)
+    finite = finite[np.isfinite(finite)]
+    with styled():
+        figure = Figure(figsize=(FULL_WIDTH, 3.1), layout="constrained")
+        axes = figure.subplots()
+        places = _places(groups)
+        logarithmic = len(finite) > 0 and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite)
+        if logarithmic:
+            axes.set_yscale("log")
+            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.yaxis.set_minor_locator(NullLocator())
+        for place, group in zip(places, groups, strict=True):
+            for robot in range(2):
+                _box(axes, place + (robot - 0.5) * 0.44, group, robot)
+            if group.ended_early:
+                axes.annotate(
+                    f"{group.ended_early} ended\nearly",
+                    (place, 0.0),
+                    (0.0, 3.0),
+                    xycoords=axes.get_xaxis_transform(),
+                    textcoords="offset points",
+                    ha="center",
+                    fontsize=5.2,
+                    color="#A03000",
+                )
+        if baseline is not None:
+            axes.axhline(1e3 * baseline, color="black", linewidth=0.7, linestyle=(0.0, (4.0, 2.0)), zorder=1)
+        axes.set_xticks(places, [group.label for group in groups])
+        axes.tick_params(axis="x", length=0.0)
+        axes.set_xlim(places[0] - 0.7, places[-1] + 0.7)
+        axes.grid(axis="y", color="#E4E4E4", linewidth=0.5)
+        axes.set_axisbelow(True)
+        _brackets(axes, places, groups)
+        low, high = axes.get_ylim()
+        # Room for the arrows above the highest box.
+        axes.set_ylim(low, high * (high / low) ** 0.06 if logarithmic else high + 0.06 * (high - low))
+        axes.set_ylabel("Tracking error, mm")
+        axes.set_xlabel("One-way delay within each stiffness, ms", labelpad=16.0)
+        handles: list[Patch | Line2D] = [
+            Patch(facecolor=_ROBOTS[0], alpha=0.35, edgecolor=_ROBOTS[0], label="TE1, robot 1 (dots)"),
+            Patch(
+                facecolor=_ROBOTS[1],
+                alpha=0.35,
+                edgecolor=_ROBOTS[1],
+                hatch="////",
+                label="TE2, robot 2 (triangles)",
+            ),
+        ]
+        if baseline is not None:
+            handles += [
+                Line2D(
+                    [],
+                    [],
+                    color="black",
+                    linewidth=0.7,
+                    linestyle=(0.0, (4.0, 2.0)),
+                    label=f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm",
+                ),
+                Line2D([], [], linestyle="none", label=f"↑ ↓ differs from TE2 in {baseline_name}, p < 0.05"),
+            ]
+        figure.legend(
+            handles=handles, loc="outside upper center", ncols=4, handlelength=1.8, columnspacing=1.2
+        )
+    return figure
+
+
+def _places(groups: Sequence[ErrorGroup]) -> list[float]:
+    places, place = [], 0.0
+    for i, group in enumerate(groups):
+        if i:
+            place += 1.0 if group.family == groups[i - 1].family else 1.5
+        places.append(place)
+    return places
+
+
+def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
+    errors = 1e3 * group.errors[robot]
+    errors = errors[np.isfinite(errors)]
+    if len(errors) == 0:
+        return
+    colour = _ROBOTS[robot]
+    drawn = axes.boxplot(
+        [errors],
+        positions=[place],
+        widths=0.36,
+        patch_artist=True,
+        showfliers=False,
+        manage_ticks=False,
+        medianprops={"color": "black", "linewidth": 0.9},
+        whiskerprops={"color": colour, "linewidth": 0.7},
+        capprops={"color": colour, "linewidth": 0.7},
+    )
+    for box in drawn["boxes"]:
+        box.set(edgecolor=colour, linewidth=0.7, hatch="////" if robot else None)
+        box.set_facecolor((*_rgb(colour), 0.28))
+    # Spread evenly by rank, so that the same trials give the same picture.
+    spread = 0.24 * (((np.arange(len(errors)) * 0.618034) % 1.0) - 0.5)
+    axes.plot(
+        place + spread,
+        errors,
+        "^" if robot else "o",
+        color=colour,
+        markersize=1.5,
+        markeredgewidth=0.0,
+        alpha=0.8,
+    )
+    if group.arrows[robot]:
+        axes.annotate(
+            group.arrows[robot],
+            (place, float(errors.max())),
+            (0.0, 2.0),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8.0,
+            color=colour,
+            fontweight="bold",
+        )
+
+
+def _rgb(colour: str) -> tuple[float, float, float]:
+    return (int(colour[1:3], 16) / 255.0, int(colour[3:5], 16) / 255.0, int(colour[5:7], 16) / 255.0)
+
+
+def _brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
+    for family in dict.fromkeys(group.family for group in groups if group.family):
+        inside = [place for place, group in zip(places, groups, strict=True) if group.family == family]
+        transform = axes.get_xaxis_transform()
+        ends = [inside[0] - 0.45, inside[-1] + 0.45]
+        axes.plot(ends, [-0.085] * 2, color=GREY, linewidth=0.7, transform=transform, clip_on=False)
+        axes.text(
+            0.5 * (inside[0] + inside[-1]),
+            -0.1,
+            family,
+            transform=transform,
+            ha="center",
+            va="top",
+            fontsize=7.0,
+        )

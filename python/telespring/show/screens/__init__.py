@@ -1,0 +1,1 @@
+"""One module per screen that a command prints."""

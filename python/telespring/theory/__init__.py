@@ -1,0 +1,1 @@
+"""One dyad as equations: the documented, broadcasting faces of the core."""
