@@ -12,7 +12,7 @@
 
 use num_complex::Complex64;
 
-use crate::DyadAxis;
+use crate::model::DyadAxis;
 
 /// A function value with its derivative.
 #[derive(Debug, Clone, Copy)]

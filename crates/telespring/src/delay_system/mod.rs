@@ -16,8 +16,9 @@ use nalgebra::DMatrix;
 use matrix::CharacteristicMatrix;
 
 use crate::error::{InvalidInput, Result};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
 use crate::spectrum::{Abscissa, Spectrum, check_count};
-use crate::{Delay, DyadAxis, quantity};
 
 /// The largest number of states that a system may have.
 pub const MAX_STATES: usize = 64;

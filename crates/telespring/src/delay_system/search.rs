@@ -184,7 +184,7 @@ fn bisect_rectangles(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Delay, hman};
+    use crate::model::{Delay, hman};
 
     #[test]
     fn law_halving_alone_finds_every_root_that_is_counted() {

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis};
+use crate::model::{Delay, DyadAxis};
 
 /// How a grid ended.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use super::grid::{GridStatus, refine};
 use super::open_loop::OpenLoop;
 use crate::criteria::{Crossing, Crossings, crossings};
 use crate::error::Result;
-use crate::{Delay, DyadAxis};
+use crate::model::{Delay, DyadAxis};
 
 /// Between neighbouring points of the locus no factor changes by more than about this ratio.
 const RESOLUTION: f64 = 0.1;

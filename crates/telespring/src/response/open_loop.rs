@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::characteristic::{Characteristic, Exponential, SideFactor};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis, quantity};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
 
 /// Relative rounding error granted to a sum of a few terms, parameters included.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;

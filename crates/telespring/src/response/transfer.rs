@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis};
+use crate::model::{Delay, DyadAxis};
 
 /// Which diagonal the transfer matrix has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -14,7 +14,8 @@ use num_complex::Complex64;
 
 use crate::characteristic::Characteristic;
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis, quantity};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
 
 /// The largest number of roots that may be asked for.
 pub const MAX_ROOTS: usize = 1000;

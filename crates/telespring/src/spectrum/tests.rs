@@ -104,8 +104,6 @@ fn law_every_list_of_roots_is_complete_across_the_decades() {
             failed.push((axis, k, delay, count, spectrum.certificate, spectrum.roots.len(), spectrum.depth));
         }
     }
-    for case in failed.iter().take(12) {
-        eprintln!("{case:?}");
-    }
-    assert!(failed.is_empty(), "{} of {total}", failed.len());
+    failed.truncate(12);
+    assert!(failed.is_empty(), "of {total}, the first: {failed:#?}");
 }
