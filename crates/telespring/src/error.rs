@@ -10,14 +10,14 @@
 /// assert!(refused.to_string().contains("-1"));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field} = {value}: {allowed}. {remedy}")]
+#[error("{} {remedy}", self.statement())]
 #[non_exhaustive]
 pub struct InvalidInput {
     /// Where the value stands, such as `robot1.mass[0]`.
     pub field: String,
-    /// The value as given.
+    /// The value as given; empty where it is missing.
     pub value: String,
-    /// What is allowed there, with its unit.
+    /// What is allowed there, with its unit; of a missing value only the unit.
     pub allowed: String,
     /// The nearest way to mend it, a full sentence.
     pub remedy: String,
@@ -32,6 +32,34 @@ impl InvalidInput {
         remedy: impl Into<String>,
     ) -> Self {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into(), remedy: remedy.into() }
+    }
+
+    /// A missing value; `unit` may be empty, `remedy` is a sentence.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::InvalidInput;
+    /// let missing = InvalidInput::missing("coupling.stiffness", "N/m", "Add stiffness = 20.0.");
+    /// assert_eq!(missing.to_string(), "Missing coupling.stiffness (N/m). Add stiffness = 20.0.");
+    /// ```
+    pub fn missing(field: impl Into<String>, unit: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { field: field.into(), value: String::new(), allowed: unit.into(), remedy: remedy.into() }
+    }
+
+    /// True for a value that is missing.
+    pub fn is_missing(&self) -> bool {
+        self.value.is_empty()
+    }
+
+    /// The first sentence of the message: what is wrong, without the remedy.
+    pub fn statement(&self) -> String {
+        let Self { field, value, allowed, .. } = self;
+        match (self.is_missing(), allowed.is_empty()) {
+            (true, true) => format!("Missing {field}."),
+            (true, false) => format!("Missing {field} ({allowed})."),
+            (false, _) => format!("{field} = {value}: {allowed}."),
+        }
     }
 
     /// The same refusal with `prefix` and a dot put before the field.

@@ -99,6 +99,11 @@ impl Quantity {
         Self { name, unit, minimum, maximum, slip }
     }
 
+    /// The unit; empty for a pure number.
+    pub const fn unit(&self) -> &'static str {
+        self.unit
+    }
+
     /// The largest value that is accepted.
     pub const fn maximum(&self) -> f64 {
         self.maximum

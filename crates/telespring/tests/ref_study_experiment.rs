@@ -241,8 +241,7 @@ fn ref_messages_verbatim() {
         ),
         (
             "[protocol]\nconditions = [{stiffness = 71}]",
-            "protocol.conditions[0] = {stiffness = 71}: both stiffness and delay are needed. Add delay = …. \
-             See line 6.",
+            "Missing protocol.conditions[0].delay. Add delay = …. See line 6.",
         ),
         (
             "[protocol]\nconditions = []\ndelay = [0.1]",

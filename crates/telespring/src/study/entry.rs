@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::keys::{as_written, nearest};
+use super::keys::{as_written, nearest_word};
 use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
@@ -78,7 +78,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => "",
         };
         words.iter().find(|word| **word == given).copied().ok_or_else(|| {
-            let remedy = nearest(given, words)
+            let remedy = nearest_word(given, words)
                 .map_or_else(|| "Choose one of them.".to_owned(), |word| format!("Did you mean \"{word}\"?"));
             self.refuse(format!("this is one of {listed}"), remedy)
         })
@@ -185,14 +185,15 @@ impl<'r, 'a> Entry<'r, 'a> {
         }
         let part = |key: &str| match table.get(key) {
             Some(value) => Ok(self.item(format!(".{key}"), value)),
-            None => Err(self.refuse(
-                format!("both {} and {} are needed", keys[0], keys[1]),
+            None => Err(self.place(InvalidInput::missing(
+                format!("{}.{key}", self.field),
+                "",
                 if instead.is_empty() {
                     format!("Add {key} = ….")
                 } else {
                     format!("Add {key} = …, {instead}.")
                 },
-            )),
+            ))),
         };
         Ok(Some([part(keys[0])?, part(keys[1])?]))
     }

@@ -151,38 +151,42 @@ pub(super) fn as_written(key: &str) -> String {
     if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
 }
 
-/// The number of insertions, deletions, substitutions between two words, letter case aside.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) =
-        (a.to_lowercase().chars().collect(), b.to_lowercase().chars().collect());
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// The allowed word that was most likely meant.
-pub(super) fn nearest<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
-    // Longer words than any key are not slips of the finger.
-    if word.chars().count() > 40 {
+/// The allowed word nearest to a misspelt one, if any is near enough.
+pub(super) fn nearest_word<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
+    const LONGEST_WORD: usize = 40;
+    if word.is_empty() || word.chars().count() > LONGEST_WORD {
         return None;
     }
     let lower = word.to_lowercase();
-    let extended = allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower));
-    let close = || {
-        allowed
-            .iter()
-            .map(|key| (distance(word, key), *key))
-            .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
-            .min_by_key(|&(distance, _)| distance)
-            .map(|(_, key)| key)
-    };
-    if word.is_empty() { None } else { close().or_else(|| extended.copied()) }
+    let misspelt = allowed
+        .iter()
+        .map(|key| (strsim::damerau_levenshtein(&lower, &key.to_lowercase()), *key))
+        .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, key)| key);
+    let extended = || allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower)).copied();
+    misspelt.or_else(extended)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ref_the_nearest_word_allows_for_slips_of_the_finger() {
+        let keys = ["mass", "damping", "delay", "max_gap"];
+        for (word, expected) in [
+            ("Mas", Some("mass")),
+            ("dalay", Some("delay")),
+            ("dampnig", Some("damping")),
+            ("dealy", Some("delay")),
+            ("delay_ms", Some("delay")),
+            ("max", Some("max_gap")),
+            ("stiffness", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest_word(word, &keys), expected, "{word}");
+        }
+        assert_eq!(nearest_word(&"mass".repeat(20), &keys), None);
+    }
 }

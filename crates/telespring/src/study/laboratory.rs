@@ -130,17 +130,17 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     };
     match reader.kind(section)? {
         "two-link" => {
-            let need = |key: &str, like: &str, quantity: Quantity| {
-                reader.need(section, key, &format!("{key} = {like}"))?.two(quantity, key != "base")
+            let need = |key: &str, example: &str, quantity: Quantity| {
+                reader.need(section, key, quantity.unit(), example)?.two(quantity, key != "base")
             };
-            let elbow = reader.need(section, "elbow", "elbow = \"left\"")?.choice(&["left", "right"])?;
+            let elbow = reader.need(section, "elbow", "", "\"left\"")?.choice(&["left", "right"])?;
             let arm = TwoLinkArm {
-                base: need("base", "[0.0, -0.5] (m)", quantity::PLACE)?,
+                base: need("base", "[0.0, -0.5]", quantity::PLACE)?,
                 elbow: if elbow == "left" { Elbow::Left } else { Elbow::Right },
-                link_length: need("link_length", "[0.3, 0.3] (m)", quantity::LENGTH)?,
-                link_mass: need("link_mass", "[1.0, 0.8] (kg)", quantity::LINK_MASS)?,
-                link_centre: need("link_centre", "[0.15, 0.15] (m)", quantity::OFFSET)?,
-                link_inertia: need("link_inertia", "[0.008, 0.006] (kg·m²)", quantity::INERTIA)?,
+                link_length: need("link_length", "[0.3, 0.3]", quantity::LENGTH)?,
+                link_mass: need("link_mass", "[1.0, 0.8]", quantity::LINK_MASS)?,
+                link_centre: need("link_centre", "[0.15, 0.15]", quantity::OFFSET)?,
+                link_inertia: need("link_inertia", "[0.008, 0.006]", quantity::INERTIA)?,
                 joint_damping: pair("joint_damping", quantity::JOINT_DAMPING)?,
                 rotor_inertia: pair("rotor_inertia", quantity::INERTIA)?,
                 torque_limit: reader

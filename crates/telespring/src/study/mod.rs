@@ -138,7 +138,7 @@ impl Study {
         let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
         let operators = ranges.each_ref().map(OperatorRange::middle);
-        let stiffness = reader.need("coupling", "stiffness", "stiffness = 20.0 (N/m)")?;
+        let stiffness = reader.need("coupling", "stiffness", "N/m", "20.0")?;
         let stiffness = stiffness.number(quantity::STIFFNESS, "a number")?;
         let damping = reader.number_or_zero("coupling", "damping", quantity::DAMPING)?;
         let dyad = Dyad::new(robot1, robot2, Some(operators), damping).map_err(|mut error| {

@@ -196,12 +196,12 @@ fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
     }
     Err(InvalidInput::new(
         "protocol.stiffness",
-        "nothing",
+        "not given",
         format!(
-            "multiples of the critical stiffness K of the robots stand here unless given, and theirs is {k:.4} N/m \
-             with a reference delay Δ of {delay:.4} s"
+            "the default is a multiple of the robots' critical stiffness K, but K is {k:.4} N/m with a reference \
+             delay Δ of {delay:.4} s"
         ),
-        "Name both protocol.stiffness and protocol.delay, or give the robots damping on every axis.",
+        "Give both protocol.stiffness and protocol.delay, or give the robots damping on every axis.",
     ))
 }
 

@@ -41,7 +41,7 @@ fn is_identifier(word: &str) -> bool {
 }
 
 pub(super) fn python(reader: &Reader<'_>, section: &str, key: &str, like: &str) -> Result<PythonObject> {
-    let entry = reader.need(section, key, &format!("{key} = \"{like}\""))?;
+    let entry = reader.need(section, key, "", &format!("\"{like}\""))?;
     let path = entry.text()?;
     let well_formed = path.split_once(':').is_some_and(|(module, name)| {
         [module, name].iter().all(|dotted| dotted.split('.').all(is_identifier))

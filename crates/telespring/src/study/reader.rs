@@ -183,18 +183,16 @@ impl<'a> Reader<'a> {
     }
 
     /// A key of a section that must be there; `like` is an example of it.
-    pub fn need(&self, section: &str, key: &str, like: &str) -> Result<Entry<'_, 'a>> {
+    pub fn need(&self, section: &str, key: &str, unit: &str, example: &str) -> Result<Entry<'_, 'a>> {
         self.get(section, key).ok_or_else(|| {
-            let place = match self.table.get(section) {
-                None => format!("Add the section [{section}] with {like}."),
+            let missing = |remedy: String| InvalidInput::missing(format!("{section}.{key}"), unit, remedy);
+            match self.table.get(section) {
+                None => missing(format!("Add a section [{section}] with {key} = {example}.")),
                 Some(value) => {
-                    format!(
-                        "Add {like} under [{section}]. See line {}.",
-                        self.source.line(value.span().start)
-                    )
+                    let remedy = format!("Add {key} = {example} under [{section}].");
+                    self.source.with_line(missing(remedy), value.span().start)
                 }
-            };
-            InvalidInput::new(format!("{section}.{key}"), "nothing", "this value is needed", place)
+            }
         })
     }
 

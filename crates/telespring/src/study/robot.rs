@@ -65,8 +65,8 @@ fn robot(
     count: usize,
     axes: Option<Vec<String>>,
 ) -> Result<(Robot, RobotSection)> {
-    let mass = reader.need(section, "mass", "mass = 1.0 (kg)")?;
-    let damping = reader.need(section, "damping", "damping = 5.0 (N·s/m)")?;
+    let mass = reader.need(section, "mass", "kg", "1.0")?;
+    let damping = reader.need(section, "damping", "N·s/m", "5.0")?;
     let masses = mass.per_axis(quantity::MASS, false)?;
     let dampings = damping.per_axis(quantity::DAMPING, false)?;
     let name = reader.get(section, "name").map(|entry| entry.text()).transpose()?;

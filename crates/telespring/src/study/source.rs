@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::keys::{SECTIONS, nearest};
+use super::keys::{SECTIONS, nearest_word};
 use crate::error::InvalidInput;
 
 /// The text of a study file.
@@ -36,6 +36,9 @@ impl Source<'_> {
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
         const LONGEST_EXCERPT: usize = 60;
         let raw = self.0.get(span).unwrap_or("").trim();
+        if raw.is_empty() {
+            return "a table".to_owned();
+        }
         let line = raw.lines().next().unwrap_or("");
         let short: String = line.chars().take(LONGEST_EXCERPT).collect();
         if short.len() < raw.len() { format!("{short} …") } else { short }
@@ -71,7 +74,7 @@ impl Source<'_> {
             .find(|(name, keys)| Some(*name) != section && keys.all().contains(&key) && key != "kind")
             .map(|(name, _)| format!("It belongs under [{name}]."));
         let remedy = home
-            .or_else(|| nearest(key, keys).map(|key| format!("Did you mean \"{key}\"?")))
+            .or_else(|| nearest_word(key, keys).map(|key| format!("Did you mean \"{key}\"?")))
             .unwrap_or_else(|| "Remove it, or correct its name.".to_owned());
         let field: String = field.chars().take(80).collect();
         let excerpt =
