@@ -31,21 +31,21 @@ pub(crate) fn exp_m1(z: Complex64) -> Complex64 {
 
 /// What the delay contributes at one point s.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Exponential {
+pub(crate) struct DelayExponential {
     /// 1 − e^(−T s).
     pub complement: Complex64,
     /// e^(−T s).
     pub decay: Complex64,
 }
 
-impl Exponential {
+impl DelayExponential {
     pub fn at(s: Complex64, round_trip: f64) -> Self {
         let less_one = exp_m1(-s * round_trip);
         Self { complement: -less_one, decay: less_one + 1.0 }
     }
 
     /// (1 − e^(−T s))/s and its derivative by s, finite at s = 0.
-    pub fn held(&self, s: Complex64, round_trip: f64) -> Jet {
+    pub fn integral(&self, s: Complex64, round_trip: f64) -> Jet {
         let (t, z) = (round_trip, s * round_trip);
         if z.norm_sqr() < 1e-6 {
             let value = (((z / 120.0 - 1.0 / 24.0) * z + 1.0 / 6.0) * z - 0.5) * z + 1.0;
@@ -58,7 +58,7 @@ impl Exponential {
 
     /// Bounds on |(1 − e^(−T s))/s|, the integral of e^(−u s) over 0 < u < T, and on its first two
     /// derivatives, where |s| ≥ `least` and |e^(−u s)| ≤ `growth` for all those u.
-    pub fn held_bounds(least: f64, round_trip: f64, growth: f64) -> [f64; 3] {
+    pub fn integral_bounds(least: f64, round_trip: f64, growth: f64) -> [f64; 3] {
         let t = round_trip;
         let zeroth = (t * growth).min((1.0 + growth) / least);
         let first = (0.5 * t * t * growth).min((t * growth + zeroth) / least);
@@ -156,7 +156,7 @@ impl Characteristic {
     }
 
     /// χ itself, the rigid-body root left in.
-    pub fn whole(self) -> Self {
+    pub fn with_rigid_body(self) -> Self {
         Self { rigid_body: false, ..self }
     }
 
@@ -172,18 +172,21 @@ impl Characteristic {
 
     /// N(s) by remainder.
     pub fn value(&self, s: Complex64) -> Complex64 {
-        let exponential = Exponential::at(s, self.round_trip);
-        let lag =
-            if self.rigid_body { exponential.held(s, self.round_trip).value } else { exponential.complement };
+        let exponential = DelayExponential::at(s, self.round_trip);
+        let lag = if self.rigid_body {
+            exponential.integral(s, self.round_trip).value
+        } else {
+            exponential.complement
+        };
         let polynomial = self.deflated_remainder().iter().rev().fold(Complex64::ZERO, |sum, &c| sum * s + c);
         let coupling = self.coupling(s);
         polynomial + coupling * coupling * lag
     }
 
     /// N(s) with its derivative, by remainder.
-    pub fn jet_by_remainder(&self, s: Complex64, exponential: &Exponential) -> Jet {
+    pub fn jet_by_remainder(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let lag = if self.rigid_body {
-            exponential.held(s, self.round_trip)
+            exponential.integral(s, self.round_trip)
         } else {
             Jet { value: exponential.complement, slope: exponential.decay * self.round_trip }
         };
@@ -202,7 +205,7 @@ impl Characteristic {
     }
 
     /// N(s) with its derivative, by sides.
-    pub fn jet_by_sides(&self, s: Complex64, exponential: &Exponential) -> Jet {
+    pub fn jet_by_sides(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let [one, two] = self.sides;
         let (p1, p2, q) = (one.value(s), two.value(s), self.coupling(s));
         let returned = q * exponential.decay;
@@ -218,7 +221,7 @@ impl Characteristic {
 
     /// N(s) with its derivative, by the form that loses fewer digits there.
     pub fn jet(&self, s: Complex64) -> Jet {
-        let exponential = Exponential::at(s, self.round_trip);
+        let exponential = DelayExponential::at(s, self.round_trip);
         let q2 = self.coupling(s).norm_sqr();
         let size = s.norm();
         let [one, two] = self.sides;
@@ -239,7 +242,7 @@ impl Characteristic {
         let (t, c) = (self.round_trip, self.coupling_damping);
         let q = self.stiffness + c * most;
         if self.rigid_body {
-            let [held, first, second] = Exponential::held_bounds(least, t, growth);
+            let [held, first, second] = DelayExponential::integral_bounds(least, t, growth);
             return 6.0 * self.remainder[4] * most
                 + 2.0 * self.remainder[3]
                 + 2.0 * c * c * held

@@ -93,9 +93,9 @@ impl<R, const N: usize> std::ops::Deref for Roots<R, N> {
 
 /// What to do with a value that is smaller than its own rounding error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doubt {
+enum UncertainSign {
     /// Give up, so that the caller repeats in a finer arithmetic.
-    Refuse,
+    GiveUp,
     /// Take it for zero.
     Zero,
 }
@@ -115,11 +115,11 @@ pub(crate) fn positive_roots<const N: usize>(
     precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
 ) -> Roots<f64, N> {
     let mut roots = Roots::none();
-    if search(polynomial, 0, N, Doubt::Refuse, &mut roots).is_none() {
+    if isolate_roots(polynomial, 0, N, UncertainSign::GiveUp, &mut roots).is_none() {
         roots.length = 0;
         let mut fine = Roots::none();
-        let resolved = search(&precise(), 0, N, Doubt::Zero, &mut fine);
-        debug_assert!(resolved.is_some(), "only a refused doubt ends a search early");
+        let resolved = isolate_roots(&precise(), 0, N, UncertainSign::Zero, &mut fine);
+        debug_assert!(resolved.is_some(), "only a refused uncertain ends a search early");
         for root in fine.iter() {
             roots.push(root.at.to_f64(), root.slope);
         }
@@ -141,14 +141,14 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
-    fn sign(&self, low: usize, high: usize, x: R) -> i8 {
+    fn sign_at(&self, low: usize, high: usize, x: R) -> i8 {
         let (value, bound) = self.value(low, high, x);
-        if bound.is_finite() { sign_of(value, bound) } else { self.sign_far_out(low, high, x) }
+        if bound.is_finite() { sign_of(value, bound) } else { self.sign_at_large(low, high, x) }
     }
 
     /// The sign at an `x` whose powers overflow, from the value over the highest power.
     #[cold]
-    fn sign_far_out(&self, low: usize, high: usize, x: R) -> i8 {
+    fn sign_at_large(&self, low: usize, high: usize, x: R) -> i8 {
         let reciprocal = R::from(1.0) / x;
         let mut value = self.coefficient[low];
         let mut magnitude = self.magnitude[low];
@@ -175,23 +175,23 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
 }
 
 /// Adds to `roots` the positive roots of the polynomial with the coefficients `low..high`, the first of
-/// them its constant; None where a sign is in doubt and doubt is refused.
-fn search<R: Real, const N: usize>(
+/// them its constant; None where a sign is in uncertain and uncertain is refused.
+fn isolate_roots<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     mut low: usize,
     mut high: usize,
-    doubt: Doubt,
+    uncertain: UncertainSign,
     roots: &mut Roots<R, N>,
 ) -> Option<()> {
     // A zero constant is a root at 0, a zero leading coefficient one at infinity: neither is positive.
     while low < high && p.coefficient_sign(low) == 0 {
-        if doubt == Doubt::Refuse && p.magnitude[low] != 0.0 {
+        if uncertain == UncertainSign::GiveUp && p.magnitude[low] != 0.0 {
             return None;
         }
         low += 1;
     }
     while low < high && p.coefficient_sign(high - 1) == 0 {
-        if doubt == Doubt::Refuse && p.magnitude[high - 1] != 0.0 {
+        if uncertain == UncertainSign::GiveUp && p.magnitude[high - 1] != 0.0 {
             return None;
         }
         high -= 1;
@@ -221,11 +221,11 @@ fn search<R: Real, const N: usize>(
         return Some(());
     }
     if high - low == 3
-        && let Some(certain) = quadratic(p, low, last)
+        && let Some(certain) = quadratic_roots(p, low, last)
     {
         let accurate = |root: &Root<R>| {
             let slope = quadratic_slope(&p.coefficient[low..high], root.at);
-            doubt == Doubt::Zero || is_accurate(p, low, high, root.at, slope)
+            uncertain == UncertainSign::Zero || is_accurate(p, low, high, root.at, slope)
         };
         if !certain.iter().all(accurate) {
             return None;
@@ -234,19 +234,19 @@ fn search<R: Real, const N: usize>(
         return Some(());
     }
     if one_root {
-        roots.push(bracketed(p, low, high, R::from(0.0), R::from(FAR), first, doubt)?, last);
+        roots.push(root_in_bracket(p, low, high, R::from(0.0), R::from(FAR), first, uncertain)?, last);
         return Some(());
     }
     let mut splits = Roots::none();
-    search(&p.derivative(low, high), low + 1, high, Doubt::Zero, &mut splits)?;
+    isolate_roots(&p.derivative(low, high), low + 1, high, UncertainSign::Zero, &mut splits)?;
 
     // The last interval is open: its upper end is moved out until the leading term rules.
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
     let mut outer = start;
-    while p.sign(low, high, outer) != last {
+    while p.sign_at(low, high, outer) != last {
         let farther = outer * R::from(16.0);
         if !farther.to_f64().is_finite() {
-            if doubt == Doubt::Refuse {
+            if uncertain == UncertainSign::GiveUp {
                 return None;
             }
             // What lies beyond every number is no root.
@@ -259,9 +259,9 @@ fn search<R: Real, const N: usize>(
     let mut left_sign = first;
     let mut touching: Option<R> = None;
     for split in splits.iter().map(|root| root.at).chain(std::iter::once(outer)) {
-        let sign = p.sign(low, high, split);
+        let sign = p.sign_at(low, high, split);
         if sign == 0 {
-            if doubt == Doubt::Refuse {
+            if uncertain == UncertainSign::GiveUp {
                 return None;
             }
             touching.get_or_insert(split);
@@ -270,7 +270,7 @@ fn search<R: Real, const N: usize>(
         match touching.take() {
             Some(at) => roots.push(at, if sign == left_sign { 0 } else { sign }),
             None if sign != left_sign => {
-                let at = bracketed(p, low, high, left, split, left_sign, doubt)?;
+                let at = root_in_bracket(p, low, high, left, split, left_sign, uncertain)?;
                 roots.push(at, sign);
             }
             None => {}
@@ -312,8 +312,12 @@ fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high:
     R::from(f64::from_bits(((1023 + power) as u64) << 52))
 }
 
-/// The positive roots of a quadratic in closed form; None where the sign of its discriminant is in doubt.
-fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8) -> Option<Roots<R, N>> {
+/// The positive roots of a quadratic in closed form; None where the sign of its discriminant is in uncertain.
+fn quadratic_roots<R: Real, const N: usize>(
+    p: &Polynomial<R, N>,
+    low: usize,
+    last: i8,
+) -> Option<Roots<R, N>> {
     let [c, b, a] = [0, 1, 2].map(|i| p.coefficient[low + i]);
     let [c_size, b_size, a_size] = [0, 1, 2].map(|i| p.magnitude[low + i]);
     let discriminant = b * b - R::from(4.0) * a * c;
@@ -358,29 +362,29 @@ fn is_accurate<R: Real, const N: usize>(
 }
 
 /// The one root between `left` (sign `left_sign`) and `right`, by Halley's iteration kept inside.
-fn bracketed<R: Real, const N: usize>(
+fn root_in_bracket<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
     high: usize,
     left: R,
     right: R,
     left_sign: i8,
-    doubt: Doubt,
+    uncertain: UncertainSign,
 ) -> Option<R> {
     let typical = typical_root(p, low, high);
-    let start = if typical > left && typical <= right { typical } else { inside(left, right) };
+    let start = if typical > left && typical <= right { typical } else { point_in_bracket(left, right) };
     let (at, slope) = match p.coefficient[low..high] {
         // a length that is known when compiling unrolls the evaluation
         [c0, c1, c2, c3] => halley(&[c0, c1, c2, c3], left, right, left_sign, start),
         ref coefficients => halley(coefficients, left, right, left_sign, start),
     };
     // an iteration that did not settle has no slope
-    let trusted = doubt == Doubt::Zero || is_accurate(p, low, high, at, slope);
+    let trusted = uncertain == UncertainSign::Zero || is_accurate(p, low, high, at, slope);
     trusted.then_some(at)
 }
 
 /// A point well inside a bracket; one over many decades is halved on the logarithmic scale.
-fn inside<R: Real>(left: R, right: R) -> R {
+fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     if right >= R::from(FAR) {
         left * R::from(16.0)
     } else if left <= R::from(0.0) {
@@ -421,7 +425,7 @@ fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8,
             return (next, slope.to_f64());
         }
         if !inner || size > 0.7 * previous {
-            next = inside(left, right);
+            next = point_in_bracket(left, right);
             previous = f64::INFINITY;
         } else {
             previous = size;

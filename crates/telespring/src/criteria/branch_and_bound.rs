@@ -54,40 +54,40 @@ pub(super) enum Wanted {
 }
 
 /// A box waiting for its examination, ordered so that the most promising parameter comes first.
-struct Waiting {
+struct QueuedBox {
     priority: f64,
     region: Region,
 }
 
-impl PartialEq for Waiting {
+impl PartialEq for QueuedBox {
     fn eq(&self, other: &Self) -> bool {
         self.priority == other.priority
     }
 }
-impl Eq for Waiting {}
-impl PartialOrd for Waiting {
+impl Eq for QueuedBox {}
+impl PartialOrd for QueuedBox {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Waiting {
+impl Ord for QueuedBox {
     fn cmp(&self, other: &Self) -> Ordering {
         self.priority.total_cmp(&other.priority)
     }
 }
 
 /// The parameters at which a root lies on the line, ascending; one value for an extreme one.
-pub(super) fn solve(function: &impl LineFunction, region: Region, wanted: Wanted) -> Vec<f64> {
-    let mut found: Vec<(f64, f64)> = Vec::new();
+pub(super) fn crossing_parameters(function: &impl LineFunction, region: Region, wanted: Wanted) -> Vec<f64> {
+    let mut solutions: Vec<(f64, f64)> = Vec::new();
     let mut waiting = BinaryHeap::new();
     let priority = |region: &Region| match wanted {
         Wanted::Least => -region.parameter.0,
         Wanted::Greatest => region.parameter.1,
         Wanted::All => 0.0,
     };
-    waiting.push(Waiting { priority: priority(&region), region });
-    while let Some(Waiting { region: part, priority: reach }) = waiting.pop() {
-        let settled = found.iter().any(|&(_, parameter)| match wanted {
+    waiting.push(QueuedBox { priority: priority(&region), region });
+    while let Some(QueuedBox { region: part, priority: reach }) = waiting.pop() {
+        let settled = solutions.iter().any(|&(_, parameter)| match wanted {
             Wanted::Least => -parameter >= reach,
             Wanted::Greatest => parameter >= reach,
             Wanted::All => false,
@@ -95,22 +95,22 @@ pub(super) fn solve(function: &impl LineFunction, region: Region, wanted: Wanted
         if settled {
             break;
         }
-        match examine(function, &part, &region) {
-            Finding::Nothing => {}
-            Finding::Solution(frequency, parameter) => {
-                let known = |&(w, p): &(f64, f64)| close(w, frequency) && close(p, parameter);
-                if !found.iter().any(known) {
-                    found.push((frequency, parameter));
+        match examine_box(function, &part, &region) {
+            BoxContent::Nothing => {}
+            BoxContent::Solution(frequency, parameter) => {
+                let known = |&(w, p): &(f64, f64)| nearly_equal(w, frequency) && nearly_equal(p, parameter);
+                if !solutions.iter().any(known) {
+                    solutions.push((frequency, parameter));
                 }
             }
-            Finding::Undecided { halve_frequency } => {
-                for part in halves(&part, halve_frequency) {
-                    waiting.push(Waiting { priority: priority(&part), region: part });
+            BoxContent::Undecided { halve_frequency } => {
+                for part in split_region(&part, halve_frequency) {
+                    waiting.push(QueuedBox { priority: priority(&part), region: part });
                 }
             }
         }
     }
-    let mut parameters: Vec<f64> = found.into_iter().map(|(_, parameter)| parameter).collect();
+    let mut parameters: Vec<f64> = solutions.into_iter().map(|(_, parameter)| parameter).collect();
     parameters.sort_by(f64::total_cmp);
     match wanted {
         Wanted::Least => parameters.truncate(1),
@@ -120,11 +120,11 @@ pub(super) fn solve(function: &impl LineFunction, region: Region, wanted: Wanted
     parameters
 }
 
-fn close(a: f64, b: f64) -> bool {
+fn nearly_equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-fn halves(region: &Region, frequency: bool) -> [Region; 2] {
+fn split_region(region: &Region, frequency: bool) -> [Region; 2] {
     let halve = |(low, high): (f64, f64)| {
         let middle = 0.5 * (low + high);
         ((low, middle), (middle, high))
@@ -138,20 +138,20 @@ fn halves(region: &Region, frequency: bool) -> [Region; 2] {
     }
 }
 
-enum Finding {
+enum BoxContent {
     Nothing,
     Solution(f64, f64),
     Undecided { halve_frequency: bool },
 }
 
 /// Im(conj(a) b): the part of b across the direction of a, times |a|.
-fn across(a: Complex64, b: Complex64) -> f64 {
+fn cross_product(a: Complex64, b: Complex64) -> f64 {
     a.re * b.im - a.im * b.re
 }
 
-fn examine(function: &impl LineFunction, part: &Region, whole: &Region) -> Finding {
+fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> BoxContent {
     if function.magnitudes_differ(part) {
-        return Finding::Nothing;
+        return BoxContent::Nothing;
     }
     let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
     let (w, p) = (middle(part.frequency), middle(part.parameter));
@@ -163,12 +163,12 @@ fn examine(function: &impl LineFunction, part: &Region, whole: &Region) -> Findi
     let (by_w, by_p) = (jet.by_frequency.norm(), jet.by_parameter.norm());
 
     // No solution where the value exceeds what the box can change, in size or across one direction.
-    let determinant = across(jet.by_frequency, jet.by_parameter);
+    let determinant = cross_product(jet.by_frequency, jet.by_parameter);
     if jet.value.norm() > by_w * dw + by_p * dp + remainder
-        || across(jet.by_frequency, jet.value).abs() > determinant.abs() * dp + by_w * remainder
-        || across(jet.by_parameter, jet.value).abs() > determinant.abs() * dw + by_p * remainder
+        || cross_product(jet.by_frequency, jet.value).abs() > determinant.abs() * dp + by_w * remainder
+        || cross_product(jet.by_parameter, jet.value).abs() > determinant.abs() * dw + by_p * remainder
     {
-        return Finding::Nothing;
+        return BoxContent::Nothing;
     }
 
     // At most one solution where the derivative stays invertible over the box.
@@ -179,28 +179,34 @@ fn examine(function: &impl LineFunction, part: &Region, whole: &Region) -> Findi
     // A box this narrow holds, if anything, a double solution, where two branches touch.
     let exhausted = dw <= 1e-12 * whole.frequency.1 && dp <= 1e-12 * p.abs();
     if injective || exhausted {
-        return newton(function, w, p, part, injective);
+        return newton_in_box(function, w, p, part, injective);
     }
-    Finding::Undecided {
+    BoxContent::Undecided {
         halve_frequency: by_w * dw + bound.frequency * dw * dw > by_p * dp + bound.parameter * dp * dp,
     }
 }
 
 /// Newton's iteration from the middle of a box that holds at most one solution.
-fn newton(function: &impl LineFunction, mut w: f64, mut p: f64, part: &Region, injective: bool) -> Finding {
+fn newton_in_box(
+    function: &impl LineFunction,
+    mut w: f64,
+    mut p: f64,
+    part: &Region,
+    injective: bool,
+) -> BoxContent {
     let inside = |(low, high): (f64, f64), x: f64, slack: f64| {
         let margin = slack * (high - low) + 1e-12 * x.abs();
         x >= low - margin && x <= high + margin
     };
     if !injective {
-        return Finding::Solution(w, p);
+        return BoxContent::Solution(w, p);
     }
     let mut previous = f64::INFINITY;
     for _ in 0..60 {
         let jet = function.jet(w, p);
-        let determinant = across(jet.by_frequency, jet.by_parameter);
-        let step_w = across(jet.by_parameter, jet.value) / determinant;
-        let step_p = -across(jet.by_frequency, jet.value) / determinant;
+        let determinant = cross_product(jet.by_frequency, jet.by_parameter);
+        let step_w = cross_product(jet.by_parameter, jet.value) / determinant;
+        let step_p = -cross_product(jet.by_frequency, jet.value) / determinant;
         w += step_w;
         p += step_p;
         let size = (step_w / w).abs() + (step_p / p).abs();
@@ -209,16 +215,16 @@ fn newton(function: &impl LineFunction, mut w: f64, mut p: f64, part: &Region, i
         }
         if size < 1e-15 || size < 1e-11 && size >= 0.5 * previous {
             let own = inside(part.frequency, w, 1e-9) && inside(part.parameter, p, 1e-9);
-            return if own { Finding::Solution(w, p) } else { Finding::Nothing };
+            return if own { BoxContent::Solution(w, p) } else { BoxContent::Nothing };
         }
         previous = size;
     }
     // The iteration left the box: whether it holds the solution is for its halves to say.
     let (dw, dp) = (part.frequency.1 - part.frequency.0, part.parameter.1 - part.parameter.0);
     if dw <= 1e-13 * w.abs() && dp <= 1e-13 * p.abs() {
-        return Finding::Nothing;
+        return BoxContent::Nothing;
     }
     let jet = function
         .jet(0.5 * (part.frequency.0 + part.frequency.1), 0.5 * (part.parameter.0 + part.parameter.1));
-    Finding::Undecided { halve_frequency: jet.by_frequency.norm() * dw > jet.by_parameter.norm() * dp }
+    BoxContent::Undecided { halve_frequency: jet.by_frequency.norm() * dw > jet.by_parameter.norm() * dp }
 }

@@ -73,19 +73,22 @@ pub fn crossings(axis: &DyadAxis, stiffness: f64) -> Result<Crossings> {
 }
 
 pub(super) fn all_crossings(axis: &DyadAxis, stiffness: f64) -> Crossings {
-    let mut found =
+    let mut crossings =
         Crossings { items: [Crossing { delay: 0.0, frequency: 0.0, direction: 0 }; 4], length: 0 };
     for root in crossing_roots(axis, stiffness).iter() {
         let frequency = (root.at * stiffness).sqrt();
-        found.items[found.length] =
-            Crossing { delay: first_delay(axis, stiffness, frequency), frequency, direction: root.slope };
-        found.length += 1;
+        crossings.items[crossings.length] = Crossing {
+            delay: first_crossing_delay(axis, stiffness, frequency),
+            frequency,
+            direction: root.slope,
+        };
+        crossings.length += 1;
     }
-    found
+    crossings
 }
 
 /// The smallest one-way delay that closes the phase of the loop at a crossing frequency, s.
-fn first_delay(axis: &DyadAxis, stiffness: f64, frequency: f64) -> f64 {
+fn first_crossing_delay(axis: &DyadAxis, stiffness: f64, frequency: f64) -> f64 {
     let c = axis.coupling_damping;
     let multiply = |a: (f64, f64), b: (f64, f64)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
     let [first, second] = axis.sides.map(|side| {

@@ -28,8 +28,8 @@ pub fn maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
     if !is_stable_without_delay(axis) {
         return Ok(0.0);
     }
-    let found = all_crossings(axis, stiffness);
-    Ok(found.iter().fold(f64::INFINITY, |first, crossing| first.min(crossing.delay)))
+    let crossings = all_crossings(axis, stiffness);
+    Ok(crossings.iter().fold(f64::INFINITY, |first, crossing| first.min(crossing.delay)))
 }
 
 /// All intervals of stable one-way delays from 0 to `horizon`, s, as `(start, end)`.
@@ -68,14 +68,14 @@ pub fn stable_delays(axis: &DyadAxis, stiffness: f64, horizon: f64) -> Result<Ve
 }
 
 /// The stable intervals up to the horizon, from the crossings.
-pub(super) fn stable_delays_within(axis: &DyadAxis, found: &[Crossing], horizon: f64) -> Vec<(f64, f64)> {
+pub(super) fn stable_delays_within(axis: &DyadAxis, crossings: &[Crossing], horizon: f64) -> Vec<(f64, f64)> {
     let mut stable = Vec::new();
     let mut start = if is_stable_without_delay(axis) { 0.0 } else { f64::MIN_POSITIVE };
-    let last = horizon.min(never_stable_after(found));
+    let last = horizon.min(permanent_instability_delay(crossings));
     let mut unstable = 0;
     let mut turns = [0u32; 4];
     loop {
-        let next = found
+        let next = crossings
             .iter()
             .zip(&mut turns)
             .map(|(crossing, turn)| (crossing.delay + f64::from(*turn) * crossing.period(), crossing, turn))
@@ -93,14 +93,14 @@ pub(super) fn stable_delays_within(axis: &DyadAxis, found: &[Crossing], horizon:
         if unstable == 0 && delay > start {
             stable.push((start, delay));
         }
-        unstable += pairs_moved(crossing, delay);
+        unstable += unstable_pair_change(crossing, delay);
         start = start.max(delay);
     }
 }
 
 /// How many pairs enter the unstable half-plane: one that is on the axis without delay was not
 /// unstable before, and its return frees nothing.
-fn pairs_moved(crossing: &Crossing, delay: f64) -> i32 {
+fn unstable_pair_change(crossing: &Crossing, delay: f64) -> i32 {
     i32::from(crossing.direction).max(if delay == 0.0 { 0 } else { -1 })
 }
 
@@ -111,13 +111,13 @@ const MAX_TURNS: u32 = 1_000_000;
 ///
 /// Pairs leave once per period of a leaving crossing and return once per period of a returning one;
 /// the highest frequency leaves, and the directions alternate, so that leaving wins in the long run.
-fn never_stable_after(found: &[Crossing]) -> f64 {
-    let net: f64 = found.iter().map(|c| f64::from(c.direction) * c.frequency).sum();
+fn permanent_instability_delay(crossings: &[Crossing]) -> f64 {
+    let net: f64 = crossings.iter().map(|c| f64::from(c.direction) * c.frequency).sum();
     if net <= 0.0 {
         return f64::INFINITY;
     }
     // A series has crossed between ω(δ − δ₀)/π and one time more.
-    let offset: f64 = found
+    let offset: f64 = crossings
         .iter()
         .map(|c| {
             let lag = f64::from(c.direction) * c.frequency * c.delay;
@@ -196,8 +196,8 @@ pub fn stability_map(axis: &DyadAxis, stiffness: &[f64], delay: &[f64]) -> Resul
     let longest = delay.iter().fold(0.0f64, |longest, &value| longest.max(value));
     let mut stable = Vec::with_capacity(stiffness.len() * delay.len());
     for &k in stiffness {
-        let found = all_crossings(axis, k);
-        let intervals = stable_delays_within(axis, &found, longest + 1.0);
+        let crossings = all_crossings(axis, k);
+        let intervals = stable_delays_within(axis, &crossings, longest + 1.0);
         stable.extend(delay.iter().map(|&delay| is_in_any(&intervals, delay)));
     }
     Ok(stable)

@@ -7,7 +7,7 @@ use crate::model::DyadAxis;
 use crate::quantity;
 
 /// The paper knows neither operators' stiffness nor a coupling damper.
-fn check_covered(axis: &DyadAxis) -> Result<()> {
+fn check_paper_applies(axis: &DyadAxis) -> Result<()> {
     if axis.is_free() && axis.coupling_damping == 0.0 {
         return Ok(());
     }
@@ -36,7 +36,7 @@ fn check_covered(axis: &DyadAxis) -> Result<()> {
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn paper_critical_stiffness(axis: &DyadAxis) -> Result<f64> {
-    check_covered(axis)?;
+    check_paper_applies(axis)?;
     let [first, second] = &axis.sides;
     let damping = first.damping.powi(2) + second.damping.powi(2);
     Ok(damping / (2.0 * (first.mass + second.mass)))

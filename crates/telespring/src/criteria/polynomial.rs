@@ -24,7 +24,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
         // |P/k|² = κ² + (f + g) y + m² y² with g = c²/k.
         let loss = (b * b + number(2.0) * b * number(c)) * compliance;
         let inertia = number(2.0) * m * kappa;
-        Normalised { m2: m * m, ground, kappa, f: loss - inertia, f_size: (loss + inertia).to_f64() }
+        NormalisedSide { m2: m * m, ground, kappa, f: loss - inertia, f_size: (loss + inertia).to_f64() }
     });
     let g = number(c) * number(c) * compliance;
 
@@ -33,7 +33,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
     let both = first.ground + second.ground + first.ground * second.ground;
     let a0 = both * (number(2.0) + both);
     // e₁κ₂² + e₂κ₁² − 2g, without the g that cancels.
-    let excess = |side: &Normalised<R>| side.ground * (number(2.0) + side.ground);
+    let excess = |side: &NormalisedSide<R>| side.ground * (number(2.0) + side.ground);
     let damper = g * (excess(&first) + excess(&second));
     let a1 = first.f * k2 + second.f * k1 + damper;
     // e₁e₂ − g², likewise.
@@ -58,7 +58,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
 }
 
 /// One side divided by the spring's stiffness.
-struct Normalised<R> {
+struct NormalisedSide<R> {
     m2: R,
     ground: R,
     kappa: R,

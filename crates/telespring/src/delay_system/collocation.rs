@@ -18,15 +18,15 @@ pub(super) fn delayed_states(system: &CharacteristicMatrix) -> Vec<usize> {
 /// (Breda, Maset and Vermiglio 2005), only the needed past values kept as unknowns.
 ///
 /// `None` where the eigenvalue iteration does not settle.
-pub(super) fn eigenvalues(system: &CharacteristicMatrix, nodes: usize) -> Option<Vec<Complex64>> {
-    let generator = generator(system, nodes);
+pub(super) fn collocation_eigenvalues(system: &CharacteristicMatrix, nodes: usize) -> Option<Vec<Complex64>> {
+    let generator = collocation_matrix(system, nodes);
     let most_iterations = 60 * generator.nrows();
     // Newton refines what these eigenvalues only start: settling for less than rounding is enough.
     let schur = Schur::try_new(generator, 1e-13, most_iterations)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-fn generator(system: &CharacteristicMatrix, nodes: usize) -> DMatrix<f64> {
+fn collocation_matrix(system: &CharacteristicMatrix, nodes: usize) -> DMatrix<f64> {
     let size = system.size();
     let past = delayed_states(system);
     let span = system.longest_delay();

@@ -24,7 +24,7 @@ impl KnownRoot {
 
 /// The root s = 0, where it is one.
 pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
-    match zero::multiplicity(matrix) {
+    match zero::multiplicity_at_zero(matrix) {
         0 => Vec::new(),
         multiplicity => vec![KnownRoot { s: Complex64::ZERO, multiplicity }],
     }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 use super::DelaySystem;
-use crate::spectrum::contour::{Probe, Stop, Winding, argument_change, taylor_step};
+use crate::spectrum::contour::{ContourError, Probe, Winding, argument_change, taylor_step};
 
 /// Δ(s) = s I − A₀ − Σⱼ Aⱼ e^(−s τⱼ), the states scaled so that its entries are alike in size.
 pub(super) struct CharacteristicMatrix {
@@ -86,12 +86,12 @@ impl CharacteristicMatrix {
     }
 
     /// Bounds |s| for every root with Re s ≥ `sigma`.
-    pub(super) fn radius(&self, sigma: f64) -> f64 {
+    pub(super) fn root_radius(&self, sigma: f64) -> f64 {
         self.instantaneous.norm()
             + self.delayed.iter().map(|(delay, matrix)| matrix.norm() * (-delay * sigma).exp()).sum::<f64>()
     }
 
-    fn at(&self, s: Complex64) -> Vec<Complex64> {
+    fn evaluate(&self, s: Complex64) -> Vec<Complex64> {
         let size = self.size();
         let mut entries = vec![Complex64::ZERO; size * size];
         for (row, line) in entries.chunks_exact_mut(size).enumerate() {
@@ -131,7 +131,7 @@ impl CharacteristicMatrix {
 
     /// det Δ / (det Δ)′ at `s`: the step of Newton on the determinant; 0 where Δ is singular.
     pub(super) fn newton_step(&self, s: Complex64) -> Complex64 {
-        let Some(inverse) = invert(self.at(s), self.size()) else { return Complex64::ZERO };
+        let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else { return Complex64::ZERO };
         let product = self.logarithmic_derivative(s, &inverse.entries);
         let trace: Complex64 = (0..self.size()).map(|i| product[i * self.size() + i]).sum();
         trace.inv()
@@ -141,26 +141,28 @@ impl CharacteristicMatrix {
     ///
     /// With X = Δ⁻¹(s)(Δ(s + h) − Δ(s)), det Δ(s + h) / det Δ(s) = Π (1 + μᵢ) over the eigenvalues of
     /// X, and Σ |arg(1 + μᵢ)| ≤ (π/2) Σ |μᵢ| ≤ (π/2) √n ‖X‖ (Weyl; Frobenius norm) where ‖X‖ < 1.
-    fn room(&self) -> f64 {
+    fn argument_room(&self) -> f64 {
         (1.8 / (self.size() as f64).sqrt()).min(0.9)
     }
 
     /// The number of roots right of Re s = `sigma`, multiplicity counted, by the argument principle.
-    pub(super) fn roots_right_of(&self, sigma: f64, steps: usize) -> Result<usize, Stop> {
-        self.rebalanced(sigma).walked(sigma, steps)
+    pub(super) fn roots_right_of(&self, sigma: f64, steps: usize) -> Result<usize, ContourError> {
+        self.rebalanced(sigma).count_on_contour(sigma, steps)
     }
 
-    fn walked(&self, sigma: f64, mut steps: usize) -> Result<usize, Stop> {
+    fn count_on_contour(&self, sigma: f64, mut steps: usize) -> Result<usize, ContourError> {
         // Beyond this, det Δ is sⁿ times a factor that stays within π of its argument at infinity.
-        let far = self.radius(sigma) / self.room();
+        let far = self.root_radius(sigma) / self.argument_room();
         let top = Complex64::new(sigma, far);
         let bottom = Complex64::new(sigma, 0.0);
         if !far.is_finite() {
-            return Err(Stop::StepsExhausted { at: bottom });
+            return Err(ContourError::StepsExhausted { at: bottom });
         }
         let turn = argument_change(self, bottom, top, &mut steps)?;
         let size = self.size();
-        let Some(inverse) = invert(self.at(top), size) else { return Err(Stop::NearZero { at: top }) };
+        let Some(inverse) = invert_complex(self.evaluate(top), size) else {
+            return Err(ContourError::NearZero { at: top });
+        };
         let rest = (inverse.determinant * Complex64::from_polar(1.0, -(size as f64) * top.arg())).arg();
         Ok(((size as f64 * top.arg() + rest - turn) / PI).round().max(0.0) as usize)
     }
@@ -168,7 +170,7 @@ impl CharacteristicMatrix {
 
 impl Winding for CharacteristicMatrix {
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
-        let Some(inverse) = invert(self.at(s), self.size()) else {
+        let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else {
             return Probe { value: Complex64::ZERO, step: 0.0 };
         };
         let norm = |entries: &[Complex64]| entries.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
@@ -182,13 +184,13 @@ impl Winding for CharacteristicMatrix {
             size * self.delayed.iter().map(bend).sum::<f64>()
         };
         // taylor_step uses 0.9 of the room it is given.
-        let step = taylor_step(self.room() / 0.9, slope, curvature, longest);
+        let step = taylor_step(self.argument_room() / 0.9, slope, curvature, longest);
         Probe { value: inverse.determinant, step }
     }
 }
 
 /// Gauss-Jordan with partial pivoting; `None` where the matrix is singular or not finite.
-fn invert(mut matrix: Vec<Complex64>, size: usize) -> Option<Inverse> {
+fn invert_complex(mut matrix: Vec<Complex64>, size: usize) -> Option<Inverse> {
     let mut inverse = vec![Complex64::ZERO; size * size];
     for i in 0..size {
         inverse[i * size + i] = Complex64::ONE;

@@ -18,7 +18,7 @@ use matrix::CharacteristicMatrix;
 use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, DyadAxis};
 use crate::quantity;
-use crate::spectrum::{Abscissa, Spectrum, check_count};
+use crate::spectrum::{Abscissa, Spectrum, check_root_count};
 
 /// The largest number of states that a system may have.
 pub const MAX_STATES: usize = 64;
@@ -126,13 +126,13 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn characteristic_roots(&self, count: usize) -> Result<Spectrum> {
-        check_count(count)?;
-        Ok(roots::rightmost(self, count))
+        check_root_count(count)?;
+        Ok(roots::rightmost_roots(self, count))
     }
 
     /// The largest real part of the characteristic roots, 1/s, a root at s = 0 included.
     pub fn spectral_abscissa(&self) -> Abscissa {
-        let spectrum = roots::rightmost(self, 1);
+        let spectrum = roots::rightmost_roots(self, 1);
         Abscissa {
             value: spectrum.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
             certificate: spectrum.certificate,
@@ -152,7 +152,7 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn roots_at_zero(&self) -> usize {
-        zero::multiplicity(&CharacteristicMatrix::balanced(self, 0.0))
+        zero::multiplicity_at_zero(&CharacteristicMatrix::balanced(self, 0.0))
     }
 
     /// The largest real part of the roots other than s = 0, 1/s.
@@ -170,7 +170,7 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn spectral_abscissa_without_zero(&self) -> Abscissa {
-        let spectrum = roots::rightmost(self, 1 + self.roots_at_zero());
+        let spectrum = roots::rightmost_roots(self, 1 + self.roots_at_zero());
         let moving = spectrum.roots.iter().find(|root| root.norm() > 0.0);
         Abscissa {
             value: moving.map_or(f64::NEG_INFINITY, |root| root.re),

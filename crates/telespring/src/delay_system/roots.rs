@@ -1,13 +1,13 @@
 //! From eigenvalues of the collocated generator to certified characteristic roots.
 
 use super::DelaySystem;
-use super::collocation::{delayed_states, eigenvalues};
+use super::collocation::{collocation_eigenvalues, delayed_states};
 use super::known_roots::{
     KnownRoot, assign_multiplicities, count_right_of, refine_and_insert, root_at_zero, sort_by_real_part,
 };
 use super::matrix::CharacteristicMatrix;
 use super::search::{MAX_TO_FIND, line_with_roots_right_of, search_right_of};
-use crate::spectrum::contour::Stop;
+use crate::spectrum::contour::ContourError;
 use crate::spectrum::{Certificate, Spectrum};
 
 /// The largest order of a collocation matrix: its eigenvalues take about a second.
@@ -15,12 +15,12 @@ const LARGEST_ORDER: usize = 400;
 /// How many steps a contour may take.
 const STEPS: usize = 400_000;
 /// The `count` rightmost roots with their certificate.
-pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
+pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     let matrix = CharacteristicMatrix::balanced(system, 0.0);
     let states = delayed_states(&matrix).len();
     let size = matrix.size();
     if states == 0 || matrix.longest_delay() == 0.0 {
-        return without_delay(&matrix, count);
+        return roots_without_delay(&matrix, count);
     }
     let most_nodes = ((LARGEST_ORDER.max(4 * size) - size) / states).max(8);
     let mut nodes = (12 + count / states).min(most_nodes);
@@ -28,7 +28,8 @@ pub(super) fn rightmost(system: &DelaySystem, count: usize) -> Spectrum {
     let mut searched = false;
     loop {
         // The shifts of the eigenvalue iteration can go in circles; another size breaks the circle.
-        let starts = eigenvalues(&matrix, nodes).or_else(|| eigenvalues(&matrix, nodes + 1));
+        let starts =
+            collocation_eigenvalues(&matrix, nodes).or_else(|| collocation_eigenvalues(&matrix, nodes + 1));
         if let Some(mut starts) = starts {
             starts.retain(|start| start.im >= 0.0);
             starts.sort_by(|a, b| b.re.total_cmp(&a.re));
@@ -138,7 +139,7 @@ fn certify_by_count(
                 };
                 return Some((depth, certificate));
             }
-            Err(stop @ Stop::NearZero { .. }) => {
+            Err(stop @ ContourError::NearZero { .. }) => {
                 stopped = Some((depth, Certificate::NotCounted { reason: stop.to_string() }));
             }
             Err(stop) => return Some((depth, Certificate::NotCounted { reason: stop.to_string() })),
@@ -148,9 +149,9 @@ fn certify_by_count(
 }
 
 /// No delay: as many roots as states.
-fn without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
+fn roots_without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
     let mut known = root_at_zero(matrix);
-    for start in eigenvalues(matrix, 0).unwrap_or_default() {
+    for start in collocation_eigenvalues(matrix, 0).unwrap_or_default() {
         if start.im >= 0.0 {
             refine_and_insert(matrix, &mut known, start);
         }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::known_roots::{KnownRoot, count_in_rectangle, count_right_of, refine_and_insert};
 use super::matrix::CharacteristicMatrix;
-use crate::spectrum::contour::{Stop, zeros_in_rectangle};
+use crate::spectrum::contour::{ContourError, zeros_in_rectangle};
 
 /// How many steps one contour of the search for a line may take.
 const LINE_STEPS: usize = 100_000;
@@ -18,7 +18,7 @@ const MAX_REFUSED: usize = 4;
 pub(super) const MAX_TO_FIND: usize = 6_000;
 
 /// How many starts of Newton are affordable: inverting n × n matrices costs as n³.
-fn most_starts(matrix: &CharacteristicMatrix) -> usize {
+fn newton_start_limit(matrix: &CharacteristicMatrix) -> usize {
     (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
 }
 
@@ -31,12 +31,12 @@ pub(super) fn line_with_roots_right_of(
     hint: f64,
 ) -> Option<(f64, usize)> {
     let longest = matrix.longest_delay();
-    let counted = |sigma: f64| -> Result<(f64, usize), Stop> {
+    let counted = |sigma: f64| -> Result<(f64, usize), ContourError> {
         let mut line = sigma;
         let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / longest);
         loop {
             match matrix.roots_right_of(line, LINE_STEPS) {
-                Err(Stop::NearZero { .. }) if nudge < 1e-3 * (sigma.abs() + 1e-3 / longest) => {
+                Err(ContourError::NearZero { .. }) if nudge < 1e-3 * (sigma.abs() + 1e-3 / longest) => {
                     line = sigma - nudge;
                     nudge *= 16.0;
                 }
@@ -44,7 +44,7 @@ pub(super) fn line_with_roots_right_of(
             }
         }
     };
-    let mut shallow = matrix.radius(0.0);
+    let mut shallow = matrix.root_radius(0.0);
     let mut deep = None;
     let mut sigma = hint.min(-1.0 / longest);
     let mut too_deep = f64::NEG_INFINITY;
@@ -88,12 +88,12 @@ pub(super) fn search_right_of(
 ) {
     // Weights for this line keep the bound on the roots small.
     let matrix = &matrix.rebalanced(depth);
-    let top = matrix.radius(depth);
-    let right = matrix.radius(depth.max(0.0));
+    let top = matrix.root_radius(depth);
+    let right = matrix.root_radius(depth.max(0.0));
     if !top.is_finite() {
         return;
     }
-    let mut starts = most_starts(matrix);
+    let mut starts = newton_start_limit(matrix);
     // From the left of a chain Newton moves straight onto it; what lies further right (roots that no
     // delay makes) is reached from further right.
     for share in [0.0, 0.03, 0.3] {
@@ -194,7 +194,7 @@ mod tests {
         let counted = matrix.roots_right_of(-22.0, LINE_STEPS).unwrap();
         assert_eq!(counted, 7);
         let mut known = Vec::new();
-        let corner = Complex64::new(matrix.radius(0.0), matrix.radius(-22.0));
+        let corner = Complex64::new(matrix.root_radius(0.0), matrix.root_radius(-22.0));
         bisect_rectangles(&matrix, &mut known, -22.0, corner, counted);
         assert_eq!(count_right_of(&known, -22.0), counted);
     }

@@ -12,12 +12,12 @@ const LARGEST_ORDER: usize = 256;
 /// With Δ(s) = Σ Δₗ sˡ, the block Toeplitz matrix of Δ₀ … Δₖ₋₁ lacks Σ min(k, κᵢ) of full rank, κᵢ
 /// the partial multiplicities of s = 0, whose sum is wanted (Gohberg, Lancaster and Rodman 1982,
 /// "Matrix Polynomials", section 1.4). It is reached where one block more changes nothing.
-pub(super) fn multiplicity(matrix: &CharacteristicMatrix) -> usize {
+pub(super) fn multiplicity_at_zero(matrix: &CharacteristicMatrix) -> usize {
     let size = matrix.size();
     let most = (LARGEST_ORDER / size).max(1);
     let mut missing = 0;
     for blocks in 1..=most {
-        let now = missing_rank(&toeplitz(matrix, blocks));
+        let now = rank_deficiency(&block_toeplitz(matrix, blocks));
         if now == missing {
             break;
         }
@@ -26,7 +26,7 @@ pub(super) fn multiplicity(matrix: &CharacteristicMatrix) -> usize {
     missing
 }
 
-fn toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
+fn block_toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
     let size = matrix.size();
     let norm = matrix.scale();
     // The unit of s: that of the faster of system and delays, so that no coefficient outgrows Δ₀.
@@ -53,7 +53,7 @@ fn toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
     whole
 }
 
-fn missing_rank(matrix: &DMatrix<f64>) -> usize {
+fn rank_deficiency(matrix: &DMatrix<f64>) -> usize {
     let order = matrix.nrows();
     let values = matrix.singular_values();
     let rounding = 8.0 * order as f64 * f64::EPSILON * values.max();

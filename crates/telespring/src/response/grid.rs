@@ -84,7 +84,7 @@ pub fn frequency_grid(
     if limit < 2 {
         return Err(InvalidInput::new("limit", limit, "a grid has at least 2 points", "Allow more points."));
     }
-    Ok(refine(&open_loop, low, high, resolution, limit))
+    Ok(refine_grid(&open_loop, low, high, resolution, limit))
 }
 
 #[derive(PartialEq)]
@@ -97,14 +97,14 @@ enum Interval {
 
 /// Halves every interval that is too coarse, all of them once before any of them twice, so that a
 /// limit leaves an even grid.
-pub(super) fn refine(
+pub(super) fn refine_grid(
     open_loop: &OpenLoop,
     low: f64,
     high: f64,
     resolution: f64,
     limit: usize,
 ) -> FrequencyGrid {
-    let floor = 1e-24 * open_loop.loop_is_small_from();
+    let floor = 1e-24 * open_loop.crossover_bound();
     // Points with whether the interval that starts there is still to be looked at.
     let mut points = vec![(low, true), (high, false)];
     let mut poles: Vec<f64> = Vec::new();
@@ -116,7 +116,7 @@ pub(super) fn refine(
                 next.push((start, false));
                 continue;
             };
-            match classify(open_loop, start, end, resolution, floor) {
+            match classify_interval(open_loop, start, end, resolution, floor) {
                 Interval::Fine => next.push((start, false)),
                 Interval::Pole => {
                     next.push((start, false));
@@ -150,7 +150,7 @@ pub(super) fn refine(
     FrequencyGrid { frequency: points.into_iter().map(|(w, _)| w).collect(), status }
 }
 
-fn classify(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
+fn classify_interval(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
     let half = 0.5 * (high - low);
     let middle = Complex64::new(0.0, 0.5 * (low + high));
     let mut result = Interval::Fine;
@@ -170,8 +170,8 @@ fn classify(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f
         let noise = 4.0 * f64::EPSILON * (side.stiffness + high * (side.damping + side.mass * high));
         judge(side.value(middle).norm(), slope, &|| half * slope <= 2.0 * noise);
     }
-    judge(open_loop.chi.value(middle).norm(), open_loop.steepness(low, high), &|| {
-        open_loop.undecidable(low, high)
+    judge(open_loop.chi.value(middle).norm(), open_loop.slope_bound(low, high), &|| {
+        open_loop.is_undecidable(low, high)
     });
     let chi = &open_loop.chi;
     judge(chi.coupling(middle).norm(), 2.0 * chi.coupling_damping, &|| false);

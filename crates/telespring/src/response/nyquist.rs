@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-use super::grid::{GridStatus, refine};
+use super::grid::{GridStatus, refine_grid};
 use super::open_loop::OpenLoop;
 use crate::criteria::{Crossing, Crossings, crossings};
 use crate::error::Result;
@@ -119,12 +119,12 @@ impl Nyquist {
 /// ```
 pub fn nyquist(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Nyquist> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    let (unstable_roots, status) = count(&open_loop);
-    let mut high = open_loop.loop_is_small_from();
+    let (unstable_roots, status) = count_unstable_roots(&open_loop);
+    let mut high = open_loop.crossover_bound();
     while open_loop.value(Complex64::new(0.0, high)).norm() > SMALL {
         high *= 1.5;
     }
-    let grid = refine(&open_loop, 0.0, high, RESOLUTION, LIMIT);
+    let grid = refine_grid(&open_loop, 0.0, high, RESOLUTION, LIMIT);
     let (frequency, locus): (Vec<f64>, Vec<Complex64>) = grid
         .frequency
         .iter()
@@ -156,9 +156,9 @@ pub fn nyquist(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Nyquist
 }
 
 /// The number of zeros of N with positive real part, those on the axis left out.
-fn count(open_loop: &OpenLoop) -> (usize, NyquistStatus) {
-    let high = open_loop.loop_is_small_from();
-    let followed = open_loop.follow(&[high]);
+fn count_unstable_roots(open_loop: &OpenLoop) -> (usize, NyquistStatus) {
+    let high = open_loop.crossover_bound();
+    let followed = open_loop.follow_argument(&[high]);
     let degree = open_loop.degree() as f64;
     let turn = followed.argument.iter().sum::<f64>() + open_loop.remaining_turn(high);
     let zeros = 0.5 * degree - turn / PI;
@@ -169,12 +169,12 @@ fn count(open_loop: &OpenLoop) -> (usize, NyquistStatus) {
     (zeros.round().max(0.0) as usize, status)
 }
 
-fn distance(open_loop: &OpenLoop, frequency: f64) -> f64 {
+fn critical_point_distance(open_loop: &OpenLoop, frequency: f64) -> f64 {
     open_loop.return_difference(Complex64::new(0.0, frequency)).norm()
 }
 
 fn minimum_distance(open_loop: &OpenLoop, frequency: &[f64]) -> Margin {
-    let sampled: Vec<f64> = frequency.iter().map(|&w| distance(open_loop, w)).collect();
+    let sampled: Vec<f64> = frequency.iter().map(|&w| critical_point_distance(open_loop, w)).collect();
     let mut least = Margin { value: 1.0, frequency: f64::INFINITY };
     if !open_loop.chi.rigid_body && sampled[0] < least.value {
         least = Margin { value: sampled[0], frequency: 0.0 };
@@ -182,10 +182,10 @@ fn minimum_distance(open_loop: &OpenLoop, frequency: &[f64]) -> Margin {
     for (w, d) in frequency.windows(3).zip(sampled.windows(3)) {
         // No factor changes by more than a tenth between neighbours: a minimum far above the best stays above.
         if d[1] <= d[0] && d[1] <= d[2] && d[1] < 1.5 * least.value {
-            let found = golden_section(w[0], w[2], |w| distance(open_loop, w));
-            let value = distance(open_loop, found);
+            let frequency = golden_section(w[0], w[2], |w| critical_point_distance(open_loop, w));
+            let value = critical_point_distance(open_loop, frequency);
             if value < least.value {
-                least = Margin { value, frequency: found };
+                least = Margin { value, frequency };
             }
         }
     }
@@ -230,7 +230,7 @@ fn gain_margins(open_loop: &OpenLoop, frequency: &[f64]) -> [Option<Margin>; 2] 
     let phase = |w: f64| open_loop.loop_phase(w);
     // At rest the phase is 0: a crossing there is the rigid-body root or the static loop gain.
     for pair in frequency.windows(2) {
-        for w in whole_turns(&phase, pair[0], pair[1]) {
+        for w in phase_crossings(&phase, pair[0], pair[1]) {
             offer(w);
         }
     }
@@ -239,7 +239,7 @@ fn gain_margins(open_loop: &OpenLoop, frequency: &[f64]) -> [Option<Margin>; 2] 
         && round_trip > 0.0
     {
         // |L| only falls from here on; the first crossing there is less than 4 half-turns of the other factors away.
-        if let Some(w) = whole_turns(&phase, last, last + 3.0 * TAU / round_trip).into_iter().next() {
+        if let Some(w) = phase_crossings(&phase, last, last + 3.0 * TAU / round_trip).into_iter().next() {
             offer(w);
         }
     }
@@ -247,12 +247,12 @@ fn gain_margins(open_loop: &OpenLoop, frequency: &[f64]) -> [Option<Margin>; 2] 
 }
 
 /// Where a phase that is monotone on (low, high] meets a multiple of 2π; at most the first three.
-fn whole_turns(phase: &impl Fn(f64) -> f64, low: f64, high: f64) -> Vec<f64> {
+fn phase_crossings(phase: &impl Fn(f64) -> f64, low: f64, high: f64) -> Vec<f64> {
     let (start, end) = (phase(low), phase(high));
     let falling = end < start;
     let (least, most) = if falling { (end, start) } else { (start, end) };
     let (first, last) = ((least / TAU).ceil() as i64, (most / TAU).floor() as i64);
-    let mut found: Vec<f64> = (first..=last)
+    let mut crossings: Vec<f64> = (first..=last)
         .map(|turn| turn as f64 * TAU)
         .filter(|&target| target != start)
         .map(|target| {
@@ -270,8 +270,8 @@ fn whole_turns(phase: &impl Fn(f64) -> f64, low: f64, high: f64) -> Vec<f64> {
             }
         })
         .collect();
-    found.sort_by(f64::total_cmp);
-    found
+    crossings.sort_by(f64::total_cmp);
+    crossings
 }
 
 /// The smallest rotation and the smallest added mean one-way delay that put L(jω) onto −1.

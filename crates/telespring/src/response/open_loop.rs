@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::characteristic::{Characteristic, Exponential, SideFactor};
+use crate::characteristic::{Characteristic, DelayExponential, SideFactor};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, DyadAxis};
 use crate::quantity;
@@ -24,7 +24,7 @@ pub(super) struct OpenLoop {
 
 /// What subdividing found on the way.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Followed {
+pub(super) struct FollowedArgument {
     /// Continuous argument of N at each node, 0 at rest.
     pub argument: Vec<f64>,
     /// Frequencies where N is zero within rounding.
@@ -67,7 +67,7 @@ impl OpenLoop {
     }
 
     /// s where N = χ/s, else 1.
-    pub fn rigid_body(&self, s: Complex64) -> Complex64 {
+    pub fn rigid_body_factor(&self, s: Complex64) -> Complex64 {
         if self.chi.rigid_body { s } else { Complex64::ONE }
     }
 
@@ -80,7 +80,7 @@ impl OpenLoop {
     /// 1 + L(s), without cancellation near s = 0.
     pub fn return_difference(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides;
-        (self.rigid_body(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
+        (self.rigid_body_factor(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
     }
 
     /// The continuous argument of −L at j `frequency`; 0 at rest, in closed form.
@@ -97,7 +97,7 @@ impl OpenLoop {
     }
 
     /// A frequency from which on |L| < 1: Kioustelidis' bound on the positive roots of the excess.
-    pub fn loop_is_small_from(&self) -> f64 {
+    pub fn crossover_bound(&self) -> f64 {
         let (coefficients, size) = self.deflated_excess();
         let degree = coefficients.len() - 1;
         let bound = (1..=degree)
@@ -157,7 +157,7 @@ impl OpenLoop {
     }
 
     /// An upper bound of |dN/dω| on j[`low`, `high`].
-    pub fn steepness(&self, low: f64, high: f64) -> f64 {
+    pub fn slope_bound(&self, low: f64, high: f64) -> f64 {
         let mut slope = 0.0;
         for (power, &coefficient) in self.chi.deflated_remainder().iter().enumerate().skip(1).rev() {
             slope = slope * high + power as f64 * coefficient;
@@ -174,12 +174,12 @@ impl OpenLoop {
         if !self.chi.rigid_body {
             return [2f64.min(round_trip * high), round_trip];
         }
-        let [value, slope, _] = Exponential::held_bounds(low, round_trip, 1.0);
+        let [value, slope, _] = DelayExponential::integral_bounds(low, round_trip, 1.0);
         [value, slope]
     }
 
     /// What rounding may change of N anywhere on j[`low`, `high`].
-    pub fn noise(&self, low: f64, high: f64) -> f64 {
+    pub fn rounding_error(&self, low: f64, high: f64) -> f64 {
         let round_trip = self.chi.round_trip;
         let polynomial = self.chi.deflated_remainder().iter().rev().fold(0.0, |sum, &c| sum * high + c);
         let coupling = self.chi.stiffness.hypot(self.chi.coupling_damping * high);
@@ -195,9 +195,9 @@ impl OpenLoop {
     /// stays in a disc that excludes zero. The first two do not care how fast the delay turns, so
     /// the work hardly grows with it. Where all three fail down to rounding, N has a zero on the
     /// axis for all we can tell: it is reported and passed as if it lay just to the left.
-    pub fn follow(&self, nodes: &[f64]) -> Followed {
-        let floor = 1e-24 * self.loop_is_small_from();
-        let mut followed = Followed { argument: Vec::with_capacity(nodes.len()), zeros: Vec::new() };
+    pub fn follow_argument(&self, nodes: &[f64]) -> FollowedArgument {
+        let floor = 1e-24 * self.crossover_bound();
+        let mut followed = FollowedArgument { argument: Vec::with_capacity(nodes.len()), zeros: Vec::new() };
         if self.chi.value(Complex64::ZERO) == Complex64::ZERO {
             followed.zeros.push(0.0);
         }
@@ -220,7 +220,7 @@ impl OpenLoop {
                     continue;
                 }
                 let middle = 0.5 * (low + high);
-                if self.undecidable(low, high) || high <= floor || middle <= low || middle >= high {
+                if self.is_undecidable(low, high) || high <= floor || middle <= low || middle >= high {
                     unresolved_since.get_or_insert(low);
                 } else {
                     pending.push((middle, high));
@@ -240,12 +240,12 @@ impl OpenLoop {
     }
 
     /// True where no finer subdivision of j[`low`, `high`] can tell N from zero.
-    pub fn undecidable(&self, low: f64, high: f64) -> bool {
-        let noise = self.noise(low, high);
-        0.5 * (high - low) * self.steepness(low, high) <= 2.0 * noise
+    pub fn is_undecidable(&self, low: f64, high: f64) -> bool {
+        let noise = self.rounding_error(low, high);
+        0.5 * (high - low) * self.slope_bound(low, high) <= 2.0 * noise
             || [low, 0.5 * (low + high), high]
                 .iter()
-                .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.noise(w, w))
+                .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.rounding_error(w, w))
     }
 
     /// The change of the argument of N from `low` to `high`, where one of the three proofs holds.
@@ -253,15 +253,15 @@ impl OpenLoop {
         let sides = |w: f64| self.chi.sides[0].phase(w) + self.chi.sides[1].phase(w);
         match self.excess_sign(low, high) {
             Some(sign) if sign > 0.0 => {
-                let remainder = |w| self.remainder(w, FRAC_PI_2, |s| self.return_difference(s));
+                let remainder = |w| self.principal_argument(w, FRAC_PI_2, |s| self.return_difference(s));
                 Some(sides(high) - sides(low) + remainder(high) - remainder(low))
             }
             Some(_) => {
                 // χ = −(k + cs)² e^(−Ts) (1 + 1/L), and 1 + 1/L = (1 + L)/L.
                 let remainder = |w| {
-                    self.remainder(w, -FRAC_PI_2, |s| {
+                    self.principal_argument(w, -FRAC_PI_2, |s| {
                         let coupling = self.chi.coupling(s);
-                        let chi = self.chi.value(s) * self.rigid_body(s);
+                        let chi = self.chi.value(s) * self.rigid_body_factor(s);
                         -(chi / coupling) * (s * self.chi.round_trip).exp() / coupling
                     })
                 };
@@ -270,22 +270,27 @@ impl OpenLoop {
             }
             None => {
                 let centre = self.chi.value(Complex64::new(0.0, 0.5 * (low + high)));
-                let reach = 0.5 * (high - low) * self.steepness(low, high) + self.noise(low, high);
-                (reach <= 0.9 * centre.norm()).then(|| self.turn_between(low, high))
+                let reach = 0.5 * (high - low) * self.slope_bound(low, high) + self.rounding_error(low, high);
+                (reach <= 0.9 * centre.norm()).then(|| self.argument_change(low, high))
             }
         }
     }
 
     /// The principal argument of `value` at j`frequency`; at rest, where free handles make it zero,
     /// its limit.
-    fn remainder(&self, frequency: f64, at_rest: f64, value: impl Fn(Complex64) -> Complex64) -> f64 {
+    fn principal_argument(
+        &self,
+        frequency: f64,
+        at_rest: f64,
+        value: impl Fn(Complex64) -> Complex64,
+    ) -> f64 {
         if frequency == 0.0 {
             return if self.chi.rigid_body { at_rest } else { 0.0 };
         }
         value(Complex64::new(0.0, frequency)).arg()
     }
 
-    fn turn_between(&self, low: f64, high: f64) -> f64 {
+    fn argument_change(&self, low: f64, high: f64) -> f64 {
         let at = |w| self.chi.value(Complex64::new(0.0, w));
         (at(high) * at(low).conj()).arg()
     }
@@ -295,7 +300,7 @@ impl OpenLoop {
         let turn = if low == 0.0 {
             self.chi.value(Complex64::new(0.0, high)).arg()
         } else {
-            self.turn_between(low, high)
+            self.argument_change(low, high)
         };
         if turn < -FRAC_PI_2 { turn + 2.0 * PI } else { turn }
     }

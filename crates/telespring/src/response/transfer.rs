@@ -98,8 +98,8 @@ pub fn transfer_matrix(
     convention: Convention,
 ) -> Result<[[Complex64; 2]; 2]> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    let rigid_body = open_loop.rigid_body(s);
-    finite_matrix("s", s, matrix_over(&open_loop, check_point(delay, s)?, convention, rigid_body))
+    let rigid_body = open_loop.rigid_body_factor(s);
+    check_finite("s", s, deflated_matrix(&open_loop, check_laplace_point(delay, s)?, convention, rigid_body))
 }
 
 /// The velocities under the forces, s times [`transfer_matrix`], in (m/s)/N; for free handles too it
@@ -128,10 +128,10 @@ pub fn mobility_matrix(
     s: Complex64,
 ) -> Result<[[Complex64; 2]; 2]> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    let s = check_point(delay, s)?;
+    let s = check_laplace_point(delay, s)?;
     let factor = if open_loop.chi.rigid_body { Complex64::ONE } else { s };
-    let matrix = matrix_over(&open_loop, s, Convention::Exact, Complex64::ONE);
-    finite_matrix("s", s, matrix.map(|row| row.map(|entry| entry * factor)))
+    let matrix = deflated_matrix(&open_loop, s, Convention::Exact, Complex64::ONE);
+    check_finite("s", s, matrix.map(|row| row.map(|entry| entry * factor)))
 }
 
 /// The transfer matrix, magnitude and phase over angular frequencies (rad/s), in any order.
@@ -166,7 +166,7 @@ pub fn frequency_response(
     }
     order.sort_by(|&a, &b| frequency[a].total_cmp(&frequency[b]));
     let nodes: Vec<f64> = order.iter().map(|&i| frequency[i]).collect();
-    let followed = open_loop.follow(&nodes);
+    let followed = open_loop.follow_argument(&nodes);
     let at_rest = if open_loop.chi.rigid_body { FRAC_PI_2 } else { 0.0 };
     let mut chi_phase = vec![0.0; frequency.len()];
     for (&i, &argument) in order.iter().zip(&followed.argument) {
@@ -181,11 +181,14 @@ pub fn frequency_response(
     };
     for (i, (&w, chi)) in frequency.iter().zip(chi_phase).enumerate() {
         let s = Complex64::new(0.0, w);
-        let rigid_body = open_loop.rigid_body(s);
-        let matrix =
-            finite_matrix(&format!("frequency[{i}]"), w, matrix_over(&open_loop, s, convention, rigid_body))?;
+        let rigid_body = open_loop.rigid_body_factor(s);
+        let matrix = check_finite(
+            &format!("frequency[{i}]"),
+            w,
+            deflated_matrix(&open_loop, s, convention, rigid_body),
+        )?;
         let coupling = (open_loop.chi.coupling_damping * w).atan2(open_loop.chi.stiffness);
-        let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].phase(w) - chi);
+        let [own1, own2] = diagonal_sides(convention).map(|side| open_loop.chi.sides[side].phase(w) - chi);
         response.phase.push([
             [own1, coupling - w * delay.backward() - chi],
             [coupling - w * delay.forward() - chi, own2],
@@ -218,7 +221,7 @@ pub fn frequency_response(
 /// ```
 pub fn open_loop(axis: &DyadAxis, stiffness: f64, delay: &Delay, frequency: &[f64]) -> Result<ResponseCurve> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    curve(frequency, |w| (open_loop.value(Complex64::new(0.0, w)), PI + open_loop.loop_phase(w)))
+    response_curve(frequency, |w| (open_loop.value(Complex64::new(0.0, w)), PI + open_loop.loop_phase(w)))
 }
 
 /// How robot `robot` (0 or 1) follows its partner: Xᵢ/Xⱼ = (k + cjω) e^(−jωδ)/Pᵢ over angular
@@ -257,7 +260,7 @@ pub fn partner_response(
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
     let side = open_loop.chi.sides[robot];
     let towards = if robot == 1 { delay.forward() } else { delay.backward() };
-    curve(frequency, |w| {
+    response_curve(frequency, |w| {
         let s = Complex64::new(0.0, w);
         let coupling = open_loop.chi.coupling(s);
         (
@@ -268,7 +271,7 @@ pub fn partner_response(
 }
 
 /// Which side's P stands at each place of the diagonal.
-fn diagonal(convention: Convention) -> [usize; 2] {
+fn diagonal_sides(convention: Convention) -> [usize; 2] {
     match convention {
         Convention::Exact => [1, 0],
         Convention::Paper => [0, 1],
@@ -276,13 +279,13 @@ fn diagonal(convention: Convention) -> [usize; 2] {
 }
 
 /// The numerators over `rigid_body` N(s).
-fn matrix_over(
+fn deflated_matrix(
     open_loop: &OpenLoop,
     s: Complex64,
     convention: Convention,
     rigid_body: Complex64,
 ) -> [[Complex64; 2]; 2] {
-    let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].value(s));
+    let [own1, own2] = diagonal_sides(convention).map(|side| open_loop.chi.sides[side].value(s));
     let coupling = open_loop.chi.coupling(s);
     let to_robot1 = coupling * (-s * open_loop.delay.backward()).exp();
     let to_robot2 = coupling * (-s * open_loop.delay.forward()).exp();
@@ -290,15 +293,19 @@ fn matrix_over(
     [[own1, to_robot1], [to_robot2, own2]].map(|row| row.map(|entry| entry / deflated / rigid_body))
 }
 
-fn finite_matrix(
+fn check_finite(
     field: &str,
     place: impl ToString,
     matrix: [[Complex64; 2]; 2],
 ) -> Result<[[Complex64; 2]; 2]> {
-    if matrix.iter().flatten().all(|entry| entry.is_finite()) { Ok(matrix) } else { Err(pole(field, place)) }
+    if matrix.iter().flatten().all(|entry| entry.is_finite()) {
+        Ok(matrix)
+    } else {
+        Err(pole_error(field, place))
+    }
 }
 
-fn pole(field: &str, place: impl ToString) -> InvalidInput {
+fn pole_error(field: &str, place: impl ToString) -> InvalidInput {
     InvalidInput::new(
         field,
         place,
@@ -307,7 +314,7 @@ fn pole(field: &str, place: impl ToString) -> InvalidInput {
     )
 }
 
-fn curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<ResponseCurve> {
+fn response_curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<ResponseCurve> {
     let mut value = Vec::with_capacity(frequency.len());
     let mut phase = Vec::with_capacity(frequency.len());
     for (i, &w) in frequency.iter().enumerate() {
@@ -315,7 +322,7 @@ fn curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<Resp
         check_frequency(&field(), w)?;
         let (response, angle) = at(w);
         if !response.is_finite() {
-            return Err(pole(&field(), w));
+            return Err(pole_error(&field(), w));
         }
         value.push(response);
         phase.push(angle);
@@ -332,7 +339,7 @@ fn check_robot(field: &str, robot: usize) -> Result<usize> {
 }
 
 /// Far into the left half-plane e^(−T s) overflows; nothing of use lies there.
-fn check_point(delay: &Delay, s: Complex64) -> Result<Complex64> {
+fn check_laplace_point(delay: &Delay, s: Complex64) -> Result<Complex64> {
     if s.is_finite() && s.norm() <= 1e12 && s.re * delay.round_trip() >= -600.0 {
         return Ok(s);
     }

@@ -8,8 +8,8 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::random::{Stream, generator};
-use super::target::Aim;
+use super::random::{RandomStream, random_generator};
+use super::target::TargetPoint;
 use super::{Agent, Spots};
 
 /// What an agent knows at a tick.
@@ -35,7 +35,7 @@ struct Spot {
 
 /// The cloud of spots in the course of a trial.
 #[derive(Debug, Clone)]
-pub(crate) struct Cloud {
+pub(crate) struct SpotCloud {
     scale: Spots,
     random: ChaCha8Rng,
     spots: Vec<Spot>,
@@ -45,27 +45,27 @@ pub(crate) struct Cloud {
     mean: [[f64; 2]; 2],
 }
 
-impl Cloud {
+impl SpotCloud {
     fn new(scale: Spots, random: ChaCha8Rng) -> Self {
         let mut cloud =
             Self { scale, random, spots: Vec::with_capacity(scale.count), renewals: 0, mean: [[0.0; 2]; 2] };
         for index in 0..scale.count {
             let birth = -scale.lifetime * (index as f64 / scale.count as f64);
-            let velocity = cloud.draw();
+            let velocity = cloud.draw_spot_velocity();
             cloud.spots.push(Spot { birth, velocity });
         }
-        cloud.sum();
+        cloud.update_cloud_mean();
         cloud
     }
 
-    fn draw(&mut self) -> [f64; 2] {
+    fn draw_spot_velocity(&mut self) -> [f64; 2] {
         [(); 2].map(|()| {
             let normal: f64 = StandardNormal.sample(&mut self.random);
             self.scale.velocity * normal
         })
     }
 
-    fn sum(&mut self) {
+    fn update_cloud_mean(&mut self) {
         let share = 1.0 / self.scale.count as f64;
         let mut mean = [[0.0; 2]; 2];
         for spot in &self.spots {
@@ -78,7 +78,7 @@ impl Cloud {
     }
 
     /// Mean of the spots relative to the target at `time`, which may not go back, m.
-    pub(crate) fn offset(&mut self, time: f64) -> [f64; 2] {
+    pub(crate) fn mean_offset(&mut self, time: f64) -> [f64; 2] {
         let count = self.scale.count as u64;
         let mut renewed = false;
         loop {
@@ -90,13 +90,13 @@ impl Cloud {
                 break;
             }
             let oldest = (count - 1 - self.renewals % count) as usize;
-            let velocity = self.draw();
+            let velocity = self.draw_spot_velocity();
             self.spots[oldest] = Spot { birth, velocity };
             self.renewals = next;
             renewed = true;
         }
         if renewed {
-            self.sum();
+            self.update_cloud_mean();
         }
         [0, 1].map(|axis| time * self.mean[0][axis] - self.mean[1][axis])
     }
@@ -104,18 +104,19 @@ impl Cloud {
 
 /// An agent in the course of a trial.
 #[derive(Debug, Clone)]
-pub(crate) enum Mover {
+pub(crate) enum AgentState {
     Skilled { stiffness: f64, damping: f64 },
-    Blurred { stiffness: f64, cloud: Box<Cloud> },
+    Blurred { stiffness: f64, cloud: Box<SpotCloud> },
     External,
 }
 
-impl Mover {
+impl AgentState {
     pub(crate) fn new(agent: &Agent, seed: u64, side: usize) -> Self {
         match *agent {
             Agent::Skilled { stiffness, damping } => Self::Skilled { stiffness, damping },
             Agent::Blurred { stiffness, spots } => {
-                let cloud = Box::new(Cloud::new(spots, generator(seed, Stream::Agent(side))));
+                let cloud =
+                    Box::new(SpotCloud::new(spots, random_generator(seed, RandomStream::Agent(side))));
                 Self::Blurred { stiffness, cloud }
             }
             Agent::External => Self::External,
@@ -123,7 +124,7 @@ impl Mover {
     }
 
     /// Where the agent takes the target to be, m, and its force, N; of an external agent no force.
-    pub(crate) fn act(&mut self, seen: &Observation, target: &Aim) -> ([f64; 2], [f64; 2]) {
+    pub(crate) fn aim_and_force(&mut self, seen: &Observation, target: &TargetPoint) -> ([f64; 2], [f64; 2]) {
         match self {
             Self::Skilled { stiffness, damping } => {
                 let force = [0, 1].map(|axis| {
@@ -133,7 +134,7 @@ impl Mover {
                 (target.position, force)
             }
             Self::Blurred { stiffness, cloud } => {
-                let offset = cloud.offset(seen.time);
+                let offset = cloud.mean_offset(seen.time);
                 let aim = [0, 1].map(|axis| target.position[axis] + offset[axis]);
                 (aim, [0, 1].map(|axis| *stiffness * (aim[axis] - seen.position[axis])))
             }

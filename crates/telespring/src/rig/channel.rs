@@ -72,14 +72,18 @@ impl Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::random::{Stream, generator};
+    use crate::rig::random::{RandomStream, random_generator};
     use crate::session::{Endpoint, Law, Motion};
 
     const PERIOD: Nanoseconds = Nanoseconds(1_000_000);
 
     fn link(jitter: f64, loss: f64, delay: f64) -> Channel {
         let delay = Nanoseconds::from_seconds(delay).before(PERIOD).unwrap_or_default();
-        Channel::new(&NetworkImpairments { jitter, loss }, delay, generator(3, Stream::Network(0)))
+        Channel::new(
+            &NetworkImpairments { jitter, loss },
+            delay,
+            random_generator(3, RandomStream::Network(0)),
+        )
     }
 
     /// The packet sent at tick `n` carries n in its first bytes.

@@ -4,7 +4,7 @@ use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spot
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
-fn pair(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
+fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
     for (index, value) in values.into_iter().enumerate() {
         quantity.check(&format!("{field}[{index}]"), value)?;
     }
@@ -100,9 +100,9 @@ impl Handle {
     ///
     /// [`InvalidInput`] with a field such as `coulomb[1]`.
     pub fn check(&self) -> Result<()> {
-        pair(quantity::MASS, "mass", self.mass)?;
-        pair(quantity::DAMPING, "damping", self.damping)?;
-        pair(quantity::COULOMB, "coulomb", self.coulomb)
+        check_per_axis(quantity::MASS, "mass", self.mass)?;
+        check_per_axis(quantity::DAMPING, "damping", self.damping)?;
+        check_per_axis(quantity::COULOMB, "coulomb", self.coulomb)
     }
 }
 
@@ -115,8 +115,8 @@ impl Arm {
     pub fn check(&self) -> Result<()> {
         match self {
             Self::Lumped { mass, damping } => {
-                pair(quantity::ADDED_MASS, "mass", *mass)?;
-                pair(quantity::DAMPING, "damping", *damping)
+                check_per_axis(quantity::ADDED_MASS, "mass", *mass)?;
+                check_per_axis(quantity::DAMPING, "damping", *damping)
             }
             Self::TwoLink(arm) => arm.checked().map(|_| ()),
         }
@@ -178,7 +178,7 @@ impl Target {
     pub fn check(&self) -> Result<()> {
         match self {
             Self::FigureEight { amplitude, angular_frequency } => {
-                pair(quantity::AMPLITUDE, "amplitude", *amplitude)?;
+                check_per_axis(quantity::AMPLITUDE, "amplitude", *amplitude)?;
                 quantity::ANGULAR_FREQUENCY.check("angular_frequency", *angular_frequency)?;
             }
             Self::Sampled(samples) => {
@@ -192,7 +192,7 @@ impl Target {
                 }
                 for (index, position) in samples.iter().enumerate() {
                     if !position.iter().all(|value| value.abs() <= quantity::PLACE.maximum()) {
-                        pair(quantity::PLACE, &format!("target[{index}]"), *position)?;
+                        check_per_axis(quantity::PLACE, &format!("target[{index}]"), *position)?;
                     }
                 }
             }

@@ -4,7 +4,7 @@ use super::{Schedule, Target};
 
 /// Position and velocity of the target at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Aim {
+pub(crate) struct TargetPoint {
     /// m.
     pub position: [f64; 2],
     /// m/s.
@@ -18,16 +18,18 @@ impl Target {
         if matches!(self, Self::Sampled(samples) if samples.is_empty()) {
             return Vec::new();
         }
-        (0..schedule.rows()).map(|row| self.at(row * schedule.stride(), sample_period).position).collect()
+        (0..schedule.rows())
+            .map(|row| self.at_tick(row * schedule.stride(), sample_period).position)
+            .collect()
     }
 
     /// The target at tick `tick` of controllers with this period (s). A sampled target rests where its
     /// samples end.
-    pub(crate) fn at(&self, tick: usize, period: f64) -> Aim {
+    pub(crate) fn at_tick(&self, tick: usize, period: f64) -> TargetPoint {
         match self {
             Self::FigureEight { amplitude: [a, b], angular_frequency: w } => {
                 let (sin, cos) = (w * (tick as f64 * period)).sin_cos();
-                Aim {
+                TargetPoint {
                     // sin 2ωt and cos 2ωt by the double angle
                     position: [2.0 * a * sin * cos, b * sin],
                     velocity: [2.0 * a * w * (cos - sin) * (cos + sin), b * w * cos],
@@ -37,7 +39,7 @@ impl Target {
                 let last = samples.len() - 1;
                 let position = samples[tick.min(last)];
                 let next = samples[(tick + 1).min(last)];
-                Aim { position, velocity: [0, 1].map(|axis| (next[axis] - position[axis]) / period) }
+                TargetPoint { position, velocity: [0, 1].map(|axis| (next[axis] - position[axis]) / period) }
             }
         }
     }

@@ -5,10 +5,10 @@
 //! until the next tick. With a computing tick the forces of the tick before act instead. Both sides thus
 //! use what was measured at the same instant, whichever is computed first.
 
-use super::agent::{Mover, Observation};
+use super::agent::{AgentState, Observation};
 use super::channel::Channel;
 use super::plant::{Halt, Plant, RelaxingForce};
-use super::random::{Stream, generator};
+use super::random::{RandomStream, random_generator};
 use super::record::{Record, Recording, Row, Status, TrialOutcome};
 use super::schedule::Schedule;
 use super::{Agent, Controller, Laboratory};
@@ -70,7 +70,7 @@ pub struct Trial<'a> {
 
 /// What acts on one side from a tick on, N.
 #[derive(Debug, Clone, Copy, Default)]
-struct Acting {
+struct ActingForces {
     /// What the robot's controller asks for.
     command: [f64; 2],
     /// What the robot gives at the tick; behind a lag not yet what is asked for.
@@ -82,7 +82,7 @@ struct Acting {
 /// One side in the course of a trial.
 struct RunningStation {
     plant: Plant,
-    mover: Mover,
+    mover: AgentState,
     endpoint: Option<Endpoint>,
     /// Towards this side.
     link: Option<Channel>,
@@ -93,12 +93,12 @@ struct RunningStation {
 }
 
 impl RunningStation {
-    fn diverged(&self) -> bool {
+    fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
         beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
     }
 
-    fn measure(&self, resolution: f64) -> Motion {
+    fn measure_motion(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
             position.map(|value| (value / resolution).round() * resolution)
@@ -109,7 +109,7 @@ impl RunningStation {
     }
 
     /// Takes in what has arrived and gives the force of the spring, N.
-    fn spring(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
+    fn spring_force(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
             endpoint.receive(now, &packet)?;
@@ -118,16 +118,20 @@ impl RunningStation {
     }
 
     /// What acts until the next tick where these forces have been computed now, N.
-    fn act(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> Acting {
+    fn acting_forces(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> ActingForces {
         let computed = [spring, hand];
         let before = std::mem::replace(&mut self.computed, computed);
         let [command, hand] = if controller.computing_tick { before } else { computed };
         let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
-        Acting { command, robot, hand }
+        ActingForces { command, robot, hand }
     }
 
     /// Moves on by one period.
-    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), Halt> {
+    fn advance_plant(
+        &mut self,
+        acting: &ActingForces,
+        controller: &Controller,
+    ) -> std::result::Result<(), Halt> {
         let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
         if time_constant > 0.0 {
             let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
@@ -139,24 +143,24 @@ impl RunningStation {
 }
 
 impl Trial<'_> {
-    fn stations(&self) -> Result<[RunningStation; 2]> {
+    fn start_stations(&self) -> Result<[RunningStation; 2]> {
         let Laboratory { stations: sides, target, controller, network } = self.laboratory;
         let period = Nanoseconds::from_seconds(controller.sample_period);
-        let start = target.at(0, controller.sample_period).position;
+        let start = target.at_tick(0, controller.sample_period).position;
         let station = |side: usize| -> Result<RunningStation> {
             let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| {
                 // what robot 2 receives comes forward
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
                 let delay = Nanoseconds::from_seconds(delay);
                 let travel = delay.before(period).unwrap_or_default();
-                let random = generator(self.seed, Stream::Network(side));
+                let random = random_generator(self.seed, RandomStream::Network(side));
                 (Endpoint::new(Law { stiffness, damping }, delay), Channel::new(network, travel, random))
             });
             let (endpoint, link) = linked.unzip();
             Ok(RunningStation {
                 plant: Plant::new(sides[side].handle, &sides[side].arm, start)
                     .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
-                mover: Mover::new(&sides[side].agent, self.seed, side),
+                mover: AgentState::new(&sides[side].agent, self.seed, side),
                 endpoint,
                 link,
                 computed: [[0.0; 2]; 2],
@@ -242,21 +246,22 @@ impl Trial<'_> {
             return Err(refusal.into());
         }
         let period = controller.sample_period;
-        let mut stations = self.stations()?;
+        let mut stations = self.start_stations()?;
         let mut rows = 0;
         for tick in 0..=ticks {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
-            let aim_here = target.at(tick, period);
+            let aim_here = target.at_tick(tick, period);
             // also where a motion is none that a packet may carry
             let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
-            if stations.iter().any(RunningStation::diverged) {
+            if stations.iter().any(RunningStation::has_diverged) {
                 return Ok(diverged);
             }
             if tick % TICKS_BETWEEN_CHECKS == 0 {
                 check_interrupt()?;
             }
-            let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
+            let measured =
+                stations.each_ref().map(|station| station.measure_motion(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
                     let Ok(packet) = endpoint.send(now, measured[side]) else { return Ok(diverged) };
@@ -265,7 +270,7 @@ impl Trial<'_> {
                     }
                 }
             }
-            let (mut aim, mut acting) = (Row::default(), [Acting::default(); 2]);
+            let (mut aim, mut acting) = (Row::default(), [ActingForces::default(); 2]);
             for (side, station) in stations.iter_mut().enumerate() {
                 let seen = Observation {
                     time,
@@ -275,19 +280,19 @@ impl Trial<'_> {
                 };
                 let hand;
                 (aim[side], hand) = match (&station.mover, &mut external[side]) {
-                    (Mover::External, Some(program)) => {
+                    (AgentState::External, Some(program)) => {
                         (aim_here.position, check_force(side, time, program(&seen)?)?)
                     }
-                    _ => station.mover.act(&seen, &aim_here),
+                    _ => station.mover.aim_and_force(&seen, &aim_here),
                 };
-                let Ok(spring) = station.spring(now) else { return Ok(diverged) };
-                acting[side] = station.act(spring, hand, controller);
+                let Ok(spring) = station.spring_force(now) else { return Ok(diverged) };
+                acting[side] = station.acting_forces(spring, hand, controller);
             }
             if tick % stride == 0 {
                 record.target[rows] = aim_here.position;
                 record.aim[rows] = aim;
                 for (side, station) in stations.iter().enumerate() {
-                    let Acting { robot, hand, .. } = acting[side];
+                    let ActingForces { robot, hand, .. } = acting[side];
                     record.coupling_force[rows][side] = robot;
                     record.agent_force[rows][side] = hand;
                     record.position[rows][side] = station.plant.position();
@@ -300,7 +305,7 @@ impl Trial<'_> {
                 break;
             }
             for (station, acting) in stations.iter_mut().zip(&acting) {
-                if let Err(halt) = station.advance(acting, controller) {
+                if let Err(halt) = station.advance_plant(acting, controller) {
                     let at = (tick + 1) as f64 * period;
                     let status = match halt {
                         Halt::OutOfReach(_) => Status::OutOfReach { at },

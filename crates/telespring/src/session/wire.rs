@@ -101,7 +101,7 @@ pub enum PacketError {
 }
 
 /// `N` bytes from `at` on.
-fn take<const N: usize>(bytes: &[u8; LENGTH], at: usize) -> [u8; N] {
+fn bytes_at<const N: usize>(bytes: &[u8; LENGTH], at: usize) -> [u8; N] {
     let mut out = [0; N];
     out.copy_from_slice(&bytes[at..at + N]);
     out
@@ -141,7 +141,7 @@ impl Packet {
     pub fn decode(bytes: &[u8]) -> Result<Self, PacketError> {
         let bytes: &[u8; LENGTH] =
             bytes.try_into().map_err(|_| PacketError::Length { length: bytes.len() })?;
-        let found = take(bytes, 0);
+        let found = bytes_at(bytes, 0);
         if found != MAGIC {
             return Err(PacketError::Foreign { found });
         }
@@ -151,12 +151,12 @@ impl Packet {
         if bytes[5] != AXES {
             return Err(PacketError::Axes { found: bytes[5] });
         }
-        let number = |at| f64::from_le_bytes(take(bytes, at));
+        let number = |at| f64::from_le_bytes(bytes_at(bytes, at));
         let motion =
             Motion { position: [number(22), number(30)], velocity: [number(38), number(46)] }.check()?;
         Ok(Self {
-            sequence: u64::from_le_bytes(take(bytes, 6)),
-            time: Nanoseconds(u64::from_le_bytes(take(bytes, 14))),
+            sequence: u64::from_le_bytes(bytes_at(bytes, 6)),
+            time: Nanoseconds(u64::from_le_bytes(bytes_at(bytes, 14))),
             motion,
         })
     }

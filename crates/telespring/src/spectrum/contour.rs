@@ -29,7 +29,7 @@ pub struct Probe {
 /// Why a count could not be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Stop {
+pub enum ContourError {
     /// The safe steps shrank to nothing: a zero lies on the contour, or too near to tell on which
     /// side. Move the contour.
     NearZero {
@@ -43,7 +43,7 @@ pub enum Stop {
     },
 }
 
-impl std::fmt::Display for Stop {
+impl std::fmt::Display for ContourError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NearZero { at } => write!(f, "the contour passes a root too closely near {at}"),
@@ -99,7 +99,7 @@ pub fn taylor_step(value: f64, derivative: f64, curvature: impl Fn(f64) -> f64, 
 ///
 /// # Errors
 ///
-/// [`Stop`] where the segment passes a zero too closely, or needs more than `steps` steps; `steps`
+/// [`ContourError`] where the segment passes a zero too closely, or needs more than `steps` steps; `steps`
 /// is lowered by what was used.
 ///
 /// # Examples
@@ -121,7 +121,7 @@ pub fn argument_change<F: Winding + ?Sized>(
     from: Complex64,
     to: Complex64,
     steps: &mut usize,
-) -> Result<f64, Stop> {
+) -> Result<f64, ContourError> {
     let length = (to - from).norm();
     if length == 0.0 {
         return Ok(0.0);
@@ -135,10 +135,10 @@ pub fn argument_change<F: Winding + ?Sized>(
         let remaining = length - done;
         let smallest = (32.0 * f64::EPSILON * point.norm().max(length)).min(0.5 * remaining);
         if probe.step.is_nan() || probe.step <= smallest {
-            return Err(Stop::NearZero { at: point });
+            return Err(ContourError::NearZero { at: point });
         }
         if *steps == 0 {
-            return Err(Stop::StepsExhausted { at: point });
+            return Err(ContourError::StepsExhausted { at: point });
         }
         *steps -= 1;
         let last = probe.step >= remaining;
@@ -157,7 +157,7 @@ pub fn argument_change<F: Winding + ?Sized>(
 ///
 /// # Errors
 ///
-/// [`Stop`] as for [`argument_change`], with `steps` for the whole contour.
+/// [`ContourError`] as for [`argument_change`], with `steps` for the whole contour.
 ///
 /// # Examples
 ///
@@ -179,7 +179,7 @@ pub fn zeros_in_rectangle<F: Winding + ?Sized>(
     lower_left: Complex64,
     upper_right: Complex64,
     steps: usize,
-) -> Result<usize, Stop> {
+) -> Result<usize, ContourError> {
     let lower_right = Complex64::new(upper_right.re, lower_left.im);
     let upper_left = Complex64::new(lower_left.re, upper_right.im);
     let mut steps = steps;
@@ -203,7 +203,7 @@ pub fn zeros_in_rectangle<F: Winding + ?Sized>(
 ///
 /// # Errors
 ///
-/// [`Stop`] as for [`argument_change`], with `steps` for the whole contour.
+/// [`ContourError`] as for [`argument_change`], with `steps` for the whole contour.
 ///
 /// # Examples
 ///
@@ -225,7 +225,7 @@ pub fn zeros_right_of<F: Winding + ?Sized>(
     abscissa: f64,
     radius: f64,
     steps: usize,
-) -> Result<usize, Stop> {
+) -> Result<usize, ContourError> {
     // Past the bound on both sides, so that a zero at the bound itself is inside.
     let far = (1.5 * radius).max(abscissa.abs() * f64::EPSILON);
     if abscissa >= far {

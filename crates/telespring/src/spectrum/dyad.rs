@@ -10,21 +10,21 @@ use std::f64::consts::{PI, TAU};
 
 use super::Certificate;
 use super::contour;
-use super::line::Line;
-use super::newton::Refined;
+use super::line::VerticalLine;
+use super::newton::RefinedRoot;
 use super::polynomial::complex_roots;
 use crate::characteristic::Characteristic;
 
 /// A root in the closed upper half-plane.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct KnownRoot {
     s: Complex64,
     /// 1 for a real root, 2 for one that stands for itself and its conjugate.
     weight: usize,
 }
 
 /// What the search ended with.
-pub(super) struct Found {
+pub(super) struct RightmostRoots {
     /// Rightmost first, a pair's upper member first.
     pub roots: Vec<Complex64>,
     pub certificate: Certificate,
@@ -38,45 +38,45 @@ const SAME_PAIR: f64 = 1e-4;
 /// More starts than this on one line are not made: then the line lies far too deep.
 const MAX_STARTS: f64 = 20_000.0;
 
-struct Search<'a> {
+struct RootSearch<'a> {
     chi: &'a Characteristic,
-    known: Vec<Known>,
+    known: Vec<KnownRoot>,
     /// The middles of double roots, with the distance within which an approximation belongs to them.
     pairs: Vec<(Complex64, f64)>,
 }
 
 /// The `count` rightmost roots, the rigid-body root left out.
-pub(super) fn rightmost(chi: &Characteristic, count: usize) -> Found {
-    let mut search = Search { chi, known: Vec::new(), pairs: Vec::new() };
+pub(super) fn rightmost_roots(chi: &Characteristic, count: usize) -> RightmostRoots {
+    let mut search = RootSearch { chi, known: Vec::new(), pairs: Vec::new() };
     if chi.round_trip == 0.0 {
-        return search.without_delay(count);
+        return search.roots_without_delay(count);
     }
-    let line = search.line_with(count);
+    let line = search.line_with_roots_right_of(count);
     let Some(counted) = line.count else {
         let reason = "no line free of roots was found to count on".to_owned();
-        search.start_on(&line);
-        return search.finish(count, line.sigma, Certificate::NotCounted { reason });
+        search.start_along_line(&line);
+        return search.certified_roots(count, line.sigma, Certificate::NotCounted { reason });
     };
-    search.start_on(&line);
-    if search.right_of(line.sigma) < counted {
+    search.start_along_line(&line);
+    if search.count_right_of(line.sigma) < counted {
         for side in chi.sides {
             for start in quadratic_roots(side.damping, side.stiffness) {
-                search.start(start);
+                search.refine_start(start);
             }
         }
     }
-    if search.right_of(line.sigma) < counted {
+    if search.count_right_of(line.sigma) < counted {
         for start in complex_roots(chi.deflated_remainder()) {
-            search.start(start);
+            search.refine_start(start);
         }
     }
-    if search.right_of(line.sigma) < counted {
-        search.hunt(line.sigma, counted);
+    if search.count_right_of(line.sigma) < counted {
+        search.find_missed_roots(line.sigma, counted);
     }
-    let found = search.right_of(line.sigma);
+    let found = search.count_right_of(line.sigma);
     let certificate =
         if found == counted { Certificate::Complete } else { Certificate::Failed { counted, found } };
-    search.finish(count, line.sigma, certificate)
+    search.certified_roots(count, line.sigma, certificate)
 }
 
 /// Roots of s² + βs + κ in the closed upper half-plane.
@@ -90,36 +90,36 @@ fn quadratic_roots(beta: f64, kappa: f64) -> Vec<Complex64> {
     vec![Complex64::new(far, 0.0), Complex64::new(kappa / far, 0.0)]
 }
 
-impl Search<'_> {
+impl RootSearch<'_> {
     /// Refines a start and keeps the root it leads to, if it is new.
-    fn start(&mut self, start: Complex64) -> bool {
-        match self.chi.refine(start) {
-            Some(Refined::Simple(s)) => self.keep(s),
-            Some(Refined::Pair(centre, half)) => self.keep_pair(centre, half),
+    fn refine_start(&mut self, start: Complex64) -> bool {
+        match self.chi.refine_root(start) {
+            Some(RefinedRoot::Simple(s)) => self.add_root(s),
+            Some(RefinedRoot::Pair(centre, half)) => self.add_pair(centre, half),
             None => false,
         }
     }
 
-    fn keep(&mut self, s: Complex64) -> bool {
+    fn add_root(&mut self, s: Complex64) -> bool {
         let mut s = Complex64::new(s.re, s.im.abs());
         if s.im > 0.0 && s.im <= SAME * s.norm() {
             // Real but for rounding, if Newton on the axis agrees.
-            match self.chi.refine(Complex64::new(s.re, 0.0)) {
-                Some(Refined::Simple(real)) if (real - s).norm() <= 2.0 * SAME * s.norm() => s = real,
+            match self.chi.refine_root(Complex64::new(s.re, 0.0)) {
+                Some(RefinedRoot::Simple(real)) if (real - s).norm() <= 2.0 * SAME * s.norm() => s = real,
                 _ => {}
             }
         }
-        let same = |known: &Known| (known.s - s).norm() <= SAME * s.norm();
+        let same = |known: &KnownRoot| (known.s - s).norm() <= SAME * s.norm();
         let in_pair = |pair: &(Complex64, f64)| (pair.0 - s).norm() <= pair.1;
         if !s.is_finite() || self.known.iter().any(same) || self.pairs.iter().any(in_pair) {
             return false;
         }
-        self.known.push(Known { s, weight: if s.im == 0.0 { 1 } else { 2 } });
+        self.known.push(KnownRoot { s, weight: if s.im == 0.0 { 1 } else { 2 } });
         true
     }
 
     /// Keeps two roots that lie too near each other for Newton to find them one by one.
-    fn keep_pair(&mut self, centre: Complex64, half: Complex64) -> bool {
+    fn add_pair(&mut self, centre: Complex64, half: Complex64) -> bool {
         let mut centre = Complex64::new(centre.re, centre.im.abs());
         let mut half = half;
         if centre.im <= SAME * centre.norm() {
@@ -138,48 +138,48 @@ impl Search<'_> {
         self.known.retain(|known| (known.s - centre).norm() > reach);
         self.pairs.push((centre, reach));
         if centre.im == 0.0 && half.im > 0.0 {
-            self.known.push(Known { s: centre + half, weight: 2 });
+            self.known.push(KnownRoot { s: centre + half, weight: 2 });
         } else {
             let weight = if centre.im == 0.0 { 1 } else { 2 };
-            self.known.push(Known { s: centre + half, weight });
-            self.known.push(Known { s: centre - half, weight });
+            self.known.push(KnownRoot { s: centre + half, weight });
+            self.known.push(KnownRoot { s: centre - half, weight });
         }
         true
     }
 
     /// How many known roots lie right of a line.
-    fn right_of(&self, sigma: f64) -> usize {
+    fn count_right_of(&self, sigma: f64) -> usize {
         self.known.iter().filter(|known| known.s.re > sigma).map(|known| known.weight).sum()
     }
 
     /// A line that no root touches, at or near `sigma`.
-    fn clear_line(&self, sigma: f64) -> Line {
+    fn line_clear_of_roots(&self, sigma: f64) -> VerticalLine {
         // Roots of undamped sides gather at the axis itself: no line is put on it by chance.
         let sigma = if sigma == 0.0 { -1e-3 / self.chi.round_trip } else { sigma };
-        let mut line = Line::count(self.chi, sigma);
+        let mut line = VerticalLine::count_right_of(self.chi, sigma);
         let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / self.chi.round_trip.max(1e-12));
         for _ in 0..6 {
             if line.count.is_some() || line.crowded {
                 break;
             }
-            line = Line::count(self.chi, sigma - nudge);
+            line = VerticalLine::count_right_of(self.chi, sigma - nudge);
             nudge *= 16.0;
         }
         line
     }
 
     /// A line with at least `count` roots to its right, and not many more where that can be had.
-    fn line_with(&self, count: usize) -> Line {
+    fn line_with_roots_right_of(&self, count: usize) -> VerticalLine {
         let chi = self.chi;
         let t = chi.round_trip;
-        let enough = |line: &Line| line.count.is_some_and(|n| n >= count);
+        let enough = |line: &VerticalLine| line.count.is_some_and(|n| n >= count);
         let most = 2 * count + 8;
         // The n-th root of the chain on which both terms balance has an imaginary part near πn/T.
         let y = Complex64::new(0.0, PI * (count as f64 + 2.0) / t);
         let ratio =
             chi.coupling(y).norm_sqr() / (chi.sides[0].value(y).norm() * chi.sides[1].value(y).norm());
         let guess = ratio.ln().min(-0.1) / t;
-        let mut line = self.clear_line(guess);
+        let mut line = self.line_clear_of_roots(guess);
         let (mut deep, mut shallow) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut step = guess.abs();
         for _ in 0..150 {
@@ -210,14 +210,14 @@ impl Search<'_> {
                 }
                 0.5 * (deep + shallow)
             };
-            line = self.clear_line(next);
+            line = self.line_clear_of_roots(next);
         }
-        if enough(&line) { line } else { self.clear_line(deep) }
+        if enough(&line) { line } else { self.line_clear_of_roots(deep) }
     }
 
     /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
     /// each such place belongs to one root further right.
-    fn start_on(&mut self, line: &Line) {
+    fn start_along_line(&mut self, line: &VerticalLine) {
         let t = self.chi.round_trip;
         let mut stretch = line.start.map(|phase| (0.0, phase));
         let mut tried: Option<(f64, f64)> = None;
@@ -236,7 +236,7 @@ impl Search<'_> {
             while turn <= last {
                 let share = (turn * TAU - low_phase) / (high_phase - low_phase);
                 let y = if share.is_finite() { low + share * (high - low) } else { low };
-                self.branch(line.sigma, y, turn - line.left_of);
+                self.follow_branch(line.sigma, y, turn - line.left_of);
                 turn += 1.0;
             }
             tried = Some((first - line.left_of, last - line.left_of));
@@ -249,9 +249,9 @@ impl Search<'_> {
         if -turn > enough as f64 {
             return;
         }
-        while turn <= 0.0 && self.right_of(line.sigma) < enough {
+        while turn <= 0.0 && self.count_right_of(line.sigma) < enough {
             let y = (top.y * turn / (first - 1.0)).max(0.5 / t);
-            self.branch(line.sigma, y, turn);
+            self.follow_branch(line.sigma, y, turn);
             turn += 1.0;
         }
     }
@@ -260,7 +260,7 @@ impl Search<'_> {
     ///
     /// The argument of each side is taken in [0, 2π), that of s² far out: it is continuous in the
     /// whole upper half-plane beyond the resonances, so that `turn` names one branch there.
-    fn branch(&mut self, sigma: f64, y: f64, turn: f64) {
+    fn follow_branch(&mut self, sigma: f64, y: f64, turn: f64) {
         let chi = self.chi;
         let t = chi.round_trip;
         let mut s = Complex64::new(sigma, y);
@@ -285,23 +285,23 @@ impl Search<'_> {
                 break;
             }
         }
-        self.start(s);
+        self.refine_start(s);
     }
 
     /// Finds what the starts missed, by bisecting the line at which the count exceeds the known.
-    fn hunt(&mut self, sigma: f64, counted: usize) {
+    fn find_missed_roots(&mut self, sigma: f64, counted: usize) {
         for _ in 0..64 {
-            if self.right_of(sigma) >= counted {
+            if self.count_right_of(sigma) >= counted {
                 return;
             }
-            if !self.hunt_one(sigma) {
+            if !self.find_missed_root(sigma) {
                 return;
             }
         }
     }
 
     /// Finds the rightmost missing root; whether it did.
-    fn hunt_one(&mut self, sigma: f64) -> bool {
+    fn find_missed_root(&mut self, sigma: f64) -> bool {
         let mut low = sigma;
         let mut high = sigma;
         let mut step = sigma.abs().max(1.0 / self.chi.round_trip);
@@ -311,12 +311,12 @@ impl Search<'_> {
             if !high.is_finite() {
                 return false;
             }
-            if self.clear_line(high).count == Some(0) {
+            if self.line_clear_of_roots(high).count == Some(0) {
                 break;
             }
         }
         for _ in 0..200 {
-            let line = self.clear_line(0.5 * (low + high));
+            let line = self.line_clear_of_roots(0.5 * (low + high));
             let Some(counted) = line.count else { break };
             // The places where |L| = 1 on this line, the likeliest first.
             let mut places: Vec<(f64, f64)> = line
@@ -327,11 +327,11 @@ impl Search<'_> {
             places.push((0.25, 0.0));
             places.sort_by(|a, b| a.0.total_cmp(&b.0));
             for (_, y) in places {
-                if self.start(Complex64::new(line.sigma, y)) {
+                if self.refine_start(Complex64::new(line.sigma, y)) {
                     return true;
                 }
             }
-            if self.right_of(line.sigma) < counted {
+            if self.count_right_of(line.sigma) < counted {
                 low = line.sigma;
             } else {
                 high = line.sigma;
@@ -340,13 +340,13 @@ impl Search<'_> {
                 break;
             }
         }
-        self.hunt_double(low, high)
+        self.find_missed_multiplicity(low, high)
     }
 
     /// Finds a second root next to a known one: where the count jumps by more than the known there.
-    fn hunt_double(&mut self, low: f64, high: f64) -> bool {
+    fn find_missed_multiplicity(&mut self, low: f64, high: f64) -> bool {
         let margin = 1e-5 * low.abs().max(high.abs());
-        let near: Vec<Known> = self
+        let near: Vec<KnownRoot> = self
             .known
             .iter()
             .filter(|known| known.s.re > low - margin && known.s.re < high + margin)
@@ -354,8 +354,8 @@ impl Search<'_> {
             .collect();
         for known in near {
             let before = self.known.len();
-            if let Some(Refined::Pair(centre, half)) = self.chi.pair(known.s)
-                && self.keep_pair(centre, half)
+            if let Some(RefinedRoot::Pair(centre, half)) = self.chi.double_root_near(known.s)
+                && self.add_pair(centre, half)
                 && self.known.len() > before
             {
                 return true;
@@ -381,7 +381,7 @@ impl Search<'_> {
                 .sum();
             if inside > listed {
                 for _ in listed..inside {
-                    self.known.push(Known { s: centre, weight });
+                    self.known.push(KnownRoot { s: centre, weight });
                 }
                 return true;
             }
@@ -390,34 +390,34 @@ impl Search<'_> {
     }
 
     /// No delay: the roots of a polynomial of degree four, or three without the rigid-body root.
-    fn without_delay(mut self, count: usize) -> Found {
+    fn roots_without_delay(mut self, count: usize) -> RightmostRoots {
         let polynomial = self.chi.deflated_remainder();
         let degree = polynomial.len() - 1;
         let starts = complex_roots(polynomial);
         let zeros = polynomial.iter().take_while(|c| **c == 0.0).count();
-        self.known.extend(std::iter::repeat_n(Known { s: Complex64::ZERO, weight: 1 }, zeros));
+        self.known.extend(std::iter::repeat_n(KnownRoot { s: Complex64::ZERO, weight: 1 }, zeros));
         for start in &starts[zeros..] {
-            self.start(*start);
+            self.refine_start(*start);
         }
         // A double root, to which two starts lead.
         for known in self.known.clone() {
-            if self.right_of(f64::NEG_INFINITY) >= degree {
+            if self.count_right_of(f64::NEG_INFINITY) >= degree {
                 break;
             }
-            if let Some(Refined::Pair(centre, half)) = self.chi.pair(known.s) {
-                self.keep_pair(centre, half);
+            if let Some(RefinedRoot::Pair(centre, half)) = self.chi.double_root_near(known.s) {
+                self.add_pair(centre, half);
             }
         }
-        let found = self.right_of(f64::NEG_INFINITY);
+        let found = self.count_right_of(f64::NEG_INFINITY);
         let certificate = if found == degree {
             Certificate::Complete
         } else {
             Certificate::Failed { counted: degree, found }
         };
-        self.finish(count, f64::NEG_INFINITY, certificate)
+        self.certified_roots(count, f64::NEG_INFINITY, certificate)
     }
 
-    fn finish(mut self, count: usize, depth: f64, certificate: Certificate) -> Found {
+    fn certified_roots(mut self, count: usize, depth: f64, certificate: Certificate) -> RightmostRoots {
         self.known.retain(|known| known.s.re > depth);
         self.known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
         let mut roots = Vec::with_capacity(count + 1);
@@ -431,6 +431,6 @@ impl Search<'_> {
             }
         }
         roots.truncate(count);
-        Found { roots, certificate, depth }
+        RightmostRoots { roots, certificate, depth }
     }
 }

@@ -16,7 +16,7 @@ use crate::characteristic::Characteristic;
 
 /// Where |L| passes through 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
+pub(super) struct ModulusCrossing {
     /// Imaginary part, rad/s.
     pub y: f64,
     /// The argument of L, continuous along a stretch with |L| ≥ 1, rad.
@@ -25,10 +25,10 @@ pub(super) struct Crossing {
 
 /// The count on one line.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(super) struct VerticalLine {
     pub sigma: f64,
     /// The crossings, upwards.
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<ModulusCrossing>,
     /// Whether |L| > 1 at y = 0, and the argument of L just above it.
     pub start: Option<f64>,
     /// How many sides have their mean root right of the line: the argument of each is negative above
@@ -54,7 +54,7 @@ struct Moduli {
 }
 
 impl Moduli {
-    fn sides(&self, w: f64) -> f64 {
+    fn sides_modulus(&self, w: f64) -> f64 {
         let square = |i: usize| {
             let real = self.value[i] - w;
             real * real + self.slope[i] * self.slope[i] * w
@@ -62,13 +62,13 @@ impl Moduli {
         square(0).sqrt() * square(1).sqrt()
     }
 
-    fn coupling(&self, w: f64) -> f64 {
+    fn coupling_modulus(&self, w: f64) -> f64 {
         self.growth * (self.q0 * self.q0 + self.g1 * self.g1 * w)
     }
 
     /// |p₁ p₂| − |q² e^(−Ts)|.
     fn excess(&self, w: f64) -> f64 {
-        self.sides(w) - self.coupling(w)
+        self.sides_modulus(w) - self.coupling_modulus(w)
     }
 
     fn excess_slope(&self, w: f64) -> f64 {
@@ -77,7 +77,7 @@ impl Moduli {
             let b2 = self.slope[i] * self.slope[i];
             (b2 - 2.0 * real) / (real * real + b2 * w)
         };
-        0.5 * self.sides(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
+        0.5 * self.sides_modulus(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
     }
 
     /// The turning points of |p₁ p₂| / |q|² at w > 0, upwards.
@@ -114,7 +114,7 @@ impl Moduli {
     }
 
     /// The zero of the excess between `low` and `high`, whose signs differ.
-    fn zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
+    fn excess_zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
         let mut w = high;
         for _ in 0..200 {
             let excess = self.excess(w);
@@ -140,9 +140,9 @@ impl Moduli {
     }
 }
 
-impl Line {
+impl VerticalLine {
     /// Counts to the right of Re s = `sigma`.
-    pub(super) fn count(chi: &Characteristic, sigma: f64) -> Self {
+    pub(super) fn count_right_of(chi: &Characteristic, sigma: f64) -> Self {
         let t = chi.round_trip;
         let moduli = Moduli {
             value: chi.sides.map(|side| (sigma + side.damping) * sigma + side.stiffness),
@@ -153,7 +153,7 @@ impl Line {
         };
         let mut clear = true;
         let same_sign = (moduli.value[0] > 0.0) == (moduli.value[1] > 0.0);
-        let (real, real_noise) = chi.on_real_axis(sigma);
+        let (real, real_noise) = chi.value_on_real_axis(sigma);
         if real.abs() <= real_noise {
             clear = false;
         }
@@ -164,12 +164,12 @@ impl Line {
         let (mut low, mut large) = (0.0, start_large);
         for turn in moduli.turning_points() {
             let excess = moduli.excess(turn);
-            if excess.abs() <= 16.0 * f64::EPSILON * moduli.coupling(turn) {
+            if excess.abs() <= 16.0 * f64::EPSILON * moduli.coupling_modulus(turn) {
                 // A touch: harmless unless L is near 1 there, which is not worth telling apart.
                 clear = false;
             }
             if (excess < 0.0) != large {
-                zeros.push(moduli.zero(low, turn, large));
+                zeros.push(moduli.excess_zero(low, turn, large));
                 large = !large;
             }
             low = turn;
@@ -190,7 +190,7 @@ impl Line {
                     crowded: true,
                 };
             }
-            zeros.push(moduli.zero(low, high, true));
+            zeros.push(moduli.excess_zero(low, high, true));
         }
 
         // The argument of each factor above the real axis; none of them jumps there.
@@ -225,7 +225,7 @@ impl Line {
             }
             let turns = (theta / TAU).floor();
             let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
-            let noise = 8.0 * f64::EPSILON * moduli.coupling(w);
+            let noise = 8.0 * f64::EPSILON * moduli.coupling_modulus(w);
             let s = Complex64::new(sigma, y);
             let rate =
                 t + chi.sides.iter().map(|side| side.slope(s).norm() / side.value(s).norm()).sum::<f64>();
@@ -235,7 +235,7 @@ impl Line {
             let odd = 2 * turns as i64 + 1;
             half_turns += if large { odd } else { -odd };
             large = !large;
-            crossings.push(Crossing { y, phase: theta });
+            crossings.push(ModulusCrossing { y, phase: theta });
         }
         let start = start_large.then(|| (2 * q_below - below(0) - below(1)) as f64 * PI);
         let all = 2 - half_turns;

@@ -126,9 +126,9 @@ pub fn characteristic_roots(
     delay: &Delay,
     count: usize,
 ) -> Result<Spectrum> {
-    check_count(count)?;
-    let chi = characteristic(axis, stiffness, delay)?;
-    let dyad::Found { roots, certificate, depth } = dyad::rightmost(&chi, count);
+    check_root_count(count)?;
+    let chi = checked_characteristic(axis, stiffness, delay)?;
+    let dyad::RightmostRoots { roots, certificate, depth } = dyad::rightmost_roots(&chi, count);
     Ok(Spectrum { roots, rigid_body: chi.rigid_body, certificate, depth })
 }
 
@@ -150,16 +150,16 @@ pub fn characteristic_roots(
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Abscissa> {
-    let chi = characteristic(axis, stiffness, delay)?;
-    let found = dyad::rightmost(&chi, 1);
+    let chi = checked_characteristic(axis, stiffness, delay)?;
+    let rightmost = dyad::rightmost_roots(&chi, 1);
     // An empty list comes with a failed certificate, which says that the value is no abscissa.
     Ok(Abscissa {
-        value: found.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
-        certificate: found.certificate,
+        value: rightmost.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
+        certificate: rightmost.certificate,
     })
 }
 
-pub(crate) fn check_count(count: usize) -> Result<()> {
+pub(crate) fn check_root_count(count: usize) -> Result<()> {
     if (1..=MAX_ROOTS).contains(&count) {
         return Ok(());
     }
@@ -172,7 +172,7 @@ pub(crate) fn check_count(count: usize) -> Result<()> {
 }
 
 /// The checked characteristic function of one axis.
-fn characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
+fn checked_characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
     axis.check()?;
     quantity::STIFFNESS.check("stiffness", stiffness)?;
     Ok(Characteristic::new(axis, stiffness, delay.round_trip()).normalised())

@@ -9,7 +9,7 @@ use crate::characteristic::Characteristic;
 
 /// What Newton found.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Refined {
+pub(super) enum RefinedRoot {
     Simple(Complex64),
     /// Two roots so close together that they must be found as a pair: centre and half distance.
     Pair(Complex64, Complex64),
@@ -17,7 +17,7 @@ pub(super) enum Refined {
 
 impl Characteristic {
     /// The whole χ (the rigid-body root left in) on the real axis, and its rounding error.
-    pub(super) fn on_real_axis(&self, x: f64) -> (f64, f64) {
+    pub(super) fn value_on_real_axis(&self, x: f64) -> (f64, f64) {
         let polynomial = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x + c);
         let size = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c);
         let q = self.stiffness + self.coupling_damping * x;
@@ -26,8 +26,8 @@ impl Characteristic {
     }
 
     /// Value and first two derivatives of the whole χ, and the rounding error of the value.
-    fn derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
-        let jet = self.whole().jet(s);
+    fn value_and_derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
+        let jet = self.with_rigid_body().jet(s);
         let (t, q, g) = (self.round_trip, self.coupling(s), self.coupling_damping);
         let e = (-s * t).exp();
         let [one, two] = self.sides;
@@ -52,13 +52,13 @@ impl Characteristic {
     ///
     /// Far to the left, where the delayed term dominates, Newton on χ creeps by 1/T a step; there
     /// the step is the one of Newton on log(q² e^(−Ts) / (P₁ P₂)) = 2πjn for the nearest n.
-    pub(super) fn refine(&self, start: Complex64) -> Option<Refined> {
+    pub(super) fn refine_root(&self, start: Complex64) -> Option<RefinedRoot> {
         let mut s = start;
         let mut previous = f64::INFINITY;
         for iteration in 0..60 {
             let jet = self.jet(s);
             if jet.value == Complex64::ZERO {
-                return Some(Refined::Simple(s));
+                return Some(RefinedRoot::Simple(s));
             }
             let mut step = jet.value / jet.slope;
             let mut creeping = false;
@@ -84,11 +84,11 @@ impl Characteristic {
             if !creeping
                 && (size <= 2.0 * f64::EPSILON * scale || (size <= 1e-11 * scale && size >= 0.25 * previous))
             {
-                return Some(Refined::Simple(s));
+                return Some(RefinedRoot::Simple(s));
             }
             if iteration >= 12 && size < 1e-4 * scale && size > 0.3 * previous {
                 // Newton halves its error a step: a double root, or two very near each other.
-                if let Some(pair) = self.pair(s) {
+                if let Some(pair) = self.double_root_near(s) {
                     return Some(pair);
                 }
             }
@@ -98,10 +98,10 @@ impl Characteristic {
     }
 
     /// The two roots next to a zero of χ′ near `s`, where there are two.
-    pub(super) fn pair(&self, s: Complex64) -> Option<Refined> {
+    pub(super) fn double_root_near(&self, s: Complex64) -> Option<RefinedRoot> {
         let mut centre = s;
         for _ in 0..20 {
-            let ([_, slope, bend], _) = self.derivatives(centre);
+            let ([_, slope, bend], _) = self.value_and_derivatives(centre);
             let step = slope / bend;
             if !step.norm().is_finite() {
                 return None;
@@ -111,26 +111,26 @@ impl Characteristic {
                 break;
             }
         }
-        let ([value, _, bend], noise) = self.derivatives(centre);
+        let ([value, _, bend], noise) = self.value_and_derivatives(centre);
         let half = if value.norm() <= noise { Complex64::ZERO } else { (-value * 2.0 / bend).sqrt() };
         // Two roots, not two of a chain: far nearer each other than 1/T, and `s` is one of them.
         let reach = (1e-3 * s.norm()).min(0.02 / self.round_trip);
         let off = (s - centre - half).norm().min((s - centre + half).norm());
         let near = half.norm() <= reach && off <= 0.3 * half.norm() + (1e-5 * s.norm()).min(reach);
-        near.then_some(Refined::Pair(centre, half))
+        near.then_some(RefinedRoot::Pair(centre, half))
     }
 }
 
 /// The whole function, the rigid-body root left in.
 impl Winding for Characteristic {
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
-        let ([value, slope, _], _) = self.derivatives(s);
+        let ([value, slope, _], _) = self.value_and_derivatives(s);
         let step = taylor_step(
             value.norm(),
             slope.norm(),
             |radius| {
                 let growth = (-self.round_trip * (s.re + radius * direction.re.min(0.0))).exp();
-                self.whole().curvature(0.0, s.norm() + radius, growth)
+                self.with_rigid_body().curvature(0.0, s.norm() + radius, growth)
             },
             longest,
         );

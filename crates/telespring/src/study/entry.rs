@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::keys::{as_written, nearest_word};
+use super::keys::{nearest_word, toml_key};
 use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
@@ -49,8 +49,8 @@ pub(super) struct Entry<'r, 'a> {
 
 impl<'r, 'a> Entry<'r, 'a> {
     /// A refusal of this entry.
-    pub fn refuse(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
-        self.source.refuse(&self.field, self.value, allowed, remedy)
+    pub fn reject(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
+        self.source.reject(&self.field, self.value, allowed, remedy)
     }
 
     /// The line of a refusal that something else made about this entry.
@@ -61,12 +61,12 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// A string.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
-            DeValue::String(text) if text.contains('\0') => Err(self.refuse(
+            DeValue::String(text) if text.contains('\0') => Err(self.reject(
                 "a text without the character U+0000 is needed, which no dataset can hold",
                 "Remove \\u0000.",
             )),
             DeValue::String(text) => Ok(text.clone().into_owned()),
-            _ => Err(self.refuse("a text in quotes is needed", "Put it in quotes.")),
+            _ => Err(self.reject("a text in quotes is needed", "Put it in quotes.")),
         }
     }
 
@@ -80,7 +80,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         words.iter().find(|word| **word == given).copied().ok_or_else(|| {
             let remedy = nearest_word(given, words)
                 .map_or_else(|| "Choose one of them.".to_owned(), |word| format!("Did you mean \"{word}\"?"));
-            self.refuse(format!("this is one of {listed}"), remedy)
+            self.reject(format!("this is one of {listed}"), remedy)
         })
     }
 
@@ -89,11 +89,11 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.value
             .get_ref()
             .as_bool()
-            .ok_or_else(|| self.refuse("true or false is needed", "Write it without quotes."))
+            .ok_or_else(|| self.reject("true or false is needed", "Write it without quotes."))
     }
 
     /// A whole number in a range.
-    pub fn whole(&self, what: &str, least: i64, most: i64) -> Result<i64> {
+    pub fn whole_number(&self, what: &str, least: i64, most: i64) -> Result<i64> {
         let remedy = match self.value.get_ref() {
             // one that does not fit in 64 bits is a whole number out of the range as well
             DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
@@ -102,25 +102,25 @@ impl<'r, 'a> Entry<'r, 'a> {
             },
             _ => "Write it without a decimal point, quotes and units.",
         };
-        Err(self.refuse(format!("{what} must be a whole number from {least} to {most}"), remedy))
+        Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
 
     /// The items of a list.
     pub fn items(&self, what: &str) -> Result<Vec<Self>> {
         let Some(items) = self.value.get_ref().as_array() else {
-            return Err(self.refuse(format!("a list of {what} is needed"), "Put it in square brackets."));
+            return Err(self.reject(format!("a list of {what} is needed"), "Put it in square brackets."));
         };
-        Ok(items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item)).collect())
+        Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
 
     /// The items of a table, each with its key.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
-            return Err(self.refuse("names with values are needed", "Write it such as {gain = 2.0}."));
+            return Err(self.reject("names with values are needed", "Write it such as {gain = 2.0}."));
         };
         let member = |(key, value): (&Spanned<std::borrow::Cow<'a, str>>, &'r Spanned<DeValue<'a>>)| {
             let key = key.get_ref().as_ref();
-            (key.to_owned(), self.item(format!(".{}", as_written(key)), value))
+            (key.to_owned(), self.child(format!(".{}", toml_key(key)), value))
         };
         Ok(table.iter().map(|(key, value)| member((key, value))).collect())
     }
@@ -131,13 +131,13 @@ impl<'r, 'a> Entry<'r, 'a> {
     }
 
     /// Two numbers, or with `one` also one number that stands for both.
-    pub fn two(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
+    pub fn two_numbers(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
         let values = self.per_axis(quantity, false)?;
         match values.count() {
             None if one => {}
             Some(2) => {}
             _ => {
-                return Err(self.refuse(
+                return Err(self.reject(
                     if one {
                         "one number or a list of two is needed"
                     } else {
@@ -152,16 +152,16 @@ impl<'r, 'a> Entry<'r, 'a> {
     }
 
     /// A list of strings.
-    pub fn texts(&self) -> Result<Vec<String>> {
+    pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(
-                self.refuse("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
+                self.reject("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
             );
         };
-        items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item).text()).collect()
+        items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
-    fn item(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
+    fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
         Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
 
@@ -173,18 +173,18 @@ impl<'r, 'a> Entry<'r, 'a> {
             let word = key.get_ref().as_ref();
             if !keys.contains(&word) {
                 let unknown = UnknownKey {
-                    field: &format!("{}.{}", self.field, as_written(word)),
+                    field: &format!("{}.{}", self.field, toml_key(word)),
                     key: word,
                     position: key.span().start,
                     section: Some(""),
                     allowed: format!("this has the keys {} and {}", keys[0], keys[1]),
                     keys: &keys,
                 };
-                return Err(self.source.refuse_unknown_key(unknown, value));
+                return Err(self.source.reject_unknown_key(unknown, value));
             }
         }
         let part = |key: &str| match table.get(key) {
-            Some(value) => Ok(self.item(format!(".{key}"), value)),
+            Some(value) => Ok(self.child(format!(".{key}"), value)),
             None => Err(self.place(InvalidInput::missing(
                 format!("{}.{key}", self.field),
                 "",
@@ -212,17 +212,17 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => None,
         };
         let Some(value) = value else {
-            return Err(self.refuse(format!("{kinds} is needed"), "Write numbers without quotes and units."));
+            return Err(self.reject(format!("{kinds} is needed"), "Write numbers without quotes and units."));
         };
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
 
     /// A number, or with `ranges` also {min = …, max = …}.
-    fn span(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
+    fn number_or_range(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
-                return Err(self.refuse("min must not exceed max", "Exchange the two."));
+                return Err(self.reject("min must not exceed max", "Exchange the two."));
             }
             return Ok(Span { low: from, high: to });
         }
@@ -238,16 +238,16 @@ impl<'r, 'a> Entry<'r, 'a> {
             "a number or a list of numbers, one per axis,"
         };
         let Some(items) = self.value.get_ref().as_array() else {
-            return Ok(PerAxis::Every(self.span(quantity, ranges, kinds)?));
+            return Ok(PerAxis::Every(self.number_or_range(quantity, ranges, kinds)?));
         };
         if items.is_empty() {
-            return Err(self.refuse(format!("{kinds} is needed"), "Give one value per axis."));
+            return Err(self.reject(format!("{kinds} is needed"), "Give one value per axis."));
         }
         let kind = if ranges { "a number or a range {min = …, max = …}" } else { "a number" };
         items
             .iter()
             .enumerate()
-            .map(|(i, item)| self.item(format!("[{i}]"), item).span(quantity, ranges, kind))
+            .map(|(i, item)| self.child(format!("[{i}]"), item).number_or_range(quantity, ranges, kind))
             .collect::<Result<_>>()
             .map(PerAxis::Each)
     }

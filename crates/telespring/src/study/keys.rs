@@ -109,7 +109,7 @@ impl Keys {
     }
 
     /// The keys that go with what the section says of its kind, and that kind.
-    pub fn of(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
+    pub fn allowed_in(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
         match self {
             Self::Fixed(keys) => (keys, None),
             Self::ByKind(kinds) => {
@@ -121,7 +121,7 @@ impl Keys {
     }
 
     /// The kind whose key this is, where the section has kinds; any section otherwise has no answer.
-    pub fn kind_with(self, key: &str) -> Option<&'static str> {
+    pub fn kind_with_key(self, key: &str) -> Option<&'static str> {
         match self {
             Self::Fixed(_) => None,
             Self::ByKind(kinds) => kinds.iter().find(|(_, keys)| keys.contains(&key)).map(|(kind, _)| *kind),
@@ -146,7 +146,7 @@ impl Keys {
 }
 
 /// A key as TOML writes it: quoted where it is not bare.
-pub(super) fn as_written(key: &str) -> String {
+pub(super) fn toml_key(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
 }

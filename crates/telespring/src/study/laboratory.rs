@@ -1,7 +1,7 @@
 //! The sections of arms, agents, task and laboratory: who does what in a rehearsal, on which controllers
 //! and network.
 
-use super::python::{PythonObject, python};
+use super::python::{PythonObject, read_python_object};
 use super::reader::Reader;
 use crate::error::Result;
 use crate::quantity::{self, Quantity};
@@ -96,14 +96,14 @@ impl Setup {
 /// ω of Eq. 12, rad/s.
 pub(super) const PAPER_FREQUENCY: f64 = 2.59;
 
-pub(super) fn setup(reader: &Reader<'_>) -> Result<Setup> {
+pub(super) fn read_setup(reader: &Reader<'_>) -> Result<Setup> {
     let paper = Setup::paper();
     let [agent1, agent2] = paper.agents;
-    let number = |key: &str, quantity: Quantity| or(reader, "laboratory", key, quantity, 0.0);
+    let number = |key: &str, quantity: Quantity| number_or(reader, "laboratory", key, quantity, 0.0);
     Ok(Setup {
-        arms: [arm(reader, "arm1")?, arm(reader, "arm2")?],
-        agents: [agent(reader, "agent1", agent1)?, agent(reader, "agent2", agent2)?],
-        task: task(reader, paper.task)?,
+        arms: [read_arm(reader, "arm1")?, read_arm(reader, "arm2")?],
+        agents: [read_agent(reader, "agent1", agent1)?, read_agent(reader, "agent2", agent2)?],
+        task: read_task(reader, paper.task)?,
         sample_period: reader
             .get("laboratory", "sample_period")
             .map(|entry| entry.number(quantity::SAMPLE_PERIOD, "a number"))
@@ -119,21 +119,23 @@ pub(super) fn setup(reader: &Reader<'_>) -> Result<Setup> {
 }
 
 /// A number, or `default` where the key is not given.
-fn or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, default: f64) -> Result<f64> {
+fn number_or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, default: f64) -> Result<f64> {
     // +0: a minus sign before a zero means nothing and would not be written
     reader.get(section, key).map_or(Ok(default), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
-fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
+fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
-        reader.get(section, key).map_or(Ok([0.0; 2]), |entry| Ok(entry.two(quantity, true)?.map(|v| v + 0.0)))
+        reader
+            .get(section, key)
+            .map_or(Ok([0.0; 2]), |entry| Ok(entry.two_numbers(quantity, true)?.map(|v| v + 0.0)))
     };
     match reader.kind(section)? {
         "two-link" => {
             let need = |key: &str, example: &str, quantity: Quantity| {
-                reader.need(section, key, quantity.unit(), example)?.two(quantity, key != "base")
+                reader.require(section, key, quantity.unit(), example)?.two_numbers(quantity, key != "base")
             };
-            let elbow = reader.need(section, "elbow", "", "\"left\"")?.choice(&["left", "right"])?;
+            let elbow = reader.require(section, "elbow", "", "\"left\"")?.choice(&["left", "right"])?;
             let arm = TwoLinkArm {
                 base: need("base", "[0.0, -0.5]", quantity::PLACE)?,
                 elbow: if elbow == "left" { Elbow::Left } else { Elbow::Right },
@@ -145,7 +147,7 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
                 rotor_inertia: pair("rotor_inertia", quantity::INERTIA)?,
                 torque_limit: reader
                     .get(section, "torque_limit")
-                    .map_or(Ok([f64::INFINITY; 2]), |entry| entry.two(quantity::TORQUE, true))?,
+                    .map_or(Ok([f64::INFINITY; 2]), |entry| entry.two_numbers(quantity::TORQUE, true))?,
             };
             Ok(Arm::TwoLink(arm))
         }
@@ -157,40 +159,40 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     }
 }
 
-fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
+fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
     }
-    let stiffness = || or(reader, section, "stiffness", quantity::GROUND_STIFFNESS, STIFFNESS);
+    let stiffness = || number_or(reader, section, "stiffness", quantity::GROUND_STIFFNESS, STIFFNESS);
     Ok(match reader.kind(section)? {
         "skilled" => AgentChoice::Skilled {
             stiffness: stiffness()?,
-            damping: or(reader, section, "damping", quantity::DAMPING, 0.0)?,
+            damping: number_or(reader, section, "damping", quantity::DAMPING, 0.0)?,
         },
         "blurred" => AgentChoice::Blurred {
             stiffness: stiffness()?,
             spots: Spots {
                 count: reader.get(section, "spots").map_or(Ok(SPOTS.count as i64), |entry| {
-                    entry.whole("the number of spots", 1, Spots::MAX_COUNT as i64)
+                    entry.whole_number("the number of spots", 1, Spots::MAX_COUNT as i64)
                 })? as usize,
-                velocity: or(reader, section, "spot_velocity", quantity::SPEED, SPOTS.velocity)?,
-                lifetime: or(reader, section, "spot_lifetime", quantity::LIFETIME, SPOTS.lifetime)?,
+                velocity: number_or(reader, section, "spot_velocity", quantity::SPEED, SPOTS.velocity)?,
+                lifetime: number_or(reader, section, "spot_lifetime", quantity::LIFETIME, SPOTS.lifetime)?,
             },
         },
-        _ => AgentChoice::Python(python(reader, section, "class", "agents:Patient")?),
+        _ => AgentChoice::Python(read_python_object(reader, section, "class", "agents:Patient")?),
     })
 }
 
-fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
+fn read_task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {
-        return Ok(Task::Python(python(reader, "task", "function", "targets:circle")?));
+        return Ok(Task::Python(read_python_object(reader, "task", "function", "targets:circle")?));
     }
     Ok(Task::FigureEight {
-        amplitude: reader
-            .get("task", "amplitude")
-            .map_or(Ok(amplitude), |entry| Ok(entry.two(quantity::AMPLITUDE, false)?.map(|v| v + 0.0)))?,
-        angular_frequency: or(
+        amplitude: reader.get("task", "amplitude").map_or(Ok(amplitude), |entry| {
+            Ok(entry.two_numbers(quantity::AMPLITUDE, false)?.map(|v| v + 0.0))
+        })?,
+        angular_frequency: number_or(
             reader,
             "task",
             "angular_frequency",

@@ -50,10 +50,10 @@ use crate::error::Result;
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
 use crate::verdicts::{Network, OperatorRange};
-use network::network;
-use operator::operator;
+use network::read_network;
+use operator::read_operator;
 use reader::Reader;
-use robot::{RobotSection, robots};
+use robot::{RobotSection, read_robots};
 
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
@@ -133,12 +133,12 @@ impl Study {
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
         let reader = Reader::new(text)?;
-        let [(robot1, section1), (robot2, section2)] = robots(&reader)?;
+        let [(robot1, section1), (robot2, section2)] = read_robots(&reader)?;
         let axes = robot1.axes().len();
-        let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
+        let ranges = [read_operator(&reader, "operator1", axes)?, read_operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
         let operators = ranges.each_ref().map(OperatorRange::middle);
-        let stiffness = reader.need("coupling", "stiffness", "N/m", "20.0")?;
+        let stiffness = reader.require("coupling", "stiffness", "N/m", "20.0")?;
         let stiffness = stiffness.number(quantity::STIFFNESS, "a number")?;
         let damping = reader.number_or_zero("coupling", "damping", quantity::DAMPING)?;
         let dyad = Dyad::new(robot1, robot2, Some(operators), damping).map_err(|mut error| {
@@ -152,9 +152,9 @@ impl Study {
             dyad,
             operator_ranges: (!single).then_some(ranges),
             stiffness,
-            network: network(&reader)?,
-            setup: laboratory::setup(&reader)?,
-            protocol: protocol::protocol(&reader)?,
+            network: read_network(&reader)?,
+            setup: laboratory::read_setup(&reader)?,
+            protocol: protocol::read_protocol(&reader)?,
         };
         study.check_rehearsal(&reader)?;
         Ok(study)

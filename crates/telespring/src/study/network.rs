@@ -7,8 +7,8 @@ use crate::quantity;
 use crate::verdicts::Network;
 
 /// Reads the network's delays and the timing of both controllers.
-pub(super) fn network(reader: &Reader<'_>) -> Result<Network> {
-    let entry = reader.need("network", "delay", "s, one way", "0.05")?;
+pub(super) fn read_network(reader: &Reader<'_>) -> Result<Network> {
+    let entry = reader.require("network", "delay", "s, one way", "0.05")?;
     let delay = match entry.pair(["forward", "backward"], "or give one number")? {
         Some([forward, backward]) => Delay::new(
             forward.number(quantity::DELAY, "a number")?,

@@ -2,14 +2,14 @@
 
 use super::entry::Span;
 use super::reader::Reader;
-use super::robot::check_count;
+use super::robot::check_axis_count;
 use crate::error::{InvalidInput, Result};
 use crate::model::Operator;
 use crate::quantity;
 use crate::verdicts::OperatorRange;
 
 /// Reads the range of one operator; a section left out is a free handle.
-pub(super) fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
+pub(super) fn read_operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
     let keys = [
         ("mass", quantity::ADDED_MASS),
         ("damping", quantity::DAMPING),
@@ -21,7 +21,7 @@ pub(super) fn operator(reader: &Reader<'_>, section: &str, axes: usize) -> Resul
             None => vec![Span { low: 0.0, high: 0.0 }; axes],
             Some(entry) => {
                 let values = entry.per_axis(quantity, true)?;
-                check_count(&entry, &values, axes)?;
+                check_axis_count(&entry, &values, axes)?;
                 values.spread(axes)
             }
         });

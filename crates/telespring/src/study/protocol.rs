@@ -88,14 +88,14 @@ impl ProtocolChoice {
                 conditions.extend(combinations(stiffness, delay));
             }
             Conditions::Combinations { stiffness, delay } => {
-                let (k, found_delay) = reference(dyad)?;
+                let (k, found_delay) = reference_condition(dyad)?;
                 let multiples = |factors: [f64; 4], unit: f64| factors.map(|factor| factor * unit).to_vec();
                 let stiffness = stiffness.clone().unwrap_or_else(|| multiples(STIFFNESS_FACTORS, k));
                 let delay = delay.clone().unwrap_or_else(|| multiples(DELAY_FACTORS, found_delay));
                 conditions.extend(combinations(&stiffness, &delay));
             }
         }
-        check_count(conditions.len())?;
+        check_condition_count(conditions.len())?;
 
         let rate = 1.0 / sample_period;
         let spans = match task {
@@ -163,7 +163,7 @@ fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
     stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
 }
 
-fn check_count(count: usize) -> Result<()> {
+fn check_condition_count(count: usize) -> Result<()> {
     if (1..=MAX_CONDITIONS).contains(&count) {
         return Ok(());
     }
@@ -177,7 +177,7 @@ fn check_count(count: usize) -> Result<()> {
 
 /// K and Δ of Eq. 11 by the exact criteria, on free handles: the smallest critical stiffness of any axis,
 /// and the smallest delay at which twice that stiffness is unstable on any.
-fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
+fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     let [one, two] = dyad.robots();
     let axes = (0..one.mass().len())
         .map(|i| DyadAxis::new(one.mass()[i], one.damping()[i], two.mass()[i], two.damping()[i]))
@@ -205,7 +205,7 @@ fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
     ))
 }
 
-pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
+pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     const HERE: &str = "protocol";
     let paper = ProtocolChoice::paper();
     let number = |key: &str, quantity: quantity::Quantity| {
@@ -213,11 +213,11 @@ pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     };
     let flag = |key: &str, default: bool| reader.get(HERE, key).map_or(Ok(default), |entry| entry.boolean());
     let whole = |key: &str, what: &str, least: i64, most: i64, default: i64| {
-        reader.get(HERE, key).map_or(Ok(default), |entry| entry.whole(what, least, most))
+        reader.get(HERE, key).map_or(Ok(default), |entry| entry.whole_number(what, least, most))
     };
     Ok(ProtocolChoice {
         unconnected: flag("unconnected", paper.unconnected)?,
-        conditions: conditions(reader)?,
+        conditions: read_conditions(reader)?,
         trials: whole("trials", "the number of trials", 1, MAX_TRIALS, paper.trials as i64)? as usize,
         duration: number("duration", quantity::TRIAL_DURATION)?,
         discard: number("discard", quantity::SPAN_OF_TRIAL)?,
@@ -230,22 +230,22 @@ pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     })
 }
 
-fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
-    let stiffness = list(reader, "stiffness", quantity::STIFFNESS)?;
-    let delay = list(reader, "delay", quantity::DELAY)?;
+fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
+    let stiffness = read_number_list(reader, "stiffness", quantity::STIFFNESS)?;
+    let delay = read_number_list(reader, "delay", quantity::DELAY)?;
     let Some(entry) = reader.get("protocol", "conditions") else {
         return Ok(Conditions::Combinations { stiffness, delay });
     };
     if stiffness.is_some() || delay.is_some() {
-        return Err(entry.refuse(
+        return Err(entry.reject(
             "a protocol names either its conditions one by one or lists of stiffness and delay",
             "Remove the one or the other.",
         ));
     }
     let mut listed: Vec<(f64, f64)> = Vec::new();
-    for each in entry.items("conditions")? {
-        let Some([stiffness, delay]) = each.pair(["stiffness", "delay"], "")? else {
-            return Err(each.refuse(
+    for item in entry.items("conditions")? {
+        let Some([stiffness, delay]) = item.pair(["stiffness", "delay"], "")? else {
+            return Err(item.reject(
                 "a condition has a stiffness and a delay",
                 "Write it such as {stiffness = 71.0, delay = 0.05} (N/m and s).",
             ));
@@ -256,21 +256,25 @@ fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
         );
         if listed.contains(&condition) {
             return Err(
-                each.refuse("every condition is named once", "Remove it, or run more trials of each.")
+                item.reject("every condition is named once", "Remove it, or run more trials of each.")
             );
         }
         listed.push(condition);
-        check_count(listed.len())?;
+        check_condition_count(listed.len())?;
     }
     Ok(Conditions::Listed(listed))
 }
 
 /// A list of numbers, each once.
-fn list(reader: &Reader<'_>, key: &str, quantity: quantity::Quantity) -> Result<Option<Vec<f64>>> {
+fn read_number_list(
+    reader: &Reader<'_>,
+    key: &str,
+    quantity: quantity::Quantity,
+) -> Result<Option<Vec<f64>>> {
     let Some(entry) = reader.get("protocol", key) else { return Ok(None) };
     let items = entry.items("numbers")?;
     if items.is_empty() {
-        return Err(entry.refuse(
+        return Err(entry.reject(
             "a list of one number or more is needed",
             "Write conditions = [] to run the unconnected condition only.",
         ));
@@ -279,10 +283,10 @@ fn list(reader: &Reader<'_>, key: &str, quantity: quantity::Quantity) -> Result<
     for item in items {
         let value = item.number(quantity, "a number")? + 0.0;
         if values.contains(&value) {
-            return Err(item.refuse("every value is named once", "Remove it."));
+            return Err(item.reject("every value is named once", "Remove it."));
         }
         values.push(value);
-        check_count(values.len())?;
+        check_condition_count(values.len())?;
     }
     Ok(Some(values))
 }

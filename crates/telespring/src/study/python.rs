@@ -40,14 +40,19 @@ fn is_identifier(word: &str) -> bool {
         && letters.all(|letter| letter.is_alphanumeric() || letter == '_')
 }
 
-pub(super) fn python(reader: &Reader<'_>, section: &str, key: &str, like: &str) -> Result<PythonObject> {
-    let entry = reader.need(section, key, "", &format!("\"{like}\""))?;
+pub(super) fn read_python_object(
+    reader: &Reader<'_>,
+    section: &str,
+    key: &str,
+    like: &str,
+) -> Result<PythonObject> {
+    let entry = reader.require(section, key, "", &format!("\"{like}\""))?;
     let path = entry.text()?;
     let well_formed = path.split_once(':').is_some_and(|(module, name)| {
         [module, name].iter().all(|dotted| dotted.split('.').all(is_identifier))
     });
     if !well_formed {
-        return Err(entry.refuse(
+        return Err(entry.reject(
             "a module and a name in it are needed, with a colon between them",
             format!("Write it such as \"{like}\"."),
         ));
@@ -56,20 +61,20 @@ pub(super) fn python(reader: &Reader<'_>, section: &str, key: &str, like: &str) 
     if let Some(entry) = reader.get(section, "options") {
         for (name, value) in entry.members()? {
             if !is_identifier(&name) {
-                return Err(value.refuse(
+                return Err(value.reject(
                     "an option's name is made of letters, digits and _, and begins with no digit",
                     "Rename it as the Python code calls it.",
                 ));
             }
-            options.insert(name, option(&value)?);
+            options.insert(name, read_option(&value)?);
         }
     }
     Ok(PythonObject { path, options })
 }
 
-fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
+fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     let refused = |remedy: &str| {
-        entry.refuse("an option is a finite number, a text, true, false or a list of these", remedy)
+        entry.reject("an option is a finite number, a text, true, false or a list of these", remedy)
     };
     match entry.value() {
         DeValue::Boolean(value) => Ok(OptionValue::Boolean(*value)),
@@ -86,7 +91,7 @@ fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
             .ok_or_else(|| refused("Replace it by a finite number.")),
         DeValue::Array(_) => {
             let items = entry.items("values")?;
-            Ok(OptionValue::List(items.iter().map(option).collect::<Result<_>>()?))
+            Ok(OptionValue::List(items.iter().map(read_option).collect::<Result<_>>()?))
         }
         _ => Err(refused("Write the name with one value.")),
     }

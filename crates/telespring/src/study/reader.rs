@@ -4,7 +4,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::entry::Entry;
-use super::keys::{Keys, REHEARSAL, SECTIONS, as_written};
+use super::keys::{Keys, REHEARSAL, SECTIONS, toml_key};
 use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
@@ -64,17 +64,17 @@ impl<'a> Reader<'a> {
                     sections.iter().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(", ")
                 );
                 let unknown = UnknownKey {
-                    field: &as_written(name),
+                    field: &toml_key(name),
                     key: name,
                     position: key.span().start,
                     section: None,
                     allowed,
                     keys: &top,
                 };
-                return Err(self.source.refuse_unknown_key(unknown, value));
+                return Err(self.source.reject_unknown_key(unknown, value));
             };
             let Some(section) = value.get_ref().as_table() else {
-                return Err(self.source.refuse(
+                return Err(self.source.reject(
                     name,
                     value,
                     format!("[{name}] is a section with the keys {}", keys.all().join(", ")),
@@ -90,7 +90,7 @@ impl<'a> Reader<'a> {
         if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
             entry.choice(kinds)?;
         }
-        let (known, kind) = keys.of(section);
+        let (known, kind) = keys.allowed_in(section);
         for (key, value) in section {
             let word = key.get_ref().as_ref();
             if known.contains(&word) {
@@ -102,15 +102,15 @@ impl<'a> Reader<'a> {
                 None => format!("[{name}] has the keys {}", known.join(", ")),
             };
             let unknown = UnknownKey {
-                field: &format!("{name}.{}", as_written(word)),
+                field: &format!("{name}.{}", toml_key(word)),
                 key: word,
                 position,
                 section: Some(name),
                 allowed,
                 keys: known,
             };
-            let mut refusal = self.source.refuse_unknown_key(unknown, value);
-            if let Some(other) = keys.kind_with(word) {
+            let mut refusal = self.source.reject_unknown_key(unknown, value);
+            if let Some(other) = keys.kind_with_key(word) {
                 refusal.remedy =
                     format!("It belongs to kind = \"{other}\": name that kind, or remove the key.");
                 refusal = self.source.with_line(refusal, position);
@@ -136,7 +136,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A refusal of a whole section.
-    pub fn refuse_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
+    pub fn reject_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
         let position = self.table.get(section).map_or(0, |value| value.span().start);
         self.source.with_line(InvalidInput::new(section, "a section", allowed, remedy), position)
     }
@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A refusal by its dotted field, put to the line of that key, or of its section.
-    pub fn locate(&self, error: InvalidInput) -> InvalidInput {
+    pub fn with_line_of_field(&self, error: InvalidInput) -> InvalidInput {
         let mut parts = error.field.splitn(2, '.');
         let section = parts.next().unwrap_or_default();
         let key: String =
@@ -183,7 +183,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A key of a section that must be there; `like` is an example of it.
-    pub fn need(&self, section: &str, key: &str, unit: &str, example: &str) -> Result<Entry<'_, 'a>> {
+    pub fn require(&self, section: &str, key: &str, unit: &str, example: &str) -> Result<Entry<'_, 'a>> {
         self.get(section, key).ok_or_else(|| {
             let missing = |remedy: String| InvalidInput::missing(format!("{section}.{key}"), unit, remedy);
             match self.table.get(section) {

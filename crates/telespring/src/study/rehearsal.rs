@@ -69,7 +69,7 @@ impl Study {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn laboratory(&self) -> Result<rig::Laboratory> {
-        self.require_plane()?;
+        self.check_planar()?;
         let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Station {
             handle: rig::Handle {
@@ -118,11 +118,11 @@ impl Study {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn protocol(&self) -> Result<rig::Protocol> {
-        self.require_plane()?;
+        self.check_planar()?;
         self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
     }
 
-    fn require_plane(&self) -> Result<()> {
+    fn check_planar(&self) -> Result<()> {
         if self.is_planar() {
             return Ok(());
         }
@@ -138,7 +138,7 @@ impl Study {
     pub(super) fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
         let Some(section) = reader.rehearsal_section() else { return Ok(()) };
         if !self.is_planar() {
-            return Err(reader.refuse_section(
+            return Err(reader.reject_section(
                 section,
                 format!(
                     "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have {:?}",
@@ -147,13 +147,13 @@ impl Study {
                 "Remove the section, or give both robots these axes.",
             ));
         }
-        let mut laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
+        let mut laboratory = self.laboratory().map_err(|error| reader.with_line_of_field(error))?;
         if matches!(laboratory.target, rig::Target::Sampled(_)) {
             // a target of Python has no samples yet; all else is checked
             laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };
         }
-        laboratory.check().map_err(|error| reader.locate(error))?;
-        self.protocol().map_err(|error| reader.locate(error))?;
+        laboratory.check().map_err(|error| reader.with_line_of_field(error))?;
+        self.protocol().map_err(|error| reader.with_line_of_field(error))?;
         Ok(())
     }
 }

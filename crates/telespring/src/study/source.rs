@@ -45,7 +45,7 @@ impl Source<'_> {
     }
 
     /// Refuses a value of the file and names its line.
-    pub fn refuse(
+    pub fn reject(
         &self,
         field: &str,
         value: &Spanned<DeValue<'_>>,
@@ -67,7 +67,7 @@ impl Source<'_> {
     }
 
     /// Refuses an unknown key: names the section it belongs to, else the nearest known key.
-    pub fn refuse_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
+    pub fn reject_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
         let UnknownKey { field, key, position, section, allowed, keys } = unknown;
         let home = SECTIONS
             .iter()

@@ -29,7 +29,7 @@ pub use paper::PaperVerdict;
 pub use sampled::sampled_spectral_radius;
 pub use sampled_roots::{SampledCertificate, SampledSpectrum};
 
-use operators::{Examined, OperatorBox};
+use operators::{ExaminedTiers, OperatorBox};
 
 use crate::criteria::{maximum_delay, minimum_damping};
 use crate::error::{InvalidInput, Result};
@@ -247,7 +247,7 @@ pub fn verdicts(
     let mut operators_examined = 0;
     for index in 0..count {
         let region = OperatorBox::new(dyad, operators, index);
-        let examined = operators::examine(&region, network, k)?;
+        let examined = operators::examine_tiers(&region, network, k)?;
         operators_examined = operators_examined.max(examined.count);
         axes.push(axis_verdict(dyad, index, &region, &examined, network, k, &mut remedies)?);
     }
@@ -269,8 +269,8 @@ pub fn verdicts(
         sampled_stable: (network.sample_period() > 0.0)
             .then(|| axes.iter().all(|axis| axis.sampled.is_some_and(|sampled| sampled.is_stable()))),
         paper,
-        stiffness_allowed: allowed(&tiers, sampled_bound, false),
-        stiffness_allowed_behind_buffer: allowed(&tiers, sampled_bound, true),
+        stiffness_allowed: largest_allowed(&tiers, sampled_bound, false),
+        stiffness_allowed_behind_buffer: largest_allowed(&tiers, sampled_bound, true),
         delay_budget: network.budget(),
         axes,
         operators_examined,
@@ -299,7 +299,7 @@ fn axis_verdict(
     dyad: &Dyad,
     index: usize,
     region: &OperatorBox,
-    examined: &Examined,
+    examined: &ExaminedTiers,
     network: &Network,
     k: f64,
     remedies: &mut Remedies,
@@ -435,7 +435,7 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
 }
 
 /// The largest bound over the tiers whose assumption holds.
-fn allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
+fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
     tiers
         .iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)

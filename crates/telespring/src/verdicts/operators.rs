@@ -103,7 +103,7 @@ pub struct OperatorPoint {
 }
 
 /// Both operators in six numbers: mass, damping, stiffness of the first, then of the second.
-type Six = [f64; 6];
+type OperatorPair = [f64; 6];
 
 /// The box of both operators on one axis, with the robots they hold.
 pub(super) struct OperatorBox {
@@ -139,7 +139,7 @@ impl OperatorBox {
     }
 
     /// The axis held by these operators.
-    pub fn axis(&self, at: &Six) -> DyadAxis {
+    pub fn axis(&self, at: &OperatorPair) -> DyadAxis {
         let side = |i: usize| Side {
             mass: self.robots[i].mass + at[3 * i],
             damping: self.robots[i].damping + at[3 * i + 1],
@@ -149,7 +149,7 @@ impl OperatorBox {
     }
 
     /// The grid with `levels` values on each side that has a length; its corners with 2.
-    fn grid(&self, levels: usize) -> Vec<Six> {
+    fn grid(&self, levels: usize) -> Vec<OperatorPair> {
         let mut points = vec![[0.0; 6]];
         for (dimension, [low, high]) in self.ends.iter().enumerate() {
             let count = if low == high { 1 } else { levels };
@@ -169,18 +169,18 @@ impl OperatorBox {
     }
 
     /// The corners of the box.
-    pub fn corners(&self) -> Vec<Six> {
+    pub fn corners(&self) -> Vec<OperatorPair> {
         self.grid(2)
     }
 
     /// The most mass with the least damping and stiffness: the worst of tiers 1 and 2 in closed form.
-    fn limpest(&self) -> Six {
+    fn weakest_corner(&self) -> OperatorPair {
         let [m1, b1, k1, m2, b2, k2] = self.ends;
         [m1[1], b1[0], k1[0], m2[1], b2[0], k2[0]]
     }
 }
 
-pub(super) fn as_operators(at: &Six) -> [OperatorPoint; 2] {
+pub(super) fn operator_points(at: &OperatorPair) -> [OperatorPoint; 2] {
     [0, 3].map(|i| OperatorPoint { mass: at[i], damping: at[i + 1], stiffness: at[i + 2] })
 }
 
@@ -198,31 +198,31 @@ pub struct AxisTier {
 }
 
 /// All tiers on one axis and how many pairs of operators were examined.
-pub(super) struct Examined {
+pub(super) struct ExaminedTiers {
     pub tiers: [AxisTier; 4],
-    pub worst_constant: Six,
+    pub worst_constant: OperatorPair,
     pub count: usize,
 }
 
-fn keeps(bound: f64, attained: bool, k: f64) -> bool {
+fn is_within(bound: f64, attained: bool, k: f64) -> bool {
     k < bound || (attained && k == bound)
 }
 
 /// Tier 1: exact at the limpest corner for continuous controllers; sampled ones see every corner.
-fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
-    let limpest = region.limpest();
+fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
+    let weakest = region.weakest_corner();
     let corners = region.corners();
     let none = AxisTier {
         stiffness_bound: None,
         attained: false,
         satisfied: false,
-        operators: as_operators(&limpest),
+        operators: operator_points(&weakest),
     };
-    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&limpest), network)
+    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&weakest), network)
     else {
         return none;
     };
-    let mut worst = limpest;
+    let mut worst = weakest;
     for corner in corners {
         let axis = region.axis(&corner);
         // One gain decides whether a sampled, grounded corner can be worse at all.
@@ -244,14 +244,14 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     AxisTier {
         stiffness_bound: Some(bound),
         attained,
-        satisfied: keeps(bound, attained, k),
-        operators: as_operators(&worst),
+        satisfied: is_within(bound, attained, k),
+        operators: operator_points(&worst),
     }
 }
 
 /// Tier 2: the least damping, exactly.
-fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
-    let worst = region.limpest();
+fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
+    let worst = region.weakest_corner();
     let damping = region.axis(&worst).sides.map(|side| side.damping);
     let bound = (region.coupling_damping == 0.0).then(|| {
         bounded_delay::stiffness_bound(damping, network.oldest_partner_sample(), network.oldest_own_sample())
@@ -260,7 +260,7 @@ fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         stiffness_bound: bound,
         attained: false,
         satisfied: bound.is_some_and(|bound| k < bound),
-        operators: as_operators(&worst),
+        operators: operator_points(&worst),
     }
 }
 
@@ -274,8 +274,13 @@ fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
 }
 
 /// Tiers 3 and 4: a grid through the box, corners included, then a pattern search from its worst point.
-fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Result<(AxisTier, Six, usize)> {
-    let bound = |at: &Six| -> Result<f64> {
+fn constant_delay_tier(
+    region: &OperatorBox,
+    tier: Tier,
+    delay: f64,
+    k: f64,
+) -> Result<(AxisTier, OperatorPair, usize)> {
+    let bound = |at: &OperatorPair| -> Result<f64> {
         let axis = region.axis(at);
         if tier == Tier::AnyConstantDelay {
             Ok(critical_stiffness(&axis))
@@ -283,14 +288,14 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
             maximum_stiffness(&axis, delay)
         }
     };
-    let holds = |at: &Six, bound: f64| -> Result<bool> {
+    let holds = |at: &OperatorPair, bound: f64| -> Result<bool> {
         let axis = region.axis(at);
         if k < bound {
             return Ok(true);
         }
         if tier == Tier::AnyConstantDelay {
             // Grounded handles may have bands above the first stiffness that some delay destabilises.
-            Ok(keeps(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
+            Ok(is_within(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
         } else {
             // Above the bound the delay may lie in a later stable interval.
             Ok(is_in_any(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
@@ -337,18 +342,22 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
         }
     }
     let attained = tier == Tier::AnyConstantDelay && is_attained(&region.axis(&worst.0), worst.1);
-    let verdict =
-        AxisTier { stiffness_bound: Some(worst.1), attained, satisfied, operators: as_operators(&worst.0) };
+    let verdict = AxisTier {
+        stiffness_bound: Some(worst.1),
+        attained,
+        satisfied,
+        operators: operator_points(&worst.0),
+    };
     Ok((verdict, worst.0, count))
 }
 
 /// All four tiers on one axis.
-pub(super) fn examine(region: &OperatorBox, network: &Network, k: f64) -> Result<Examined> {
+pub(super) fn examine_tiers(region: &OperatorBox, network: &Network, k: f64) -> Result<ExaminedTiers> {
     let delay = network.buffered_mean();
-    let (third, _, third_count) = constant_delay(region, Tier::AnyConstantDelay, delay, k)?;
-    let (fourth, worst_constant, fourth_count) = constant_delay(region, Tier::ConstantDelay, delay, k)?;
-    Ok(Examined {
-        tiers: [any_network(region, network, k), bounded_delay(region, network, k), third, fourth],
+    let (third, _, third_count) = constant_delay_tier(region, Tier::AnyConstantDelay, delay, k)?;
+    let (fourth, worst_constant, fourth_count) = constant_delay_tier(region, Tier::ConstantDelay, delay, k)?;
+    Ok(ExaminedTiers {
+        tiers: [any_network_tier(region, network, k), bounded_delay_tier(region, network, k), third, fourth],
         worst_constant,
         count: third_count.max(fourth_count),
     })

@@ -27,7 +27,7 @@ pub(super) struct SampledCharacteristic {
     pub deflated: bool,
 }
 
-fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
+fn multiply_polynomials(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; a.len() + b.len() - 1];
     for (i, x) in a.iter().enumerate() {
         for (j, y) in b.iter().enumerate() {
@@ -38,7 +38,7 @@ fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// Value and derivative of a polynomial, constant term first.
-fn evaluate(polynomial: &[f64], w: Complex64) -> (Complex64, Complex64) {
+fn evaluate_polynomial(polynomial: &[f64], w: Complex64) -> (Complex64, Complex64) {
     let zero = Complex64::ZERO;
     polynomial
         .iter()
@@ -57,8 +57,8 @@ impl SampledCharacteristic {
                 sides.iter().map(|side| side.numerator(stiffness, axis.coupling_damping)).collect(),
             ]
         };
-        let mut undelayed = multiply(&q[0], &q[1]);
-        for product in [multiply(&q[0], &n[1]), multiply(&q[1], &n[0])] {
+        let mut undelayed = multiply_polynomials(&q[0], &q[1]);
+        for product in [multiply_polynomials(&q[0], &n[1]), multiply_polynomials(&q[1], &n[0])] {
             for (sum, part) in undelayed.iter_mut().zip(product) {
                 *sum += part;
             }
@@ -71,7 +71,7 @@ impl SampledCharacteristic {
         let [forward, backward] = network.whole_ticks();
         Self {
             undelayed,
-            delayed: multiply(&n[0], &n[1]),
+            delayed: multiply_polynomials(&n[0], &n[1]),
             ticks: (forward + backward) as f64,
             period: network.sample_period(),
             deflated,
@@ -81,8 +81,8 @@ impl SampledCharacteristic {
     /// Value and derivative by s.
     pub fn value_and_derivative(&self, s: Complex64) -> (Complex64, Complex64) {
         let w = exp_m1(s * self.period);
-        let (c, c_slope) = evaluate(&self.undelayed, w);
-        let (b, b_slope) = evaluate(&self.delayed, w);
+        let (c, c_slope) = evaluate_polynomial(&self.undelayed, w);
+        let (b, b_slope) = evaluate_polynomial(&self.delayed, w);
         let (e, e_slope) = self.delay_factor(s, w);
         let slope = c_slope + b_slope * e + b * e_slope;
         (c + b * e, slope * (w + 1.0) * self.period)

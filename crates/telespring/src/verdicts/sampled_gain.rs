@@ -9,8 +9,8 @@ use crate::model::DyadAxis;
 /// Without a coupling damper this is where the two slow poles of the local loop stop being real and
 /// positive: up to there its response to the partner is a weighted mean of the partner's past.
 pub(super) fn free_stiffness(sides: &[SampledPlant; 2], damper: f64) -> f64 {
-    if sides[0].computes {
-        return sides.iter().map(breakaway).fold(f64::INFINITY, f64::min);
+    if sides[0].has_computing_time {
+        return sides.iter().map(breakaway_stiffness).fold(f64::INFINITY, f64::min);
     }
     largest_holding(|k| sides.iter().all(|side| keeps_hull(side, k, damper)))
 }
@@ -41,7 +41,7 @@ fn keeps_hull(side: &SampledPlant, stiffness: f64, damper: f64) -> bool {
 /// On E < z < 1 (E = e^(−Bh/M), the velocity's pole) a real pole lies at z for k = −z p(z)/n(z). This is
 /// 0 at both ends and log-concave between (n has only zeros left of 0), so its one maximum is the bound.
 /// The third pole stays small and negative; with it the response still has no negative sample.
-fn breakaway(side: &SampledPlant) -> f64 {
+fn breakaway_stiffness(side: &SampledPlant) -> f64 {
     let lost = -side.change[1][1];
     if lost == 0.0 {
         return 0.0;
@@ -93,7 +93,7 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
 /// A matrix of the sampled local loop on (position, velocity, previous force).
 type Loop = [[f64; 3]; 3];
 
-fn product(a: &Loop, b: &Loop) -> Loop {
+fn loop_product(a: &Loop, b: &Loop) -> Loop {
     a.map(|row| {
         let mut out = [0.0; 3];
         for (weight, line) in row.iter().zip(b) {
@@ -126,7 +126,7 @@ pub(super) fn sampled_gain(side: &SampledPlant, stiffness: f64) -> f64 {
         if powers.len() > 60 || !row_sum_norm(last).is_finite() {
             return f64::INFINITY;
         }
-        powers.push(product(last, last));
+        powers.push(loop_product(last, last));
     }
     let mut state = [new[0], new[1], 1.0];
     let mut row = [1.0, 0.0, 0.0];

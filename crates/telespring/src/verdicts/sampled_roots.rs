@@ -1,4 +1,4 @@
-//! The slowest multiplier of a sampled axis, found by counting the multipliers outside circles.
+//! The slowest multiplier of a sampled axis, next_places by counting the multipliers outside circles.
 //!
 //! The search runs in s = ln(z)/h and bisects on the count, so that a delay of 100 s at 1 kHz costs
 //! milliseconds and no multiplier is missed.
@@ -87,15 +87,15 @@ impl SampledCharacteristic {
             let rate = if outside == 0 { (-reach).max(self.deepest_rate()) } else { reach };
             match self.count_right_of(rate, scale) {
                 Some((0, _)) if outside == 0 => high = rate,
-                Some((_, found)) if outside == 0 => {
-                    (low, places) = (rate, found);
+                Some((_, next_places)) if outside == 0 => {
+                    (low, places) = (rate, next_places);
                     break;
                 }
                 Some((0, _)) => {
                     high = rate;
                     break;
                 }
-                Some((_, found)) => (low, places) = (rate, found),
+                Some((_, next_places)) => (low, places) = (rate, next_places),
                 None => return incomplete(Complex64::from(high.max(low))),
             }
             if rate <= self.deepest_rate() {
@@ -108,8 +108,8 @@ impl SampledCharacteristic {
                 let beside = root.re + (1e-9 * (scale + root.norm())).max(10.0 * error);
                 match contour::count_outside_circle(self, beside) {
                     Ok((0, _)) => return (root, SampledCertificate::Complete),
-                    Ok((_, found)) => {
-                        (low, places) = (beside, found);
+                    Ok((_, next_places)) => {
+                        (low, places) = (beside, next_places);
                         high = high.max(low);
                     }
                     Err(_) => return incomplete(root),
@@ -121,7 +121,7 @@ impl SampledCharacteristic {
             }
             match self.count_right_of(middle, scale) {
                 Some((0, _)) => high = middle,
-                Some((_, found)) => (low, places) = (middle, found),
+                Some((_, next_places)) => (low, places) = (middle, next_places),
                 None => break,
             }
         }

@@ -19,21 +19,21 @@ pub(super) struct SampledPlant {
     /// Γ_old: the effect of the previous force, which acts until the computing time is over.
     pub old_force: [f64; 2],
     /// True where a computing time makes the previous force act at all.
-    pub computes: bool,
+    pub has_computing_time: bool,
 }
 
 impl SampledPlant {
     /// The side over one period (s), the force switching `computing_time` (s) after the tick.
     pub fn new(side: &Side, period: f64, computing_time: f64) -> Self {
-        let (change, whole) = advance(side, period);
+        let (change, whole) = exact_step(side, period);
         if computing_time == 0.0 {
-            return Self { change, new_force: whole, old_force: [0.0; 2], computes: false };
+            return Self { change, new_force: whole, old_force: [0.0; 2], has_computing_time: false };
         }
-        let (late_change, new_force) = advance(side, period - computing_time);
-        let (_, early) = advance(side, computing_time);
+        let (late_change, new_force) = exact_step(side, period - computing_time);
+        let (_, early) = exact_step(side, computing_time);
         let old_force =
             [0, 1].map(|row| early[row] + late_change[row][0] * early[0] + late_change[row][1] * early[1]);
-        Self { change, new_force, old_force, computes: true }
+        Self { change, new_force, old_force, has_computing_time: true }
     }
 
     /// The characteristic polynomial of the side alone in w, constant term first; with a computing time
@@ -41,7 +41,7 @@ impl SampledPlant {
     pub fn denominator(&self) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         let plant = [a * d - b * c, -(a + d), 1.0];
-        if self.computes { times_z(&plant) } else { plant.to_vec() }
+        if self.has_computing_time { multiply_by_z(&plant) } else { plant.to_vec() }
     }
 
     /// The numerator in w of stiffness × position + damping × velocity, per force.
@@ -52,10 +52,10 @@ impl SampledPlant {
             [stiffness * (b * v - d * x) + damping * (c * x - a * v), stiffness * x + damping * v]
         };
         let now = read(self.new_force);
-        if !self.computes {
+        if !self.has_computing_time {
             return now.to_vec();
         }
-        let mut numerator = times_z(&now);
+        let mut numerator = multiply_by_z(&now);
         for (sum, part) in numerator.iter_mut().zip(read(self.old_force)) {
             *sum += part;
         }
@@ -64,7 +64,7 @@ impl SampledPlant {
 }
 
 /// A polynomial in w times z = 1 + w.
-fn times_z(polynomial: &[f64]) -> Vec<f64> {
+fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; polynomial.len() + 1];
     for (i, &coefficient) in polynomial.iter().enumerate() {
         product[i] += coefficient;
@@ -74,7 +74,7 @@ fn times_z(polynomial: &[f64]) -> Vec<f64> {
 }
 
 /// e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ: a Taylor series over a short span, doubled up to t.
-fn advance(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
+fn exact_step(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
     let damping = side.damping / side.mass;
     let spring = side.ground_stiffness / side.mass;
     let speed = damping.max(spring.sqrt());

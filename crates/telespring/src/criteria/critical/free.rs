@@ -3,7 +3,7 @@
 use crate::model::DyadAxis;
 
 /// The critical stiffness, from the largest compliance q = 1/k at which F touches zero.
-pub(super) fn critical(axis: &DyadAxis) -> f64 {
+pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
     let [first, second] = &axis.sides;
     let c = axis.coupling_damping;
     let (m1, m2) = (first.mass, second.mass);
@@ -14,10 +14,10 @@ pub(super) fn critical(axis: &DyadAxis) -> f64 {
     if !at_rest.is_finite() || c == 0.0 && d1 * d2 == 0.0 {
         return 0.0;
     }
-    let curve = Touching { m1, m2, d1, d2, g: c * c };
+    let curve = TangencyCurve { m1, m2, d1, d2, g: c * c };
 
     // There F/y² is a quadratic; two positive roots mean that F < 0 between them, already now.
-    let [a2, a3, a4] = curve.quadratic(at_rest);
+    let [a2, a3, a4] = curve.quadratic_coefficients(at_rest);
     let discriminant = a3 * a3 - 4.0 * a4 * a2;
     if a2 >= 0.0 && (a3 >= 0.0 || discriminant <= 0.0) {
         return 1.0 / at_rest;
@@ -27,12 +27,12 @@ pub(super) fn critical(axis: &DyadAxis) -> f64 {
     // A vanishing lower end stands for the limit y → 0, where the compliance is `at_rest`.
     let near = (a2 / (a4 * far)).max(1e-9 * far);
     let middle = ((a3 * a3 - 3.0 * a4 * a2).sqrt() - a3) / (3.0 * a4);
-    let largest = curve.tangency(middle, near, far);
+    let largest = curve.tangent_compliance(middle, near, far);
     1.0 / largest.unwrap_or_else(|| curve.largest_compliance(near, far)).max(at_rest)
 }
 
 /// The curve F(y; q) = 0 over y = ω²/k, with q = 1/k.
-struct Touching {
+struct TangencyCurve {
     m1: f64,
     m2: f64,
     /// bᵢ² + 2 bᵢ c.
@@ -42,9 +42,9 @@ struct Touching {
     g: f64,
 }
 
-impl Touching {
+impl TangencyCurve {
     /// The coefficients of y², y³ and y⁴ of F at the compliance q.
-    fn quadratic(&self, q: f64) -> [f64; 3] {
+    fn quadratic_coefficients(&self, q: f64) -> [f64; 3] {
         let (f1, f2) = (self.d1 * q - 2.0 * self.m1, self.d2 * q - 2.0 * self.m2);
         let g = self.g * q;
         let (s1, s2) = (self.m1 * self.m1, self.m2 * self.m2);
@@ -67,12 +67,12 @@ impl Touching {
     /// The compliance at which F only touches zero, by Newton's iteration in y and q on G = F/y and
     /// ∂G/∂y from the curve at `y`; None where it does not settle between `near` and `far` within a
     /// few steps. Between them the compliance has but one stationary point, its maximum.
-    fn tangency(&self, mut y: f64, near: f64, far: f64) -> Option<f64> {
+    fn tangent_compliance(&self, mut y: f64, near: f64, far: f64) -> Option<f64> {
         let (s1, s2) = (self.m1 * self.m1, self.m2 * self.m2);
         let mut q = self.compliance(y);
         for _ in 0..8 {
             let (f1, f2) = (self.d1 * q - 2.0 * self.m1, self.d2 * q - 2.0 * self.m2);
-            let [a2, a3, a4] = self.quadratic(q);
+            let [a2, a3, a4] = self.quadratic_coefficients(q);
             // derivatives of the coefficients by q
             let by_q1 = self.d1 + self.d2;
             let by_q2 = self.d1 * f2 + self.d2 * f1 + self.g * (f1 + f2 + q * by_q1);
@@ -104,7 +104,7 @@ impl Touching {
         // Anderson–Björck weight finds its zero. An error ε in y costs only ε² in q.
         let slope = |y: f64| {
             let q = self.compliance(y);
-            let [a2, a3, a4] = self.quadratic(q);
+            let [a2, a3, a4] = self.quadratic_coefficients(q);
             (a2 + y * (2.0 * a3 + y * 3.0 * a4), q)
         };
         let (mut older, mut newer) = (near, far);

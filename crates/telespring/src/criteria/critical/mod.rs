@@ -40,5 +40,5 @@ pub fn is_delay_independent(axis: &DyadAxis, stiffness: f64) -> Result<bool> {
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn critical_stiffness(axis: &DyadAxis) -> f64 {
-    if axis.is_free() { free::critical(axis) } else { grounded::critical(axis) }
+    if axis.is_free() { free::critical_stiffness(axis) } else { grounded::critical_stiffness(axis) }
 }

@@ -30,7 +30,7 @@ where
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
     /// The first break in `window` that comes through delay `index`, its start left out and its end included.
-    pub(super) fn crossing(
+    pub(super) fn delayed_crossing(
         &mut self,
         index: usize,
         window: &Window<'_>,
@@ -54,17 +54,24 @@ where
                 let time = if last && gap_after.abs() <= slack {
                     window.end
                 } else if !leaving && (gap_before < 0.0) != (gap_after < 0.0) {
-                    self.root(index, window, source.time, (earlier, gap_before), later, &mut scratch)?
+                    self.bisect_crossing(
+                        index,
+                        window,
+                        source.time,
+                        (earlier, gap_before),
+                        later,
+                        &mut scratch,
+                    )?
                 } else {
                     continue;
                 };
-                let found = Discontinuity { time, order: source.order + 1 };
+                let crossing = Discontinuity { time, order: source.order + 1 };
                 first = Some(match first {
                     Some(known) if known.time < time - resolution(time) => known,
                     Some(known) if known.time <= time + resolution(time) => {
-                        Discontinuity { time: known.time, order: known.order.min(found.order) }
+                        Discontinuity { time: known.time, order: known.order.min(crossing.order) }
                     }
-                    _ => found,
+                    _ => crossing,
                 });
             }
             if first.is_some() {
@@ -72,7 +79,7 @@ where
             }
             (before, earlier) = (after, later);
         }
-        Ok(first.filter(|found| found.time > window.start + resolution(window.start)))
+        Ok(first.filter(|crossing| crossing.time > window.start + resolution(window.start)))
     }
 
     /// The argument at `t` in the window.
@@ -94,7 +101,7 @@ where
             StateSource::Unneeded(y) => self.equation.argument(index, t, seen, y),
             StateSource::Attempt(coefficients) => {
                 let theta = (t - window.start) / (window.end - window.start);
-                interpolant::evaluate(coefficients, theta, scratch);
+                interpolant::evaluate_polynomial(coefficients, theta, scratch);
                 self.equation.argument(index, t, seen, scratch)
             }
         }
@@ -102,7 +109,7 @@ where
 
     /// The root of argument = `level` between `low`, given with its gap there, and `high`, by bisection down to
     /// neighbouring numbers: a break is landed on to the last digit, and delays need not be smooth.
-    fn root(
+    fn bisect_crossing(
         &mut self,
         index: usize,
         window: &Window<'_>,

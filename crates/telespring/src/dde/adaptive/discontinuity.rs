@@ -64,20 +64,20 @@ impl Discontinuities {
     ) -> Self {
         let mut discontinuities = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
         // Declared times go in first, so that a propagated one which rounds elsewhere yields to them.
-        for &each in declared.iter().filter(|d| d.time > start.time) {
-            discontinuities.expect(each, resolution(each.time));
+        for &breakpoint in declared.iter().filter(|d| d.time > start.time) {
+            discontinuities.add_pending(breakpoint, resolution(breakpoint.time));
         }
-        let mut past: Vec<_> = declared.iter().copied().filter(|d| d.time < start.time).collect();
-        past.sort_by(|a, b| a.time.total_cmp(&b.time));
-        for each in past {
-            discontinuities.arrive(each, start.time);
+        let mut in_history: Vec<_> = declared.iter().copied().filter(|d| d.time < start.time).collect();
+        in_history.sort_by(|a, b| a.time.total_cmp(&b.time));
+        for breakpoint in in_history {
+            discontinuities.reach(breakpoint, start.time);
         }
-        discontinuities.arrive(start, start.time);
+        discontinuities.reach(start, start.time);
         discontinuities
     }
 
     /// Notes a break ahead, or sharpens the one that is already there.
-    fn expect(&mut self, new: Discontinuity, slack: f64) {
+    fn add_pending(&mut self, new: Discontinuity, slack: f64) {
         if new.time > self.end || new.order > ORDER {
             return;
         }
@@ -91,12 +91,12 @@ impl Discontinuities {
     }
 
     /// The next break that is known to come.
-    pub(super) fn next(&self) -> Option<Discontinuity> {
+    pub(super) fn next_pending(&self) -> Option<Discontinuity> {
         self.pending.first().copied()
     }
 
     /// Records that the solution has reached `here` and sends it on through the constant delays.
-    pub(super) fn arrive(&mut self, here: Discontinuity, start: f64) {
+    pub(super) fn reach(&mut self, here: Discontinuity, start: f64) {
         let done = self.pending.partition_point(|d| d.time <= here.time + resolution(here.time));
         self.pending.drain(..done);
         self.reached.push(here);
@@ -106,7 +106,7 @@ impl Discontinuities {
             // The sum is as uncertain as its larger part, however close to zero it falls.
             let slack = resolution(here.time.abs().max(delay));
             if time > start.max(here.time) + slack {
-                self.expect(Discontinuity { time, order: here.order + 1 }, slack);
+                self.add_pending(Discontinuity { time, order: here.order + 1 }, slack);
             }
         }
     }
@@ -123,7 +123,7 @@ impl Discontinuities {
     }
 
     /// Whether the solution has just reached a break at `time`.
-    pub(super) fn breaks_at(&self, time: f64) -> bool {
+    pub(super) fn has_break_at(&self, time: f64) -> bool {
         self.reached.last().is_some_and(|d| d.time == time)
     }
 
@@ -141,9 +141,9 @@ mod tests {
     fn law_breaks_travel_one_order_smoother_and_end_at_the_method_order() {
         let mut discontinuities = Discontinuities::new(vec![0.5], Discontinuity::jump(0.0), 10.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = discontinuities.next() {
+        while let Some(next) = discontinuities.next_pending() {
             seen.push(next);
-            discontinuities.arrive(next, 0.0);
+            discontinuities.reach(next, 0.0);
         }
         let expected: Vec<_> =
             (1..=ORDER).map(|order| Discontinuity { time: 0.5 * f64::from(order), order }).collect();
@@ -155,9 +155,9 @@ mod tests {
         let mut discontinuities =
             Discontinuities::new(vec![1.0 / 3.0, 0.2], Discontinuity::kink(0.0), 1.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = discontinuities.next() {
+        while let Some(next) = discontinuities.next_pending() {
             seen.push(next.time);
-            discontinuities.arrive(next, 0.0);
+            discontinuities.reach(next, 0.0);
         }
         assert!(seen.windows(2).all(|w| w[1] - w[0] > 1e-3), "{seen:?}");
     }
@@ -167,6 +167,6 @@ mod tests {
         let declared = Discontinuity { time: 0.3, order: 3 };
         let discontinuities =
             Discontinuities::new(vec![0.1 + 0.2], Discontinuity::jump(0.0), 1.0, &[declared]);
-        assert_eq!(discontinuities.next(), Some(Discontinuity { time: 0.3, order: 1 }));
+        assert_eq!(discontinuities.next_pending(), Some(Discontinuity { time: 0.3, order: 1 }));
     }
 }

@@ -114,13 +114,13 @@ where
         self.evaluations += 1;
         let delayed = Delayed { values: delayed, dimension: self.dimension };
         (self.right_hand_side)(t, y, delayed, out).map_err(Interrupt::Callback)?;
-        finite(out)
+        check_finite(out)
     }
 
     /// The history at `t`.
-    pub(super) fn past(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
+    pub(super) fn history_at(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
         (self.history)(t, out).map_err(Interrupt::Callback)?;
-        finite(out)
+        check_finite(out)
     }
 
     /// The argument t − τ of delay `index`. `nominal` is the time of the mesh and `seen` the one that callbacks
@@ -149,7 +149,7 @@ where
     }
 
     /// Judges the state-dependent delays at the end of a step that is to be kept.
-    pub(super) fn judge_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+    pub(super) fn check_state_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
         for index in 0..self.delays.len() {
             if matches!(self.delays[index], DelayKind::State(_)) {
                 let value = t - self.argument(index, t, t, y)?;
@@ -162,7 +162,7 @@ where
     }
 
     /// Whether delay `index` varies with time alone.
-    pub(super) fn is_timed(&self, index: usize) -> bool {
+    pub(super) fn is_time_dependent(&self, index: usize) -> bool {
         matches!(self.delays[index], DelayKind::Time(_))
     }
 
@@ -183,12 +183,12 @@ where
     }
 }
 
-fn finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+fn check_finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
     if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }
 }
 
 /// Refuses constant delays that are negative or no number.
-pub(super) fn check_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
+pub(super) fn check_constant_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
     for (j, delay) in delays.iter().enumerate() {
         if let DelayKind::Constant(value) = delay
             && !(*value >= 0.0 && value.is_finite())

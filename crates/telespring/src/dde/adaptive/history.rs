@@ -10,7 +10,7 @@ const ASIDE: f64 = 4.0 * f64::EPSILON;
 
 /// `t` moved by a few roundings to the later side (`direction` 1) or the earlier one (−1); `scale` speaks for
 /// the unit of time where `t` is near zero.
-pub(super) fn aside(t: f64, direction: f64, scale: f64) -> f64 {
+pub(super) fn offset_by_roundings(t: f64, direction: f64, scale: f64) -> f64 {
     t + direction * ASIDE * t.abs().max(scale)
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Predictor {
 
 impl Predictor {
     pub(super) fn evaluate(&self, t: f64, out: &mut [f64]) {
-        interpolant::evaluate(&self.coefficients, (t - self.origin) / self.width, out);
+        interpolant::evaluate_polynomial(&self.coefficients, (t - self.origin) / self.width, out);
     }
 }
 
@@ -83,7 +83,12 @@ where
     }
 
     /// Prepares the step from the current time to `end`: which side of each jump it looks at.
-    pub(super) fn aim(&mut self, end: f64, y: &[f64], slope: &[f64]) -> Result<(), Interrupt<E>> {
+    pub(super) fn choose_jump_sides(
+        &mut self,
+        end: f64,
+        y: &[f64],
+        slope: &[f64],
+    ) -> Result<(), Interrupt<E>> {
         if self.jumps.is_empty() {
             return Ok(());
         }
@@ -106,14 +111,14 @@ where
     ) -> Result<(), Interrupt<E>> {
         let mut delayed = std::mem::take(&mut self.delayed);
         let result = self
-            .gather(nominal, seen, y, &mut delayed)
+            .gather_delayed_states(nominal, seen, y, &mut delayed)
             .and_then(|()| self.equation.slope(seen, y, &delayed, out));
         self.delayed = delayed;
         result
     }
 
     /// Fills one row per delay with the delayed state.
-    fn gather(
+    fn gather_delayed_states(
         &mut self,
         nominal: f64,
         seen: f64,
@@ -126,14 +131,14 @@ where
                 // No delay at all: the state itself, so that nothing has to be repeated.
                 row.copy_from_slice(y);
             } else {
-                self.look_up(index, nominal, argument, row)?;
+                self.delayed_state(index, nominal, argument, row)?;
             }
         }
         Ok(())
     }
 
     /// The value at the argument `s` of delay `index`, asked at `t`.
-    fn look_up(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
+    fn delayed_state(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
         let slack = self.slack(index, t, s);
         if let Some(&jump) = self.jumps.iter().find(|&&jump| (s - jump).abs() <= slack) {
             let later = self.middle[index] > jump;
@@ -142,7 +147,9 @@ where
                 return Ok(());
             }
             let scale = (self.predictor.width).abs();
-            return self.equation.past(aside(jump, if later { 1.0 } else { -1.0 }, scale), out);
+            return self
+                .equation
+                .history_at(offset_by_roundings(jump, if later { 1.0 } else { -1.0 }, scale), out);
         }
         if s > self.here {
             self.looked_ahead = true;
@@ -150,7 +157,7 @@ where
         } else if s > self.start {
             self.hints[index] = self.mesh.evaluate(s, self.hints[index], out);
         } else {
-            self.equation.past(s, out)?;
+            self.equation.history_at(s, out)?;
         }
         Ok(())
     }

@@ -45,7 +45,7 @@ const DENSE: [f64; STAGES] = [
 
 /// Writes the polynomial of the step of width `width` from `old` to `new` into `coefficients`, five blocks of
 /// one value per component.
-pub(super) fn fit(
+pub(super) fn fit_polynomial(
     width: f64,
     old: &[f64],
     new: &[f64],
@@ -70,7 +70,7 @@ pub(super) fn fit(
 }
 
 /// Writes the straight line from `old` with slope `slope` in the same form.
-pub(super) fn straight(width: f64, old: &[f64], slope: &[f64], coefficients: &mut [f64]) {
+pub(super) fn straight_line(width: f64, old: &[f64], slope: &[f64], coefficients: &mut [f64]) {
     let dimension = old.len();
     coefficients.fill(0.0);
     for i in 0..dimension {
@@ -80,7 +80,7 @@ pub(super) fn straight(width: f64, old: &[f64], slope: &[f64], coefficients: &mu
 }
 
 /// The polynomial at the fraction `theta` of its step.
-pub(super) fn evaluate(coefficients: &[f64], theta: f64, out: &mut [f64]) {
+pub(super) fn evaluate_polynomial(coefficients: &[f64], theta: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;
     for (i, value) in out.iter_mut().enumerate() {
@@ -90,7 +90,7 @@ pub(super) fn evaluate(coefficients: &[f64], theta: f64, out: &mut [f64]) {
 }
 
 /// The derivative of the polynomial with respect to time, `width` being the step's.
-pub(super) fn differentiate(coefficients: &[f64], theta: f64, width: f64, out: &mut [f64]) {
+pub(super) fn differentiate_polynomial(coefficients: &[f64], theta: f64, width: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;
     for (i, value) in out.iter_mut().enumerate() {

@@ -36,7 +36,7 @@ pub use solution::{Solution, Status};
 
 use crate::error::{InvalidInput, Result};
 use equation::{Equation, Interrupt};
-use history::aside;
+use history::offset_by_roundings;
 
 /// Solves y'(t) = f(t, y(t), y(t − τ₁), …, y(t − τ_d)) over `span`.
 ///
@@ -119,15 +119,15 @@ where
         ));
     }
     check_initial(dimension, initial)?;
-    equation::check_delays(&delays)?;
+    equation::check_constant_delays(&delays)?;
     let checked = options.check(dimension, start)?;
     let state_slack = checked.rtol.iter().copied().fold(0.0, f64::max);
     let mut equation = Equation { right_hand_side, delays, history, dimension, evaluations: 0, state_slack };
-    let (begin, state) = match begin(&mut equation, initial, span) {
-        Ok(found) => found,
-        Err(interrupt) => return Ok(not_begun(interrupt, start, dimension)),
+    let (first_break, state) = match initial_discontinuity(&mut equation, initial, span) {
+        Ok(pair) => pair,
+        Err(interrupt) => return Ok(failed_at_start(interrupt, start, dimension)),
     };
-    Ok(solver::Solver::new(equation, state, begin, end, checked).run())
+    Ok(solver::Solver::new(equation, state, first_break, end, checked).run())
 }
 
 fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
@@ -160,7 +160,7 @@ fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
 }
 
 /// The break at the start with the state there: a jump where the initial state differs from the history's end.
-fn begin<E, F, H>(
+fn initial_discontinuity<E, F, H>(
     equation: &mut Equation<'_, E, F, H>,
     initial: Option<&[f64]>,
     (start, end): (f64, f64),
@@ -171,17 +171,17 @@ where
 {
     let mut state = vec![0.0; equation.dimension];
     let Some(values) = initial else {
-        equation.past(start, &mut state)?;
+        equation.history_at(start, &mut state)?;
         return Ok((Discontinuity::kink(start), state));
     };
-    equation.past(aside(start, -1.0, end - start), &mut state)?;
+    equation.history_at(offset_by_roundings(start, -1.0, end - start), &mut state)?;
     let order = u32::from(state == values);
     state.copy_from_slice(values);
     Ok((Discontinuity { time: start, order }, state))
 }
 
 /// The solution where not even the first state could be had.
-fn not_begun<E>(interrupt: Interrupt<E>, start: f64, dimension: usize) -> Solution<E> {
+fn failed_at_start<E>(interrupt: Interrupt<E>, start: f64, dimension: usize) -> Solution<E> {
     let (status, failure) = match interrupt {
         Interrupt::Callback(error) => (Status::Stopped { at: start }, Some(error)),
         Interrupt::NonFinite => (Status::NonFinite { at: start }, None),

@@ -106,7 +106,7 @@ impl Default for Options {
 
 /// The options after their check.
 #[derive(Debug)]
-pub(super) struct Checked {
+pub(super) struct CheckedOptions {
     pub(super) rtol: Vec<f64>,
     pub(super) atol: Vec<f64>,
     pub(super) max_steps: usize,
@@ -116,7 +116,7 @@ pub(super) struct Checked {
 }
 
 impl Options {
-    pub(super) fn check(&self, dimension: usize, start: f64) -> Result<Checked> {
+    pub(super) fn check(&self, dimension: usize, start: f64) -> Result<CheckedOptions> {
         let rtol = self.rtol.expand("rtol", dimension, 1e-13)?;
         let atol = self.atol.expand("atol", dimension, f64::MIN_POSITIVE)?;
         for (field, step) in [("initial_step", self.initial_step), ("max_step", self.max_step)] {
@@ -150,7 +150,7 @@ impl Options {
                 ));
             }
         }
-        Ok(Checked {
+        Ok(CheckedOptions {
             rtol,
             atol,
             max_steps: self.max_steps,

@@ -111,7 +111,7 @@ impl Mesh {
     pub(super) fn evaluate(&self, t: f64, hint: usize, out: &mut [f64]) -> usize {
         let index = self.locate(t, hint);
         let (coefficients, start, width) = self.step(index);
-        interpolant::evaluate(coefficients, (t - start) / width, out);
+        interpolant::evaluate_polynomial(coefficients, (t - start) / width, out);
         index
     }
 }
@@ -210,7 +210,7 @@ impl<E> Solution<E> {
             ));
         }
         let (coefficients, start, width) = self.mesh.step(self.mesh.locate(t, 0));
-        interpolant::differentiate(coefficients, (t - start) / width, width, out);
+        interpolant::differentiate_polynomial(coefficients, (t - start) / width, width, out);
         Ok(())
     }
 

@@ -3,11 +3,11 @@
 use super::crossing::{StateSource, Window};
 use super::discontinuity::{Discontinuities, Discontinuity, resolution};
 use super::equation::{Delayed, Equation, Interrupt};
-use super::history::{StateHistory, aside};
+use super::history::{StateHistory, offset_by_roundings};
 use super::interpolant;
-use super::options::Checked;
+use super::options::CheckedOptions;
 use super::solution::{Solution, Status};
-use super::step::{Ends, Outcome, Scale, StepAttempt};
+use super::step::{ErrorScale, Outcome, StepAttempt, StepInterval};
 
 /// The controller of Gustafsson as in Hairer, Nørsett and Wanner (1993), section IV.2 of volume II and DOPRI5:
 /// the weight of the last error, the safety factor and the limits of one change.
@@ -28,8 +28,8 @@ pub(super) struct Solver<'a, E, F, H> {
     history: StateHistory<'a, E, F, H>,
     discontinuities: Discontinuities,
     attempt: StepAttempt,
-    scale: Scale,
-    options: Checked,
+    scale: ErrorScale,
+    options: CheckedOptions,
     /// Sorted times of the declared breaks.
     declared: Vec<f64>,
     end: f64,
@@ -58,14 +58,14 @@ where
         initial: Vec<f64>,
         start: Discontinuity,
         end: f64,
-        options: Checked,
+        options: CheckedOptions,
     ) -> Self {
         let dimension = equation.dimension;
         let discontinuities =
             Discontinuities::new(equation.constant_delays(), start, end, &options.breakpoints);
         let mut history = StateHistory::new(equation, start.time, initial.clone());
         history.jumps = discontinuities.jumps();
-        let scale = Scale { rtol: options.rtol.clone(), atol: options.atol.clone() };
+        let scale = ErrorScale { rtol: options.rtol.clone(), atol: options.atol.clone() };
         let mut declared: Vec<f64> = options.breakpoints.iter().map(|d| d.time).collect();
         declared.sort_by(f64::total_cmp);
         Self {
@@ -85,7 +85,7 @@ where
 
     /// Runs to the end and hands the solution over, whatever became of it.
     pub(super) fn run(mut self) -> Solution<E> {
-        let (status, failure) = match self.advance() {
+        let (status, failure) = match self.run_steps() {
             Ok(status) => (status, None),
             Err(Interrupt::Callback(error)) => (Status::Stopped { at: self.history.here }, Some(error)),
             Err(Interrupt::NonFinite) => (Status::NonFinite { at: self.history.here }, None),
@@ -103,8 +103,8 @@ where
         }
     }
 
-    fn advance(&mut self) -> Result<Status, Interrupt<E>> {
-        let mut width = self.first_width()?;
+    fn run_steps(&mut self) -> Result<Status, Interrupt<E>> {
+        let mut width = self.first_step_width()?;
         let (mut cuts, mut cut) = (0, None);
         let mut not_finite = false;
         // Neither a rejected step nor one that did not settle is tried again at once.
@@ -114,17 +114,21 @@ where
             if self.history.mesh.steps() + self.rejected >= self.options.max_steps {
                 return Ok(Status::TooManySteps { at: here });
             }
-            let mut target = self.target(width, cut.take())?;
-            if target.landing.is_none() && target.end < self.end && target.end - here <= self.smallest(here) {
+            let mut target = self.choose_step_end(width, cut.take())?;
+            if target.landing.is_none()
+                && target.end < self.end
+                && target.end - here <= self.smallest_step(here)
+            {
                 return Ok(if not_finite {
                     Status::NonFinite { at: here }
                 } else {
                     Status::StepTooSmall { at: here }
                 });
             }
-            let ends = Ends { start: here, end: target.end, seen_end: self.seen(target, -1.0) };
-            self.prepare(ends)?;
-            let outcome = match self.attempt.run(&mut self.history, ends, &self.state, &self.scale) {
+            let ends =
+                StepInterval { start: here, end: target.end, seen_end: self.callback_time(target, -1.0) };
+            self.prepare_step(ends)?;
+            let outcome = match self.attempt.try_step(&mut self.history, ends, &self.state, &self.scale) {
                 Err(Interrupt::NonFinite) => {
                     not_finite = true;
                     Outcome::Unsettled
@@ -144,15 +148,15 @@ where
                 }
                 continue;
             };
-            if let Some(found) = self.state_crossing(ends)? {
-                if found.time < ends.end && cuts < CUTS {
+            if let Some(crossing) = self.crossing_by_state_delay(ends)? {
+                if crossing.time < ends.end && cuts < CUTS {
                     cuts += 1;
                     self.rejected += 1;
-                    cut = Some(found.time);
+                    cut = Some(crossing.time);
                     continue;
                 }
-                if found.time == ends.end {
-                    target.landing = Some(target.landing.map_or(found.order, |o| o.min(found.order)));
+                if crossing.time == ends.end {
+                    target.landing = Some(target.landing.map_or(crossing.order, |o| o.min(crossing.order)));
                 }
             }
             let factor = SAFETY * error.powf(0.75 * BETA - 0.2) * self.last_error.powf(BETA);
@@ -166,7 +170,7 @@ where
                 }
                 continue;
             }
-            self.history.equation.judge_delays(ends.end, &self.attempt.new)?;
+            self.history.equation.check_state_delays(ends.end, &self.attempt.new)?;
             // A step cut short by a break says little about the step that the solution could bear.
             let next = ends.width() * factor.clamp(SHRINK, grow);
             width = if ends.width() < 0.99 * width && cuts == 0 { next.max(width) } else { next };
@@ -174,7 +178,7 @@ where
             width = width.min(ceiling);
             grow = GROW;
             self.last_error = error.max(1e-4);
-            self.keep(target);
+            self.accept_step(target);
             (cuts, not_finite) = (0, false);
         }
         Ok(Status::Completed)
@@ -182,26 +186,26 @@ where
 
     /// The time that callbacks are shown at the end (`side` −1) or the start (1) of a step: a few roundings
     /// inside it where the caller declared a break.
-    fn seen(&self, target: StepEnd, side: f64) -> f64 {
+    fn callback_time(&self, target: StepEnd, side: f64) -> f64 {
         let slack = resolution(target.end);
         let nearest = self.declared.partition_point(|d| *d < target.end - slack);
         match self.declared.get(nearest) {
-            Some(d) if *d <= target.end + slack => aside(target.end, side, 0.0),
+            Some(d) if *d <= target.end + slack => offset_by_roundings(target.end, side, 0.0),
             _ => target.end,
         }
     }
 
     /// The smallest step that still moves the time and the solution.
-    fn smallest(&self, here: f64) -> f64 {
+    fn smallest_step(&self, here: f64) -> f64 {
         0.5 * resolution(here.abs().max(1e-4 * (self.end - self.history.start)))
     }
 
     /// Where a step of about `width` should end: on a break where one is near, never leaving a sliver before it.
     /// `cut` is the time at which a trial met a break through the state.
-    fn target(&mut self, width: f64, cut: Option<f64>) -> Result<StepEnd, Interrupt<E>> {
+    fn choose_step_end(&mut self, width: f64, cut: Option<f64>) -> Result<StepEnd, Interrupt<E>> {
         let here = self.history.here;
         let width = width.min(self.options.max_step);
-        let (stop, order) = match self.discontinuities.next() {
+        let (stop, order) = match self.discontinuities.next_pending() {
             Some(next) => (next.time, Some(next.order)),
             None => (self.end, None),
         };
@@ -215,26 +219,29 @@ where
         } else {
             StepEnd { end: here + width, landing: None }
         };
-        let seen_start = self.seen(StepEnd { end: here, landing: None }, 1.0);
+        let seen_start = self.callback_time(StepEnd { end: here, landing: None }, 1.0);
         for index in 0..self.history.equation.delays.len() {
-            if !self.history.equation.is_timed(index) {
+            if !self.history.equation.is_time_dependent(index) {
                 continue;
             }
             let window = Window {
                 start: here,
                 end: target.end,
-                seen: (seen_start, self.seen(target, -1.0)),
+                seen: (seen_start, self.callback_time(target, -1.0)),
                 state: StateSource::Unneeded(&self.state),
             };
-            if let Some(found) = self.history.crossing(index, &window, &self.discontinuities)? {
+            if let Some(crossing) = self.history.delayed_crossing(index, &window, &self.discontinuities)? {
                 let order = match target.landing {
-                    Some(known) if found.time >= target.end - resolution(target.end) => {
-                        known.min(found.order)
+                    Some(known) if crossing.time >= target.end - resolution(target.end) => {
+                        known.min(crossing.order)
                     }
-                    _ => found.order,
+                    _ => crossing.order,
                 };
-                let end =
-                    if found.time >= target.end - resolution(target.end) { target.end } else { found.time };
+                let end = if crossing.time >= target.end - resolution(target.end) {
+                    target.end
+                } else {
+                    crossing.time
+                };
                 target = StepEnd { end, landing: Some(order) };
             }
         }
@@ -242,12 +249,12 @@ where
     }
 
     /// Makes the first stage and a first guess of the step ready.
-    fn prepare(&mut self, ends: Ends) -> Result<(), Interrupt<E>> {
+    fn prepare_step(&mut self, ends: StepInterval) -> Result<(), Interrupt<E>> {
         let here = ends.start;
         self.history.state_slack = self.history.equation.state_slack * ends.width();
-        self.history.aim(ends.end, &self.state, &self.attempt.stages[0])?;
+        self.history.choose_jump_sides(ends.end, &self.state, &self.attempt.stages[0])?;
         if self.fresh {
-            let seen = self.seen(StepEnd { end: here, landing: None }, 1.0);
+            let seen = self.callback_time(StepEnd { end: here, landing: None }, 1.0);
             self.history.slope(here, seen, &self.state, &mut self.attempt.stages[0])?;
             self.fresh = false;
         }
@@ -255,7 +262,7 @@ where
         let steps = self.history.mesh.steps();
         // The last step's polynomial goes on for a while, unless the solution breaks here.
         let continues = steps > 0
-            && !self.discontinuities.breaks_at(here)
+            && !self.discontinuities.has_break_at(here)
             && ends.width() <= 2.0 * self.history.mesh.step(steps - 1).2;
         if continues {
             let (coefficients, origin, width) = self.history.mesh.step(steps - 1);
@@ -263,7 +270,7 @@ where
             (predictor.origin, predictor.width) = (origin, width);
         } else {
             (predictor.origin, predictor.width) = (here, ends.width());
-            interpolant::straight(
+            interpolant::straight_line(
                 ends.width(),
                 &self.state,
                 &self.attempt.stages[0],
@@ -274,7 +281,7 @@ where
     }
 
     /// The first break in the trial that comes through a state-dependent delay.
-    fn state_crossing(&mut self, ends: Ends) -> Result<Option<Discontinuity>, Interrupt<E>> {
+    fn crossing_by_state_delay(&mut self, ends: StepInterval) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let mut first: Option<Discontinuity> = None;
         for index in 0..self.history.equation.delays.len() {
             if !self.history.equation.is_state_dependent(index) {
@@ -286,8 +293,10 @@ where
                 seen: (ends.start, ends.seen_end),
                 state: StateSource::Attempt(&self.attempt.coefficients),
             };
-            match self.history.crossing(index, &window, &self.discontinuities) {
-                Ok(Some(found)) if first.is_none_or(|known| found.time < known.time) => first = Some(found),
+            match self.history.delayed_crossing(index, &window, &self.discontinuities) {
+                Ok(Some(crossing)) if first.is_none_or(|known| crossing.time < known.time) => {
+                    first = Some(crossing)
+                }
                 Ok(_) | Err(Interrupt::NonFinite) => {}
                 Err(other) => return Err(other),
             }
@@ -296,25 +305,25 @@ where
     }
 
     /// Takes the trial step over.
-    fn keep(&mut self, target: StepEnd) {
+    fn accept_step(&mut self, target: StepEnd) {
         self.history.mesh.push(target.end, &self.attempt.coefficients);
         self.history.here = target.end;
         self.state.copy_from_slice(&self.attempt.new);
         let (first, last) = self.attempt.stages.split_at_mut(1);
         first[0].copy_from_slice(&last[5]);
         if let Some(order) = target.landing {
-            self.discontinuities.arrive(Discontinuity { time: target.end, order }, self.history.start);
+            self.discontinuities.reach(Discontinuity { time: target.end, order }, self.history.start);
             self.fresh = true;
             self.last_error = 1e-4;
         }
     }
 
     /// The first step to try (Hairer, Nørsett and Wanner 1993, section II.4).
-    fn first_width(&mut self) -> Result<f64, Interrupt<E>> {
+    fn first_step_width(&mut self) -> Result<f64, Interrupt<E>> {
         let span = self.end - self.history.start;
         let small = 1e-6 * span;
-        let seen = |time: f64| Ends { start: time, end: time + small, seen_end: time + small };
-        self.prepare(seen(self.history.here))?;
+        let seen = |time: f64| StepInterval { start: time, end: time + small, seen_end: time + small };
+        self.prepare_step(seen(self.history.here))?;
         if let Some(width) = self.options.initial_step {
             return Ok(width.min(span));
         }
@@ -324,7 +333,7 @@ where
         let probe = if value < 1e-5 || slope < 1e-5 { small } else { 0.01 * value / slope };
         let probe = probe
             .min(span)
-            .min(self.discontinuities.next().map_or(span, |next| next.time - self.history.here));
+            .min(self.discontinuities.next_pending().map_or(span, |next| next.time - self.history.here));
         let moved: Vec<f64> = state.iter().zip(&first).map(|(y, v)| y + probe * v).collect();
         let mut second = vec![0.0; state.len()];
         let time = self.history.here + probe;

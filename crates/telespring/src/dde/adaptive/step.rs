@@ -20,13 +20,13 @@ const DEFECT: f64 = 10.0;
 
 /// The two ends of a step: the mesh times, and the times that callbacks are shown there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ends {
+pub(super) struct StepInterval {
     pub(super) start: f64,
     pub(super) end: f64,
     pub(super) seen_end: f64,
 }
 
-impl Ends {
+impl StepInterval {
     pub(super) fn width(&self) -> f64 {
         self.end - self.start
     }
@@ -34,12 +34,12 @@ impl Ends {
 
 /// The tolerances, one per component.
 #[derive(Debug)]
-pub(super) struct Scale {
+pub(super) struct ErrorScale {
     pub(super) rtol: Vec<f64>,
     pub(super) atol: Vec<f64>,
 }
 
-impl Scale {
+impl ErrorScale {
     /// The largest of |difference| measured by its component's tolerance; a NaN comes through.
     pub(super) fn measure(&self, old: &[f64], new: &[f64], difference: impl Fn(usize) -> f64) -> f64 {
         let mut largest = 0.0;
@@ -90,12 +90,12 @@ impl StepAttempt {
 
     /// Tries the step `ends` from `old`; the first stage is there already. Where lookups fall into the step, its
     /// own polynomial answers them, and the step is repeated until that polynomial settles.
-    pub(super) fn run<E, F, H>(
+    pub(super) fn try_step<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,
-        ends: Ends,
+        ends: StepInterval,
         old: &[f64],
-        scale: &Scale,
+        scale: &ErrorScale,
     ) -> Result<Outcome, Interrupt<E>>
     where
         F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
@@ -107,14 +107,18 @@ impl StepAttempt {
         for repetition in 0.. {
             history.looked_ahead = false;
             self.run_stages(history, ends, old)?;
-            interpolant::fit(width, old, &self.new, &self.stages, &mut self.coefficients);
+            interpolant::fit_polynomial(width, old, &self.new, &self.stages, &mut self.coefficients);
             if !history.looked_ahead {
                 break;
             }
             let mut change = 0.0;
             for (k, &time) in checkpoints.iter().enumerate() {
                 history.predictor.evaluate(time, &mut self.guess[k]);
-                interpolant::evaluate(&self.coefficients, (time - ends.start) / width, &mut self.reached[k]);
+                interpolant::evaluate_polynomial(
+                    &self.coefficients,
+                    (time - ends.start) / width,
+                    &mut self.reached[k],
+                );
                 let (guess, reached) = (&self.guess[k], &self.reached[k]);
                 let here = scale.measure(guess, reached, |i| reached[i] - guess[i]);
                 if !here.is_finite() {
@@ -151,8 +155,8 @@ impl StepAttempt {
     fn defect<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,
-        ends: Ends,
-        scale: &Scale,
+        ends: StepInterval,
+        scale: &ErrorScale,
     ) -> Result<f64, Interrupt<E>>
     where
         F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
@@ -160,8 +164,8 @@ impl StepAttempt {
     {
         let (width, time) = (ends.width(), ends.start + 0.5 * ends.width());
         let [state, rise] = &mut self.reached;
-        interpolant::evaluate(&self.coefficients, 0.5, state);
-        interpolant::differentiate(&self.coefficients, 0.5, width, rise);
+        interpolant::evaluate_polynomial(&self.coefficients, 0.5, state);
+        interpolant::differentiate_polynomial(&self.coefficients, 0.5, width, rise);
         history.slope(time, time, state, &mut self.argument)?;
         let slope = &self.argument;
         Ok(scale.measure(state, &self.new, |i| width * (rise[i] - slope[i])))
@@ -171,7 +175,7 @@ impl StepAttempt {
     fn run_stages<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,
-        ends: Ends,
+        ends: StepInterval,
         old: &[f64],
     ) -> Result<(), Interrupt<E>>
     where

@@ -52,7 +52,7 @@ impl SampledForce {
             ));
         }
         for (i, &value) in values.iter().enumerate() {
-            check_number(&format!("values[{i}]"), value, "N")?;
+            check_magnitude(&format!("values[{i}]"), value, "N")?;
         }
         Ok(Self { values, rate, hold })
     }
@@ -62,7 +62,7 @@ impl SampledForce {
     }
 
     /// True where something changes at sample `index` (from 1 on).
-    fn changes_at(&self, index: usize) -> bool {
+    fn changes_at_sample(&self, index: usize) -> bool {
         let (before, here) = (self.value(index - 1), self.value(index));
         match self.hold {
             Hold::Zero => here != before,
@@ -143,17 +143,17 @@ impl Force {
 
     pub(super) fn check(&self, field: &str) -> Result<()> {
         match self {
-            Self::Step(value) => check_number(field, *value, "N"),
+            Self::Step(value) => check_magnitude(field, *value, "N"),
             Self::Sines { constant, sines } => {
-                check_number(&format!("{field}.constant"), *constant, "N")?;
+                check_magnitude(&format!("{field}.constant"), *constant, "N")?;
                 for (i, sine) in sines.iter().enumerate() {
-                    check_number(&format!("{field}.sines[{i}].amplitude"), sine.amplitude, "N")?;
-                    check_number(
+                    check_magnitude(&format!("{field}.sines[{i}].amplitude"), sine.amplitude, "N")?;
+                    check_magnitude(
                         &format!("{field}.sines[{i}].angular_frequency"),
                         sine.angular_frequency,
                         "rad/s",
                     )?;
-                    check_number(&format!("{field}.sines[{i}].phase"), sine.phase, "rad")?;
+                    check_magnitude(&format!("{field}.sines[{i}].phase"), sine.phase, "rad")?;
                 }
                 Ok(())
             }
@@ -162,7 +162,7 @@ impl Force {
     }
 
     /// The fastest rate that the force itself brings in, 1/s.
-    pub(super) fn fastest(&self) -> f64 {
+    pub(super) fn fastest_rate(&self) -> f64 {
         match self {
             Self::Sines { sines, .. } => sines.iter().map(|s| s.angular_frequency.abs()).fold(0.0, f64::max),
             _ => 0.0,
@@ -184,7 +184,7 @@ impl Force {
             Self::Step(_) | Self::Sines { .. } => None,
             Self::Sampled(sampled) => {
                 *cursor = (*cursor).max(1);
-                while *cursor < sampled.values.len() && !sampled.changes_at(*cursor) {
+                while *cursor < sampled.values.len() && !sampled.changes_at_sample(*cursor) {
                     *cursor += 1;
                 }
                 let order = if sampled.hold == Hold::Zero { 2 } else { 3 };
@@ -224,7 +224,7 @@ impl Force {
                 into[..=degree].fill(0.0);
                 into[0] = *constant;
                 for sine in sines {
-                    add_sine(sine, start, length, &mut into[..=degree]);
+                    add_sine_series(sine, start, length, &mut into[..=degree]);
                 }
                 degree + 1
             }
@@ -247,7 +247,7 @@ impl Force {
     }
 }
 
-fn add_sine(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
+fn add_sine_series(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     let omega = sine.angular_frequency;
     // the angle to twice the working precision: at 1e5 rad a rounded one would cost 1e-11
     let angle = omega * start.high;
@@ -267,7 +267,7 @@ fn add_sine(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     }
 }
 
-pub(super) fn check_number(field: &str, value: f64, unit: &str) -> Result<()> {
+pub(super) fn check_magnitude(field: &str, value: f64, unit: &str) -> Result<()> {
     if value.abs() <= MAGNITUDE_LIMIT {
         return Ok(());
     }

@@ -6,7 +6,7 @@
 //! robot's later start), the cell is cut there, and cut again in the next intervals until the kink, whose
 //! order grows by two with every passage, is too small to matter.
 
-use super::output::Writer;
+use super::output::OutputWriter;
 use super::series::{
     Coefficients, Instant, MAX_DEGREE, Recurrence, STRIDE, Series, State, advance, degree_for, reexpand,
 };
@@ -27,13 +27,13 @@ struct Kink {
 
 /// The steps of one robot in one delay interval; storage is kept between intervals.
 #[derive(Debug, Default)]
-struct Track {
+struct StepTrack {
     steps: Vec<Series>,
     count: usize,
 }
 
-impl Track {
-    fn next(&mut self, start: f64, length: f64) -> &mut Series {
+impl StepTrack {
+    fn push_step(&mut self, start: f64, length: f64) -> &mut Series {
         if self.count == self.steps.len() {
             self.steps.push(Series { start, length, degree: 0, coefficients: [0.0; STRIDE] });
         }
@@ -44,7 +44,7 @@ impl Track {
     }
 
     /// The coefficients over [start, start + length]; `cursor` follows along.
-    fn window<'a>(
+    fn window_series<'a>(
         &'a self,
         cursor: &mut usize,
         start: f64,
@@ -57,7 +57,7 @@ impl Track {
         }
         let mut best = &steps[*cursor];
         if best.start == start && best.length == length {
-            return best.used();
+            return best.used_coefficients();
         }
         // all steps under the window belong to one smooth stretch, up to negligible kinks: the longest
         // of them is expanded with the least rounding
@@ -69,7 +69,7 @@ impl Track {
                 best = step;
             }
         }
-        reexpand(best.used(), (start - best.start) / best.length, length / best.length, scratch);
+        reexpand(best.used_coefficients(), (start - best.start) / best.length, length / best.length, scratch);
         &scratch[..=best.degree]
     }
 }
@@ -77,26 +77,31 @@ impl Track {
 /// Memory of the method, kept from one simulation to the next.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
-    previous: [Track; 2],
-    current: [Track; 2],
+    previous: [StepTrack; 2],
+    current: [StepTrack; 2],
     kinks_before: [Vec<Kink>; 2],
     kinks: [Vec<Kink>; 2],
 }
 
 /// Where a robot stands.
-struct Robot {
+struct RobotState {
     state: State,
     break_cursor: usize,
     recurrence: Recurrence,
     force: Coefficients,
 }
 
-pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut Writer) -> RunOutcome {
+pub(super) fn simulate_on_grid(
+    problem: &Problem,
+    cells: usize,
+    grid: &mut Grid,
+    writer: &mut OutputWriter,
+) -> RunOutcome {
     let delay = problem.delay;
     let cell = delay / cells as f64;
     let degree = degree_for(problem.fastest * cell);
     let last_clock = problem.end + problem.offsets[0].max(problem.offsets[1]);
-    let mut robots = [0, 1].map(|i| Robot {
+    let mut robots = [0, 1].map(|i| RobotState {
         state: problem.histories[i].start(),
         break_cursor: 0,
         recurrence: Recurrence::default(),
@@ -113,8 +118,8 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
         for (i, robot) in robots.iter_mut().enumerate() {
             let kinks = &mut grid.kinks[i];
             kinks.clear();
-            pass_on(problem, i, cell, &grid.kinks_before[1 - i], kinks);
-            add_own(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
+            propagate_kinks(problem, i, cell, &grid.kinks_before[1 - i], kinks);
+            add_own_breaks(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
             let track = &mut grid.current[i];
             track.count = 0;
             let partner = &grid.previous[1 - i];
@@ -131,18 +136,18 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
                 }
                 let length = end - theta;
                 let local = Instant::new(interval, delay, theta - problem.offsets[i]);
-                let step = track.next(theta, length);
+                let step = track.push_step(theta, length);
                 theta = end;
                 if local.high + 0.5 * length < 0.0 {
                     let count = problem.histories[i].series(local.high, length, &mut step.coefficients);
                     step.degree = count - 1;
                     continue;
                 }
-                let delayed = partner.window(&mut partner_cursor, step.start, length, &mut scratch);
-                if !robot.advance(problem, i, local, degree, delayed, step) {
+                let delayed = partner.window_series(&mut partner_cursor, step.start, length, &mut scratch);
+                if !robot.advance_robot(problem, i, local, degree, delayed, step) {
                     return RunOutcome::Unresolved;
                 }
-                if let Some(at) = writer.write(i, local, step, robot.state) {
+                if let Some(at) = writer.write_step(i, local, step, robot.state) {
                     diverged = diverged.min(at);
                     break;
                 }
@@ -158,9 +163,9 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
     RunOutcome::Completed
 }
 
-impl Robot {
+impl RobotState {
     /// One step; the degree grows where the series is not resolved at once. False where it never is.
-    fn advance(
+    fn advance_robot(
         &mut self,
         problem: &Problem,
         robot: usize,
@@ -189,7 +194,7 @@ impl Robot {
 }
 
 /// The partner's kinks of the interval before, one passage smoother.
-fn pass_on(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
+fn propagate_kinks(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
     let rates = &problem.rates[robot];
     for kink in from {
         let order = kink.order as f64;
@@ -205,7 +210,7 @@ fn pass_on(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut
 
 /// Adds the breaks of the robot's own force, start and history; those on the grid need no cut.
 #[expect(clippy::too_many_arguments, reason = "private; a struct would only rename them")]
-fn add_own(
+fn add_own_breaks(
     problem: &Problem,
     robot: usize,
     interval: f64,
@@ -216,8 +221,8 @@ fn add_own(
     kinks: &mut Vec<Kink>,
 ) {
     let passed_on = kinks.len();
-    while let Some(found) = problem.own_break(robot, cursor) {
-        let theta = (-interval).mul_add(problem.delay, found.time + problem.offsets[robot]);
+    while let Some(break_point) = problem.next_own_break(robot, cursor) {
+        let theta = (-interval).mul_add(problem.delay, break_point.time + problem.offsets[robot]);
         if theta >= problem.delay - tolerance {
             break;
         }
@@ -238,10 +243,10 @@ fn add_own(
             .flatten()
             .find(|&n| n < passed_on && near(kinks.get(n)));
         if let Some(n) = twin {
-            kinks[n].order = kinks[n].order.min(found.order);
-            kinks[n].effect = kinks[n].effect.max(found.effect);
+            kinks[n].order = kinks[n].order.min(break_point.order);
+            kinks[n].effect = kinks[n].effect.max(break_point.effect);
         } else if !(kinks.len() > passed_on && near(kinks.last())) {
-            kinks.push(Kink { theta, order: found.order, effect: found.effect });
+            kinks.push(Kink { theta, order: break_point.order, effect: break_point.effect });
         }
     }
     if kinks.len() > passed_on && passed_on > 0 {

@@ -1,6 +1,6 @@
 //! Where a robot was before t = 0.
 
-use super::force::{Break, SMOOTH_EDGE, check_number};
+use super::force::{Break, SMOOTH_EDGE, check_magnitude};
 use super::piecewise::PiecewisePolynomial;
 use super::series::{Coefficients, State};
 use crate::error::{InvalidInput, Result};
@@ -20,19 +20,19 @@ use crate::error::{InvalidInput, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
-    position: Past,
+    position: PastPosition,
     velocity: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Past {
+enum PastPosition {
     Constant(f64),
     Pieces(PiecewisePolynomial),
 }
 
 impl Default for History {
     fn default() -> Self {
-        Self { position: Past::Constant(0.0), velocity: 0.0 }
+        Self { position: PastPosition::Constant(0.0), velocity: 0.0 }
     }
 }
 
@@ -43,8 +43,8 @@ impl History {
     ///
     /// [`InvalidInput`] where the position is not finite or beyond 1e12 m.
     pub fn rest(position: f64) -> Result<Self> {
-        check_number("position", position, "m")?;
-        Ok(Self { position: Past::Constant(position), velocity: 0.0 })
+        check_magnitude("position", position, "m")?;
+        Ok(Self { position: PastPosition::Constant(position), velocity: 0.0 })
     }
 
     /// Positions (m) as polynomials of time (s, negative), the last piece ending at 0; before the
@@ -63,7 +63,7 @@ impl History {
                 "Shift its times so that the last edge is 0.",
             ));
         }
-        Ok(Self { velocity: position.final_slope(), position: Past::Pieces(position) })
+        Ok(Self { velocity: position.final_slope(), position: PastPosition::Pieces(position) })
     }
 
     /// Positions (m) as a function of time on −`span` to 0 (s), which may jump or bend at
@@ -89,7 +89,7 @@ impl History {
     ///
     /// [`InvalidInput`] where the velocity is not finite or beyond 1e12 m/s.
     pub fn with_velocity(mut self, velocity: f64) -> Result<Self> {
-        check_number("velocity", velocity, "m/s")?;
+        check_magnitude("velocity", velocity, "m/s")?;
         self.velocity = velocity;
         Ok(self)
     }
@@ -102,16 +102,16 @@ impl History {
     /// Position and velocity at t = 0.
     pub(super) fn start(&self) -> State {
         let x = match &self.position {
-            Past::Constant(position) => *position,
-            Past::Pieces(pieces) => pieces.value(0.0),
+            PastPosition::Constant(position) => *position,
+            PastPosition::Pieces(pieces) => pieces.value(0.0),
         };
         State { x, v: self.velocity }
     }
 
     fn pieces(&self) -> Option<&PiecewisePolynomial> {
         match &self.position {
-            Past::Constant(_) => None,
-            Past::Pieces(pieces) => Some(pieces),
+            PastPosition::Constant(_) => None,
+            PastPosition::Pieces(pieces) => Some(pieces),
         }
     }
 
@@ -130,11 +130,11 @@ impl History {
     /// Writes the series over [start, start + length] and returns how many coefficients it has.
     pub(super) fn series(&self, start: f64, length: f64, into: &mut Coefficients) -> usize {
         match &self.position {
-            Past::Constant(position) => {
+            PastPosition::Constant(position) => {
                 into[0] = *position;
                 1
             }
-            Past::Pieces(pieces) => pieces.series(start, length, start + 0.5 * length, into),
+            PastPosition::Pieces(pieces) => pieces.series(start, length, start + 0.5 * length, into),
         }
     }
 }

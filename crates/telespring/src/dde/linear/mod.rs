@@ -36,7 +36,7 @@ use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, DyadAxis};
 use crate::quantity;
 use force::Break;
-use output::Writer;
+use output::OutputWriter;
 use series::Rates;
 
 /// A simulation ends as diverged where a position passes this magnitude, in m: numbers far beyond any
@@ -138,7 +138,7 @@ pub struct SimulationOutcome {
 #[derive(Debug, Default)]
 pub struct Workspace {
     grid: grid::Grid,
-    smooth: smooth::Smooth,
+    smooth: smooth::LongSteps,
 }
 
 /// How many outputs a simulation has: i = 0, 1, … up to and including `duration`·`rate`.
@@ -258,12 +258,14 @@ impl Simulation<'_> {
             ));
         }
         let problem = self.problem(count)?;
-        let mut writer = Writer::new(self.rate, count, position, velocity);
+        let mut writer = OutputWriter::new(self.rate, count, position, velocity);
         let outcome = problem.solve(workspace, &mut writer)?;
         let (status, outputs) = match outcome {
             RunOutcome::Completed => (Status::Completed, count),
             RunOutcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
-            RunOutcome::Unresolved => return Err(too_stiff("a series does not converge", self.stiffness)),
+            RunOutcome::Unresolved => {
+                return Err(too_stiff_error("a series does not converge", self.stiffness));
+            }
         };
         Ok(SimulationOutcome { status, outputs })
     }
@@ -284,8 +286,12 @@ impl Simulation<'_> {
             damper: c / side.mass,
             force: 1.0 / side.mass,
         });
-        let fastest =
-            [rates[0].fastest(), rates[1].fastest(), self.forces[0].fastest(), self.forces[1].fastest()];
+        let fastest = [
+            rates[0].fastest_rate(),
+            rates[1].fastest_rate(),
+            self.forces[0].fastest_rate(),
+            self.forces[1].fastest_rate(),
+        ];
         // the robot whose messages travel longer starts later on the common clock
         let half = 0.5 * (self.delay.forward() - self.delay.backward());
         Ok(Problem {
@@ -326,7 +332,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// The first break of a robot (history, start, force) at or after index `cursor`, which is moved to it.
-    fn own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
+    fn next_own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
         let history = self.histories[robot].break_count();
         if *cursor < history {
             return self.histories[robot].break_at(*cursor);
@@ -335,12 +341,12 @@ impl Problem<'_> {
             return Some(Break { time: 0.0, order: 1, effect: 1.0 });
         }
         let mut force_cursor = *cursor - history - 1;
-        let found = self.forces[robot].next_break(&mut force_cursor);
+        let break_point = self.forces[robot].next_break(&mut force_cursor);
         *cursor = force_cursor + history + 1;
-        found
+        break_point
     }
 
-    fn solve(&self, workspace: &mut Workspace, writer: &mut Writer) -> Result<RunOutcome> {
+    fn solve(&self, workspace: &mut Workspace, writer: &mut OutputWriter) -> Result<RunOutcome> {
         let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
         let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };
         let cells = (self.delay * self.fastest / REACH).ceil().max(1.0);
@@ -348,10 +354,10 @@ impl Problem<'_> {
         let divides = self.fastest * self.delay > SHORT_DELAY || follows_breaks;
         let intervals = if divides { self.end / self.delay } else { 0.0 };
         if self.fastest * self.end / REACH + intervals + breaks > MAX_STEPS {
-            return Err(too_stiff("too many steps would be needed", self.fastest));
+            return Err(too_stiff_error("too many steps would be needed", self.fastest));
         }
         if !divides {
-            let outcome = smooth::run(self, &mut workspace.smooth, writer);
+            let outcome = smooth::simulate_with_long_steps(self, &mut workspace.smooth, writer);
             if self.delay == 0.0 || !matches!(outcome, RunOutcome::Unresolved) {
                 return Ok(outcome);
             }
@@ -361,9 +367,9 @@ impl Problem<'_> {
         let mut cells = cells.max((self.delay / spacing).floor());
         loop {
             if cells > MAX_STEPS_PER_DELAY {
-                return Err(too_stiff("too many steps would be needed within one delay", self.fastest));
+                return Err(too_stiff_error("too many steps would be needed within one delay", self.fastest));
             }
-            match grid::run(self, cells as usize, &mut workspace.grid, writer) {
+            match grid::simulate_on_grid(self, cells as usize, &mut workspace.grid, writer) {
                 RunOutcome::Unresolved => {
                     cells *= 2.0;
                     writer.restart();
@@ -374,7 +380,7 @@ impl Problem<'_> {
     }
 }
 
-fn too_stiff(what: &str, rate: f64) -> InvalidInput {
+fn too_stiff_error(what: &str, rate: f64) -> InvalidInput {
     InvalidInput::new(
         "axis",
         format!("fastest rate {rate} 1/s"),

@@ -9,7 +9,7 @@ fn is_beyond(value: f64) -> bool {
 }
 
 /// Writes positions and velocities at t = i/rate while the steps come in.
-pub(super) struct Writer<'a> {
+pub(super) struct OutputWriter<'a> {
     rate: f64,
     count: usize,
     next: [usize; 2],
@@ -17,7 +17,7 @@ pub(super) struct Writer<'a> {
     velocity: Option<[&'a mut [f64]; 2]>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> OutputWriter<'a> {
     pub(super) fn new(
         rate: f64,
         count: usize,
@@ -39,7 +39,7 @@ impl<'a> Writer<'a> {
 
     /// Writes the outputs of `robot` that fall into this step, which starts at `start` on the robot's
     /// clock and ends in `state`; returns the time from which positions are beyond [`MAGNITUDE_LIMIT`], if so.
-    pub(super) fn write(
+    pub(super) fn write_step(
         &mut self,
         robot: usize,
         start: Instant,
@@ -57,11 +57,12 @@ impl<'a> Writer<'a> {
             let rest = (-nominal).mul_add(self.rate, first as f64) / self.rate;
             let u = ((nominal - start.high) - start.low + rest) / series.length;
             let spacing = 1.0 / (self.rate * series.length);
-            evaluate(series.used(), u, spacing, &mut self.position[robot][first..stop]);
+            evaluate(series.used_coefficients(), u, spacing, &mut self.position[robot][first..stop]);
             if let Some(velocity) = &mut self.velocity {
                 let mut slopes: Coefficients = [0.0; STRIDE];
                 let inverse = 1.0 / series.length;
-                for (n, (slope, value)) in slopes.iter_mut().zip(&series.used()[1..]).enumerate() {
+                for (n, (slope, value)) in slopes.iter_mut().zip(&series.used_coefficients()[1..]).enumerate()
+                {
                     *slope = (n + 1) as f64 * inverse * value;
                 }
                 evaluate(&slopes[..series.degree], u, spacing, &mut velocity[robot][first..stop]);

@@ -108,7 +108,7 @@ impl PiecewisePolynomial {
         let mut fit =
             Fit { function, scale: 0.0, edges: vec![start], pieces: vec![], breaks: vec![true], error: 0.0 };
         for pair in edges.windows(2) {
-            fit.piece(pair[0], pair[1], 0)?;
+            fit.fit_piece(pair[0], pair[1], 0)?;
             if let Some(last) = fit.breaks.last_mut() {
                 *last = true;
             }
@@ -178,7 +178,7 @@ struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    fn ask(&mut self, time: f64) -> Result<f64> {
+    fn evaluate_function(&mut self, time: f64) -> Result<f64> {
         let value = (self.function)(time);
         if value.is_nan() || value.abs() > super::MAGNITUDE_LIMIT {
             return Err(InvalidInput::new(
@@ -192,19 +192,19 @@ impl Fit<'_> {
         Ok(value)
     }
 
-    fn piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
+    fn fit_piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
         const NODES: usize = FIT_DEGREE + 1;
         let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
         let mut values = [0.0; NODES];
         for (i, value) in values.iter_mut().enumerate() {
-            *value = self.ask(middle + half * node(i, NODES))?;
+            *value = self.evaluate_function(middle + half * chebyshev_node(i, NODES))?;
         }
-        let centred = interpolate(&values);
+        let centred = chebyshev_interpolant(&values);
         let mut error = 0.0_f64;
         // checked at the nodes of the next but one degree: they lie between those of the fit
         for i in 0..NODES + 1 {
-            let w = node(i, NODES + 1);
-            let exact = self.ask(middle + half * w)?;
+            let w = chebyshev_node(i, NODES + 1);
+            let exact = self.evaluate_function(middle + half * w)?;
             error = error.max((centred.iter().rev().fold(0.0, |v, c| v * w + c) - exact).abs());
         }
         let splits = halvings < MAX_HALVINGS
@@ -213,8 +213,8 @@ impl Fit<'_> {
             && middle < end
             && half > 1e-13 * start.abs().max(end.abs());
         if error > FIT_TOLERANCE * self.scale && splits {
-            self.piece(start, middle, halvings + 1)?;
-            return self.piece(middle, end, halvings + 1);
+            self.fit_piece(start, middle, halvings + 1)?;
+            return self.fit_piece(middle, end, halvings + 1);
         }
         self.error = self.error.max(error);
         self.edges.push(end);
@@ -225,12 +225,12 @@ impl Fit<'_> {
 }
 
 /// The i-th Chebyshev node of the first kind: never an end of the interval.
-fn node(i: usize, count: usize) -> f64 {
+fn chebyshev_node(i: usize, count: usize) -> f64 {
     ((2 * i + 1) as f64 * std::f64::consts::PI / (2 * count) as f64).cos()
 }
 
 /// Power coefficients on [−1, 1] of the polynomial through the Chebyshev nodes.
-fn interpolate<const N: usize>(values: &[f64; N]) -> [f64; N] {
+fn chebyshev_interpolant<const N: usize>(values: &[f64; N]) -> [f64; N] {
     let mut powers = [0.0; N];
     // T₀, T₁, … in powers, by their recurrence
     let (mut previous, mut current) = ([0.0; N], [0.0; N]);

@@ -23,7 +23,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    pub(super) fn used(&self) -> &[f64] {
+    pub(super) fn used_coefficients(&self) -> &[f64] {
         &self.coefficients[..=self.degree]
     }
 }
@@ -69,7 +69,7 @@ pub(super) struct Rates {
 
 impl Rates {
     /// The largest magnitude of this side's own two characteristic roots, 1/s.
-    pub(super) fn fastest(&self) -> f64 {
+    pub(super) fn fastest_rate(&self) -> f64 {
         let half = 0.5 * self.damping;
         let discriminant = half * half - self.stiffness;
         if discriminant > 0.0 { half + discriminant.sqrt() } else { self.stiffness.sqrt() }
@@ -172,7 +172,7 @@ fn advance_with<const FMA: bool>(
         lower = upper;
         upper = next;
     }
-    resolved(&series[..=degree])
+    is_resolved(&series[..=degree])
         .then(|| State { x: from.x + fused::<FMA>(from.v, length, sum), v: from.v + slope / length })
 }
 
@@ -207,7 +207,7 @@ fn drive_series<const FMA: bool>(
 
 /// True where the last two coefficients are negligible beside the largest.
 #[inline(always)]
-pub(super) fn resolved(series: &[f64]) -> bool {
+pub(super) fn is_resolved(series: &[f64]) -> bool {
     let mut lanes = [0.0_f64; 8];
     let mut chunks = series.chunks_exact(8);
     for chunk in &mut chunks {
@@ -221,7 +221,7 @@ pub(super) fn resolved(series: &[f64]) -> bool {
 }
 
 /// What [`advance_both`] works on.
-pub(super) struct Pair<'a> {
+pub(super) struct CoupledStep<'a> {
     pub rates: &'a [Rates; 2],
     pub delay: f64,
     /// (fastest rate · delay), which bounds how many terms a shift by the delay needs.
@@ -247,13 +247,16 @@ const MAX_ITERATIONS: usize = 60;
     "x86_64+avx2+fma+bmi2",
     "aarch64+neon"
 ))]
-pub(super) fn advance_both(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
+pub(super) fn advance_both(pair: &CoupledStep, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
     with_or_without_fma!(advance_both_with(pair, series))
 }
 
 #[inline(always)]
-fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
-    let Pair { rates, delay, length, degree, .. } = *pair;
+fn advance_both_with<const FMA: bool>(
+    pair: &CoupledStep,
+    series: &mut [Coefficients; 2],
+) -> Option<[State; 2]> {
+    let CoupledStep { rates, delay, length, degree, .. } = *pair;
     let terms = degree - 1;
     let square = length * length;
     let mut fixed = [[0.0; STRIDE]; 2];
@@ -329,20 +332,20 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
             latest = change;
         }
         if settled {
-            let enough = !pair.must_resolve || series.iter().all(|series| resolved(&series[..=degree]));
+            let enough = !pair.must_resolve || series.iter().all(|series| is_resolved(&series[..=degree]));
             return enough.then_some(states);
         }
         before = Some((states, latest));
         for i in 0..2 {
             let partner = &series[1 - i][..=degree];
             let mut lag = [0.0; STRIDE];
-            shifted_from::<FMA>(partner, shift, pair.small, 3, &mut lag);
+            shift_remainder::<FMA>(partner, shift, pair.small, 3, &mut lag);
             let gain = rates[i].coupling * square;
             for n in 0..terms {
                 lagged[i][n] = fused::<FMA>(gain * INVERSES.twice[n], lag[n], fixed[i][n]);
             }
             if rates[i].damper > 0.0 {
-                shifted_from::<FMA>(partner, shift, pair.small, 2, &mut lag);
+                shift_remainder::<FMA>(partner, shift, pair.small, 2, &mut lag);
                 for n in 0..terms {
                     let gain = rates[i].damper * length * INVERSES.once[n];
                     lagged[i][n] = fused::<FMA>(gain, lag[n + 1], lagged[i][n]);
@@ -388,7 +391,7 @@ static FACTORIAL: (Coefficients, Coefficients) = {
 /// Of p(u − shift), the terms in shift^l with l from `order` on; `small` bounds their decay, which is
 /// about small^l / l!.
 #[inline(always)]
-fn shifted_from<const FMA: bool>(
+fn shift_remainder<const FMA: bool>(
     series: &[f64],
     shift: f64,
     small: f64,

@@ -22,14 +22,14 @@ struct Axis {
     position: f64,
     velocity: f64,
     /// For the span that was used last.
-    step: Step,
+    step: SpanMap,
     relaxation: Relaxation,
 }
 
 /// What a span does to an axis without friction: with z = B·span/M,
 /// v ← decay·v + gain·F and x ← x + reach·v + push·F.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct SpanMap {
     span: f64,
     decay: f64,
     gain: f64,
@@ -38,7 +38,7 @@ struct Step {
 }
 
 /// φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z, z ≥ 0.
-pub(super) fn averages(z: f64) -> (f64, f64) {
+pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
     if z > 0.5 {
         let first = -(-z).exp_m1() / z;
         return (first, (1.0 - first) / z);
@@ -52,10 +52,10 @@ pub(super) fn averages(z: f64) -> (f64, f64) {
     (1.0 - z * second, second)
 }
 
-impl Step {
+impl SpanMap {
     fn new(mass: f64, damping: f64, span: f64) -> Self {
         let z = damping / mass * span;
-        let (first, second) = averages(z);
+        let (first, second) = exponential_averages(z);
         Self {
             span,
             decay: (-z).exp(),
@@ -80,9 +80,9 @@ impl Relaxation {
     fn new(mass: f64, damping: f64, time_constant: f64, span: f64) -> Self {
         let (p, q) = (damping / mass * span, span / time_constant);
         let (low, high) = (p.min(q), p.max(q));
-        let first = (-low).exp() * averages(high - low).0;
+        let first = (-low).exp() * exponential_averages(high - low).0;
         let second = if high > 1.0 {
-            (averages(low).0 - first) / high
+            (exponential_averages(low).0 - first) / high
         } else {
             // Σ hₙ(−p, −q)/(n+2)!, hₙ the complete homogeneous polynomial
             let (mut power, mut sum, mut factorial, mut second) = (1.0, 1.0, 0.5, 0.5);
@@ -100,46 +100,46 @@ impl Relaxation {
 
 impl Axis {
     /// Moves on under a constant force, without a look at the friction.
-    fn glide(&mut self, step: &Step, force: f64) {
+    fn slide(&mut self, step: &SpanMap, force: f64) {
         self.position += step.reach * self.velocity + step.push * force;
         self.velocity = step.decay * self.velocity + step.gain * force;
     }
 
     fn advance(&mut self, force: f64, span: f64) {
         if self.step.span != span {
-            self.step = Step::new(self.mass, self.damping, span);
+            self.step = SpanMap::new(self.mass, self.damping, span);
         }
         let step = self.step;
         if self.coulomb == 0.0 {
-            return self.glide(&step, force);
+            return self.slide(&step, force);
         }
         if self.velocity == 0.0 {
-            return self.start(force, &step);
+            return self.start_from_rest(force, &step);
         }
         let net = force - self.coulomb.copysign(self.velocity);
         let end = step.decay * self.velocity + step.gain * net;
         if net * self.velocity >= 0.0 {
             // nothing drives it to rest; a strong damping may bring the velocity itself to a rounded 0
-            return self.glide(&step, net);
+            return self.slide(&step, net);
         }
         if end != 0.0 && end.is_sign_positive() == self.velocity.is_sign_positive() {
             // v is monotonic under a constant force: it has not passed zero
-            return self.glide(&step, net);
+            return self.slide(&step, net);
         }
         // v = 0 at t = (M/B) ln(1 − B v/net); net is against v here
         let ratio = -self.damping * self.velocity / net;
         let stretched = if ratio < 1e-300 { 1.0 } else { ratio.ln_1p() / ratio };
         let stop = (-self.mass * self.velocity / net * stretched).min(span);
-        let until = Step::new(self.mass, self.damping, stop);
+        let until = SpanMap::new(self.mass, self.damping, stop);
         self.position += until.reach * self.velocity + until.push * net;
         self.velocity = 0.0;
-        self.start(force, &Step::new(self.mass, self.damping, span - stop));
+        self.start_from_rest(force, &SpanMap::new(self.mass, self.damping, span - stop));
     }
 
     /// From rest: stays, or lets go at once and cannot stop again under a constant force.
-    fn start(&mut self, force: f64, step: &Step) {
+    fn start_from_rest(&mut self, force: f64, step: &SpanMap) {
         if force.abs() > self.coulomb {
-            self.glide(step, force - self.coulomb.copysign(force));
+            self.slide(step, force - self.coulomb.copysign(force));
         }
     }
 
@@ -153,7 +153,7 @@ impl Axis {
         self.position += self.relaxation.push * relaxing;
     }
 
-    fn friction(&self, force: f64) -> f64 {
+    fn friction_force(&self, force: f64) -> f64 {
         if self.velocity == 0.0 {
             force.clamp(-self.coulomb, self.coulomb)
         } else {
@@ -163,7 +163,7 @@ impl Axis {
 
     fn handle_force(&self, robot_force: f64, hand_force: f64) -> f64 {
         let force = robot_force + hand_force;
-        let acceleration = (force - self.damping * self.velocity - self.friction(force)) / self.mass;
+        let acceleration = (force - self.damping * self.velocity - self.friction_force(force)) / self.mass;
         hand_force - self.arm_mass * acceleration - self.arm_damping * self.velocity
     }
 }
@@ -189,7 +189,7 @@ impl LumpedPlant {
                 arm_damping: arm_damping[axis],
                 position: position[axis],
                 velocity: 0.0,
-                step: Step::new(mass, damping, 0.0),
+                step: SpanMap::new(mass, damping, 0.0),
                 relaxation: Relaxation { span: 0.0, gain: 0.0, push: 0.0 },
             }
         };

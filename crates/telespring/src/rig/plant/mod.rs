@@ -52,7 +52,7 @@ impl RelaxingForce {
 
     /// Its mean over `span` s, N per axis: held that long, it has the same impulse.
     pub fn mean(&self, span: f64) -> [f64; 2] {
-        let (rest, _) = lumped::averages(span / self.time_constant);
+        let (rest, _) = lumped::exponential_averages(span / self.time_constant);
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
 }

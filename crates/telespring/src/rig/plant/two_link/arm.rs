@@ -1,7 +1,7 @@
 //! A two-link arm by itself: checks at the door, an example, and what the handle feels of it.
 
 use super::OutOfReach;
-use super::dynamics::Rig;
+use super::dynamics::ArmDynamics;
 use super::kinematics::Pose;
 use crate::error::Result;
 use crate::quantity;
@@ -87,7 +87,7 @@ impl TwoLinkArm {
         position: [f64; 2],
     ) -> std::result::Result<([[f64; 2]; 2], [[f64; 2]; 2]), OutOfReach> {
         let none = Handle { mass: [0.0; 2], damping: [0.0; 2], coulomb: [0.0; 2] };
-        let (mass, damping) = Rig::new(none, *self).operator(&Pose::at(self, position)?);
+        let (mass, damping) = ArmDynamics::new(none, *self).operator(&Pose::at(self, position)?);
         Ok((mass.rows(), damping.rows()))
     }
 

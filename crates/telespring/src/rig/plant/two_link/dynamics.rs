@@ -6,7 +6,7 @@ use crate::rig::{Handle, TwoLinkArm};
 
 /// The robot and the arm that holds it, with what does not change with the pose computed once.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rig {
+pub(super) struct ArmDynamics {
     pub handle: Handle,
     pub arm: TwoLinkArm,
     /// Inertia about the shoulder of all that turns with the upper link, its actuator included, kg·m².
@@ -19,7 +19,7 @@ pub(super) struct Rig {
 
 /// mass · acceleration = push + the Coulomb friction: the handle with all that hangs on it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Balance {
+pub(super) struct ForceBalance {
     /// Robot and arm, kg.
     pub mass: Symmetric,
     /// All forces but friction, those that come from the turning of the links included, N.
@@ -28,7 +28,7 @@ pub(super) struct Balance {
     arm_push: [f64; 2],
 }
 
-impl Balance {
+impl ForceBalance {
     /// The force of the arm on the robot while the handle accelerates so, N.
     pub fn arm_force(&self, acceleration: [f64; 2]) -> [f64; 2] {
         let inertial = self.arm_mass.times(acceleration);
@@ -36,7 +36,7 @@ impl Balance {
     }
 }
 
-impl Rig {
+impl ArmDynamics {
     pub fn new(handle: Handle, arm: TwoLinkArm) -> Self {
         let TwoLinkArm { link_length, link_mass, link_centre, link_inertia, rotor_inertia, .. } = arm;
         Self {
@@ -67,13 +67,13 @@ impl Rig {
 
     /// The balance at this position and velocity under torques of the joints and a force of the robot.
     #[inline]
-    pub fn balance(
+    pub fn force_balance(
         &self,
         position: [f64; 2],
         velocity: [f64; 2],
         torque: [f64; 2],
         robot_force: [f64; 2],
-    ) -> Result<Balance, OutOfReach> {
+    ) -> Result<ForceBalance, OutOfReach> {
         let pose = Pose::at(&self.arm, position)?;
         let [w1, w2] = pose.rates(velocity);
         let [l1, l2] = self.arm.link_length;
@@ -96,7 +96,7 @@ impl Rig {
         ]);
         let arm_mass = pose.at_handle(inertia);
         let damping = self.handle.damping;
-        Ok(Balance {
+        Ok(ForceBalance {
             mass: arm_mass.plus_diagonal(self.handle.mass),
             push: [
                 robot_force[0] - damping[0] * velocity[0] + arm_push[0],

@@ -1,6 +1,6 @@
 //! Coulomb friction of the robot's axes, coupled through the arm's inertia: which axis slips, which sticks.
 
-use super::dynamics::Balance;
+use super::dynamics::ForceBalance;
 
 /// An axis lets go at this part of the level above it: the force that is then left over starts it without
 /// doubt, where one of rounding's size could as well leave it stuck, again and again.
@@ -8,7 +8,7 @@ const EXCESS: f64 = 1e-12;
 
 /// By how much the force that would hold an axis is too large for it to stick, N; at most 0 where it does.
 #[inline]
-pub(super) fn excess(friction: f64, level: f64) -> f64 {
+pub(super) fn sticking_excess(friction: f64, level: f64) -> f64 {
     friction.abs() - (1.0 + EXCESS) * level
 }
 
@@ -50,7 +50,7 @@ impl Contact {
 
 /// What both contacts lead to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct ContactMotion {
     pub acceleration: [f64; 2],
     /// Force of friction on the handle, N.
     pub friction: [f64; 2],
@@ -58,7 +58,7 @@ pub(super) struct Motion {
 
 /// Acceleration and friction under given contacts; `level` is the largest friction per axis, N.
 #[inline]
-pub(super) fn motion(balance: &Balance, contact: [Contact; 2], level: [f64; 2]) -> Motion {
+pub(super) fn motion_under(balance: &ForceBalance, contact: [Contact; 2], level: [f64; 2]) -> ContactMotion {
     use Contact::Stuck;
     let mass = &balance.mass;
     let mut friction = [-contact[0].direction() * level[0], -contact[1].direction() * level[1]];
@@ -75,7 +75,7 @@ pub(super) fn motion(balance: &Balance, contact: [Contact; 2], level: [f64; 2]) 
             friction[axis] = needed[axis] - balance.push[axis];
         }
     }
-    Motion { acceleration, friction }
+    ContactMotion { acceleration, friction }
 }
 
 /// The contacts that hold at this velocity.
@@ -84,7 +84,11 @@ pub(super) fn motion(balance: &Balance, contact: [Contact; 2], level: [f64; 2]) 
 /// full friction. What holds one axis depends on whether the other moves; as the mass matrix is positive
 /// definite, exactly one choice for both is consistent.
 #[inline]
-pub(super) fn contacts(balance: &Balance, velocity: [f64; 2], level: [f64; 2]) -> [Contact; 2] {
+pub(super) fn consistent_contacts(
+    balance: &ForceBalance,
+    velocity: [f64; 2],
+    level: [f64; 2],
+) -> [Contact; 2] {
     let [first, second] = [0, 1].map(|axis| Contact::candidates(velocity[axis], level[axis]));
     if let ([first], [second]) = (first, second) {
         return [*first, *second];
@@ -92,12 +96,12 @@ pub(super) fn contacts(balance: &Balance, velocity: [f64; 2], level: [f64; 2]) -
     let inertia = balance.mass.diagonal();
     let mut best = ([first[0], second[0]], f64::INFINITY);
     for contact in first.iter().flat_map(|&x| second.iter().map(move |&y| [x, y])) {
-        let found = motion(balance, contact, level);
+        let motion = motion_under(balance, contact, level);
         let violation = (0..2)
             .filter(|&axis| velocity[axis] == 0.0)
             .map(|axis| match contact[axis] {
-                Contact::Stuck => excess(found.friction[axis], level[axis]),
-                slipping => -slipping.direction() * found.acceleration[axis] * inertia[axis],
+                Contact::Stuck => sticking_excess(motion.friction[axis], level[axis]),
+                slipping => -slipping.direction() * motion.acceleration[axis] * inertia[axis],
             })
             .fold(0.0, f64::max);
         // rounding may leave no choice without any: then the one nearest to it

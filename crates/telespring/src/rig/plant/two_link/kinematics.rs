@@ -28,7 +28,7 @@ pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// A quarter turn counter-clockwise.
 #[inline]
-fn turned(a: [f64; 2]) -> [f64; 2] {
+fn quarter_turn(a: [f64; 2]) -> [f64; 2] {
     [-a[1], a[0]]
 }
 
@@ -83,8 +83,8 @@ impl Pose {
     /// J(θ)ᵀ F: the torques of shoulder and elbow that together push the handle by `force`, N·m.
     #[inline]
     pub fn torque(&self, arm: &TwoLinkArm, force: [f64; 2]) -> [f64; 2] {
-        let elbow = arm.link_length[1] * dot(turned(self.link[1]), force);
-        [arm.link_length[0] * dot(turned(self.link[0]), force) + elbow, elbow]
+        let elbow = arm.link_length[1] * dot(quarter_turn(self.link[1]), force);
+        [arm.link_length[0] * dot(quarter_turn(self.link[0]), force) + elbow, elbow]
     }
 
     /// A quadratic form of the links' turning rates as one of the handle's velocity.

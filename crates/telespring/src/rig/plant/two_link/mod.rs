@@ -14,9 +14,9 @@ mod stepping;
 #[cfg(test)]
 mod tests;
 
-use self::dynamics::Rig;
+use self::dynamics::ArmDynamics;
 use self::kinematics::Pose;
-use self::stepping::{Held, State};
+use self::stepping::{HeldForces, State};
 use super::{Halt, OutOfReach};
 use crate::rig::{Handle, TwoLinkArm};
 
@@ -40,7 +40,7 @@ pub use self::kinematics::SMALLEST_ELBOW_SINE;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoLinkPlant {
-    rig: Rig,
+    rig: ArmDynamics,
     state: State,
     torque: [f64; 2],
     step: f64,
@@ -55,7 +55,7 @@ impl TwoLinkPlant {
     pub fn new(handle: Handle, arm: TwoLinkArm, position: [f64; 2]) -> Result<Self, OutOfReach> {
         Pose::at(&arm, position)?;
         let state = [position[0], position[1], 0.0, 0.0];
-        Ok(Self { rig: Rig::new(handle, arm), state, torque: [0.0; 2], step: f64::INFINITY })
+        Ok(Self { rig: ArmDynamics::new(handle, arm), state, torque: [0.0; 2], step: f64::INFINITY })
     }
 
     /// The same at `velocity`, m/s.
@@ -127,8 +127,8 @@ impl TwoLinkPlant {
         span: f64,
     ) -> Result<(), Halt> {
         self.torque = torque;
-        let held = Held { torque, robot_force };
-        stepping::advance(&self.rig, held, span, &mut self.state, &mut self.step)
+        let held = HeldForces { torque, robot_force };
+        stepping::advance_two_link(&self.rig, held, span, &mut self.state, &mut self.step)
     }
 
     /// The force of the arm on the robot's handle at this instant under these forces, N: what a force
@@ -136,10 +136,12 @@ impl TwoLinkPlant {
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         let torque = self.torque_for(hand_force);
         let (position, velocity, level) = (self.position(), self.velocity(), self.rig.handle.coulomb);
-        let balance =
-            self.rig.balance(position, velocity, torque, robot_force).expect("the arm holds the handle");
-        let contact = friction::contacts(&balance, velocity, level);
-        balance.arm_force(friction::motion(&balance, contact, level).acceleration)
+        let balance = self
+            .rig
+            .force_balance(position, velocity, torque, robot_force)
+            .expect("the arm holds the handle");
+        let contact = friction::consistent_contacts(&balance, velocity, level);
+        balance.arm_force(friction::motion_under(&balance, contact, level).acceleration)
     }
 
     /// Kinetic energy of robot and arm, J.

@@ -1,8 +1,8 @@
 //! Motion over a span in which the forces are held: steps of the pair 5(4) of Dormand and Prince (1980),
 //! cut where an axis comes to rest or breaks loose.
 
-use super::dynamics::{Balance, Rig};
-use super::friction::{Contact, contacts, excess, motion};
+use super::dynamics::{ArmDynamics, ForceBalance};
+use super::friction::{Contact, consistent_contacts, motion_under, sticking_excess};
 use super::{Halt, OutOfReach};
 
 /// Positions, m, then velocities, m/s.
@@ -41,45 +41,45 @@ const ERROR: [f64; 7] =
 
 /// What is held over a span.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held {
+pub(super) struct HeldForces {
     pub torque: [f64; 2],
     pub robot_force: [f64; 2],
 }
 
-struct Trial {
+struct StepResult {
     state: State,
     derivative: State,
-    balance: Balance,
+    balance: ForceBalance,
     /// Estimated error over what is allowed.
     error: f64,
 }
 
-struct Span<'a> {
-    rig: &'a Rig,
-    held: Held,
+struct HeldSpan<'a> {
+    rig: &'a ArmDynamics,
+    held: HeldForces,
     contact: [Contact; 2],
 }
 
 #[inline]
-fn halves([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
+fn split_state([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
     ([px, py], [vx, vy])
 }
 
-impl Span<'_> {
+impl HeldSpan<'_> {
     #[inline]
-    fn balance(&self, state: State) -> Result<Balance, OutOfReach> {
-        let (position, velocity) = halves(state);
-        self.rig.balance(position, velocity, self.held.torque, self.held.robot_force)
+    fn force_balance(&self, state: State) -> Result<ForceBalance, OutOfReach> {
+        let (position, velocity) = split_state(state);
+        self.rig.force_balance(position, velocity, self.held.torque, self.held.robot_force)
     }
 
     #[inline]
-    fn derivative(&self, state: State, balance: &Balance) -> State {
-        let [ax, ay] = motion(balance, self.contact, self.rig.handle.coulomb).acceleration;
+    fn derivative(&self, state: State, balance: &ForceBalance) -> State {
+        let [ax, ay] = motion_under(balance, self.contact, self.rig.handle.coulomb).acceleration;
         [state[2], state[3], ax, ay]
     }
 
     #[inline]
-    fn step(&self, start: State, slope: State, length: f64) -> Result<Trial, OutOfReach> {
+    fn runge_kutta_step(&self, start: State, slope: State, length: f64) -> Result<StepResult, OutOfReach> {
         let mut slopes = [slope; 7];
         let mut state = start;
         let mut last = None;
@@ -88,7 +88,7 @@ impl Span<'_> {
                 let sum: f64 = weights.iter().zip(&slopes).map(|(weight, slope)| weight * slope[i]).sum();
                 state[i] = start[i] + length * sum;
             }
-            let balance = self.balance(state)?;
+            let balance = self.force_balance(state)?;
             slopes[stage + 1] = self.derivative(state, &balance);
             last = Some(balance);
         }
@@ -100,15 +100,17 @@ impl Span<'_> {
         let error = (missed(0).max(missed(1)) / POSITION_TOLERANCE)
             .max(missed(2).max(missed(3)) / (RELATIVE_TOLERANCE * speed));
         let balance = last.expect("there are stages");
-        Ok(Trial { state, derivative: slopes[6], balance, error })
+        Ok(StepResult { state, derivative: slopes[6], balance, error })
     }
 
     /// Whether a contact no longer holds here.
-    fn is_broken(&self, state: State, balance: &Balance) -> bool {
+    fn is_broken(&self, state: State, balance: &ForceBalance) -> bool {
         let level = self.rig.handle.coulomb;
         (0..2).any(|axis| match self.contact[axis] {
             Contact::Frictionless => false,
-            Contact::Stuck => excess(motion(balance, self.contact, level).friction[axis], level[axis]) > 0.0,
+            Contact::Stuck => {
+                sticking_excess(motion_under(balance, self.contact, level).friction[axis], level[axis]) > 0.0
+            }
             slipping => slipping.direction() * state[2 + axis] < 0.0,
         })
     }
@@ -121,16 +123,16 @@ impl Span<'_> {
         &self,
         start: State,
         slope: State,
-        whole: Trial,
+        whole: StepResult,
         length: f64,
-    ) -> Result<Option<(f64, Trial)>, OutOfReach> {
+    ) -> Result<Option<(f64, StepResult)>, OutOfReach> {
         if !self.is_broken(whole.state, &whole.balance) {
             return Ok(None);
         }
         let (mut before, mut after) = (0.0, (length, whole));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (before + after.0);
-            let trial = self.step(start, slope, middle)?;
+            let trial = self.runge_kutta_step(start, slope, middle)?;
             if self.is_broken(trial.state, &trial.balance) {
                 after = (middle, trial);
             } else {
@@ -144,20 +146,20 @@ impl Span<'_> {
 /// The state after `span`, s, or why there is none.
 ///
 /// `guess` is the step that served last, for the next span to start with.
-pub(super) fn advance(
-    rig: &Rig,
-    held: Held,
+pub(super) fn advance_two_link(
+    rig: &ArmDynamics,
+    held: HeldForces,
     span: f64,
     state: &mut State,
     guess: &mut f64,
 ) -> Result<(), Halt> {
     let level = rig.handle.coulomb;
     let has_friction = level != [0.0; 2];
-    let mut work = Span { rig, held, contact: [Contact::Frictionless; 2] };
+    let mut work = HeldSpan { rig, held, contact: [Contact::Frictionless; 2] };
     let mut left = span;
     let mut events = 0;
-    let mut balance = work.balance(*state)?;
-    work.contact = contacts(&balance, halves(*state).1, level);
+    let mut balance = work.force_balance(*state)?;
+    work.contact = consistent_contacts(&balance, split_state(*state).1, level);
     let mut slope = work.derivative(*state, &balance);
     let mut steps_left = MAX_STEPS + MAX_STEPS_PER_SECOND * span;
     while left > 0.0 {
@@ -167,16 +169,16 @@ pub(super) fn advance(
         }
         steps_left -= 1.0;
         if steps_left < 0.0 {
-            return Err(Halt::TooStiff { position: halves(*state).0 });
+            return Err(Halt::TooStiff { position: split_state(*state).0 });
         }
         let length = guess.min(left);
-        let trial = match work.step(*state, slope, length) {
+        let trial = match work.runge_kutta_step(*state, slope, length) {
             Ok(trial) if trial.error.is_finite() => trial,
             _ if length > SMALLEST_STEP * span => {
                 *guess = 0.5 * length;
                 continue;
             }
-            _ => return Err(OutOfReach { position: halves(*state).0 }.into()),
+            _ => return Err(OutOfReach { position: split_state(*state).0 }.into()),
         };
         // order 5: the error of a step falls with the fifth power of its length
         let change = (0.9 * trial.error.powf(-0.2)).clamp(0.2, 5.0);
@@ -212,8 +214,8 @@ pub(super) fn advance(
                         state[2 + axis] = 0.0;
                     }
                 }
-                balance = work.balance(*state)?;
-                work.contact = contacts(&balance, halves(*state).1, level);
+                balance = work.force_balance(*state)?;
+                work.contact = consistent_contacts(&balance, split_state(*state).1, level);
                 slope = work.derivative(*state, &balance);
             }
         }
