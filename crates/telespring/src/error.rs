@@ -1,6 +1,6 @@
-//! What is refused at the door, and how it is told.
+//! The error type for invalid input.
 
-/// A value that was refused, with what is allowed instead and how to mend it.
+/// An invalid value, with the allowed range and a remedy.
 ///
 /// # Examples
 ///
@@ -13,18 +13,18 @@
 #[error("{} {remedy}", self.statement())]
 #[non_exhaustive]
 pub struct InvalidInput {
-    /// Where the value stands, such as `robot1.mass[0]`.
+    /// The field, such as `robot1.mass[0]`.
     pub field: String,
-    /// The value as given; empty where it is missing.
+    /// The value as given; empty if it is missing.
     pub value: String,
-    /// What is allowed there, with its unit; of a missing value only the unit.
+    /// The allowed values, with their unit; only the unit if the value is missing.
     pub allowed: String,
-    /// The nearest way to mend it, a full sentence.
+    /// How to correct the input, as a full sentence.
     pub remedy: String,
 }
 
 impl InvalidInput {
-    /// Builds a refusal; `allowed` carries no full stop, `remedy` is a sentence.
+    /// Creates an error; `allowed` has no full stop, `remedy` is a full sentence.
     pub fn new(
         field: impl Into<String>,
         value: impl ToString,
@@ -34,7 +34,7 @@ impl InvalidInput {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into(), remedy: remedy.into() }
     }
 
-    /// A missing value; `unit` may be empty, `remedy` is a sentence.
+    /// Creates an error for a missing value; `unit` may be empty, `remedy` is a full sentence.
     ///
     /// # Examples
     ///
@@ -47,7 +47,7 @@ impl InvalidInput {
         Self { field: field.into(), value: String::new(), allowed: unit.into(), remedy: remedy.into() }
     }
 
-    /// True for a value that is missing.
+    /// True if the value is missing.
     pub fn is_missing(&self) -> bool {
         self.value.is_empty()
     }
@@ -62,7 +62,7 @@ impl InvalidInput {
         }
     }
 
-    /// The same refusal with `prefix` and a dot put before the field.
+    /// The same error with `prefix` and a dot before the field.
     #[must_use]
     pub fn within(mut self, prefix: &str) -> Self {
         self.field = format!("{prefix}.{}", self.field);
@@ -70,5 +70,5 @@ impl InvalidInput {
     }
 }
 
-/// The result of a check at the door.
+/// The result of checking input.
 pub type Result<T> = std::result::Result<T, InvalidInput>;

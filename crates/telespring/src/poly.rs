@@ -1,15 +1,15 @@
-//! Real roots of polynomials of low degree: isolated, scaled, none missed.
+//! Positive real roots of polynomials of low degree; none is missed.
 //!
-//! Between two neighbouring roots of its derivative a polynomial is monotone, so the signs there
-//! decide how many roots lie between, and a bracketed Halley iteration finds each. A sign counts
-//! only where the value exceeds a bound on its rounding error; where one does not (next to a
-//! tangency), everything is repeated in double-double arithmetic.
+//! Between two neighbouring roots of its derivative a polynomial is monotone. The signs there decide
+//! whether a root lies between them, and a bracketed Halley iteration finds it. A sign counts only if the
+//! value exceeds a bound on its rounding error. Otherwise, as next to a tangency, the search is repeated in
+//! double-double arithmetic.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use twofloat::TwoFloat;
 
-/// The arithmetic a root search runs in.
+/// The arithmetic of a root search.
 pub(crate) trait Real:
     Copy
     + PartialOrd
@@ -22,7 +22,7 @@ pub(crate) trait Real:
 {
     /// Relative rounding error of one operation.
     const EPSILON: f64;
-    /// Relative step of Halley's iteration, which cubes the error, below which the next is below `EPSILON`.
+    /// Relative Halley step below which the next error is below `EPSILON`: the iteration is cubic.
     const SETTLED: f64;
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
@@ -50,16 +50,15 @@ impl Real for TwoFloat {
     }
 }
 
-/// A polynomial by its coefficients, constant first, each with the sum of the magnitudes of the
-/// terms that it was formed from: a coefficient is known to a few `EPSILON` of that sum.
+/// A polynomial by its coefficients, constant term first. `magnitude` is the sum of the absolute terms that
+/// formed each coefficient, which is known to a few `EPSILON` of that sum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Polynomial<R, const N: usize> {
     pub coefficient: [R; N],
     pub magnitude: [f64; N],
 }
 
-/// A positive real root; `slope` is the sign of the derivative there, 0 where the graph only
-/// touches the axis.
+/// A positive real root; `slope` is the sign of the derivative there, 0 at a tangency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Root<R> {
     pub at: R,
@@ -91,23 +90,23 @@ impl<R, const N: usize> std::ops::Deref for Roots<R, N> {
     }
 }
 
-/// What to do with a value that is smaller than its own rounding error.
+/// How to treat a value smaller than its rounding error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum UncertainSign {
-    /// Give up, so that the caller repeats in a finer arithmetic.
+    /// Stop, so that the caller repeats the search in a finer arithmetic.
     GiveUp,
-    /// Take it for zero.
+    /// Treat it as zero.
     Zero,
 }
 
-/// A simple root whose error bound (some 16 times the usual error) exceeds this, relative, is found again in
-/// double-double.
+/// A simple root is recomputed in double-double if its error bound, about 16 times the usual error, exceeds
+/// this relative value.
 const ROOT_ACCURACY: f64 = 2e-12;
 
-/// Stands for an upper end at infinity.
+/// An upper bracket end that stands for infinity.
 const FAR: f64 = 1e300;
 
-/// All positive roots, in f64 where every sign is certain and else in double-double.
+/// The positive roots of a polynomial: in f64 if every sign is certain, else in double-double.
 ///
 /// `precise` forms the same polynomial in double-double from the same data.
 pub(crate) fn positive_roots<const N: usize>(
@@ -128,7 +127,7 @@ pub(crate) fn positive_roots<const N: usize>(
 }
 
 impl<R: Real, const N: usize> Polynomial<R, N> {
-    /// The value at `x` > 0 over the window `low..high` of coefficients, and a bound on its error.
+    /// The value at `x` > 0 of the polynomial with coefficients `low..high`, and a bound on its error.
     #[inline(always)]
     fn value(&self, low: usize, high: usize, x: R) -> (R, f64) {
         let at = x.to_f64();
@@ -146,7 +145,7 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         if bound.is_finite() { sign_of(value, bound) } else { self.sign_at_large(low, high, x) }
     }
 
-    /// The sign at an `x` whose powers overflow, from the value over the highest power.
+    /// The sign at an `x` whose powers overflow, from the value divided by the highest power.
     #[cold]
     fn sign_at_large(&self, low: usize, high: usize, x: R) -> i8 {
         let reciprocal = R::from(1.0) / x;
@@ -174,8 +173,8 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
     }
 }
 
-/// Adds to `roots` the positive roots of the polynomial with the coefficients `low..high`, the first of
-/// them its constant; None where a sign is in uncertain and uncertain is refused.
+/// Appends the positive roots of the polynomial with coefficients `low..high`, constant term first; `None`
+/// if a sign is uncertain and [`UncertainSign::GiveUp`] is set.
 fn isolate_roots<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     mut low: usize,
@@ -183,7 +182,8 @@ fn isolate_roots<R: Real, const N: usize>(
     uncertain: UncertainSign,
     roots: &mut Roots<R, N>,
 ) -> Option<()> {
-    // A zero constant is a root at 0, a zero leading coefficient one at infinity: neither is positive.
+    // A zero constant term is a root at 0, a zero leading coefficient a root at infinity: neither is
+    // positive.
     while low < high && p.coefficient_sign(low) == 0 {
         if uncertain == UncertainSign::GiveUp && p.magnitude[low] != 0.0 {
             return None;
@@ -202,9 +202,9 @@ fn isolate_roots<R: Real, const N: usize>(
     let first = p.coefficient_sign(low);
     let last = p.coefficient_sign(high - 1);
 
-    // Descartes' rule of signs: with no change of sign there is no positive root, with one there is one.
+    // Descartes' rule of signs: no sign change means no positive root, one sign change exactly one.
     let (changes, certain) = match (&p.coefficient[low..high], &p.magnitude[low..high]) {
-        // a length that is known when compiling unrolls the count
+        // A length known at compile time lets the compiler unroll the count.
         ([c0, c1, c2, c3], [m0, m1, m2, m3]) => sign_changes(&[*c0, *c1, *c2, *c3], &[*m0, *m1, *m2, *m3]),
         (coefficients, magnitudes) => sign_changes(coefficients, magnitudes),
     };
@@ -240,7 +240,7 @@ fn isolate_roots<R: Real, const N: usize>(
     let mut splits = Roots::none();
     isolate_roots(&p.derivative(low, high), low + 1, high, UncertainSign::Zero, &mut splits)?;
 
-    // The last interval is open: its upper end is moved out until the leading term rules.
+    // The last interval is open: extend its upper end until the leading term dominates.
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
     let mut outer = start;
     while p.sign_at(low, high, outer) != last {
@@ -249,7 +249,7 @@ fn isolate_roots<R: Real, const N: usize>(
             if uncertain == UncertainSign::GiveUp {
                 return None;
             }
-            // What lies beyond every number is no root.
+            // A root beyond the largest number does not count.
             break;
         }
         outer = farther;
@@ -281,14 +281,14 @@ fn isolate_roots<R: Real, const N: usize>(
     Some(())
 }
 
-/// The sign of a value with an error bound; 0 where the bound leaves it open.
+/// The sign of a value with an error bound; 0 if uncertain.
 #[inline(always)]
 fn sign_of<R: Real>(value: R, bound: f64) -> i8 {
     let value = value.to_f64();
     i8::from(value > bound) - i8::from(value < -bound)
 }
 
-/// How often the sign changes along the coefficients, and whether every sign is certain.
+/// The number of sign changes of the coefficients, and whether every sign is certain.
 #[inline(always)]
 fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) {
     let mut changes = 0;
@@ -303,7 +303,7 @@ fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) 
     (changes, certain)
 }
 
-/// A power of two near the geometric mean of the roots' magnitudes: a scale to start from.
+/// A starting scale: a power of two near the geometric mean of the root magnitudes.
 #[inline(always)]
 fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
     let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i64;
@@ -312,7 +312,7 @@ fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high:
     R::from(f64::from_bits(((1023 + power) as u64) << 52))
 }
 
-/// The positive roots of a quadratic in closed form; None where the sign of its discriminant is in uncertain.
+/// The positive roots of a quadratic in closed form; `None` if the sign of its discriminant is uncertain.
 fn quadratic_roots<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
@@ -323,7 +323,7 @@ fn quadratic_roots<R: Real, const N: usize>(
     let discriminant = b * b - R::from(4.0) * a * c;
     let size = b_size * b_size + 4.0 * a_size * c_size;
     let sign = sign_of(discriminant, 64.0 * R::EPSILON * size);
-    // outside, products overflow or lose digits
+    // Beyond this range, products overflow or lose digits.
     if sign == 0 || !(1e-250..1e250).contains(&size) {
         return None;
     }
@@ -344,12 +344,12 @@ fn quadratic_roots<R: Real, const N: usize>(
     Some(roots)
 }
 
-/// The derivative of a quadratic.
+/// The derivative of a quadratic polynomial.
 fn quadratic_slope<R: Real>(coefficients: &[R], x: R) -> f64 {
     coefficients[1].to_f64() + 2.0 * coefficients[2].to_f64() * x.to_f64()
 }
 
-/// Whether the rounding error of the value at a root moves it by less than [`ROOT_ACCURACY`].
+/// Whether the rounding error of the value displaces a root by less than [`ROOT_ACCURACY`].
 #[inline(always)]
 fn is_accurate<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
@@ -361,7 +361,7 @@ fn is_accurate<R: Real, const N: usize>(
     p.value(low, high, at).1 <= ROOT_ACCURACY * (slope * at.to_f64()).abs()
 }
 
-/// The one root between `left` (sign `left_sign`) and `right`, by Halley's iteration kept inside.
+/// The root between `left` (sign `left_sign`) and `right`, by a bracketed Halley iteration.
 fn root_in_bracket<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
@@ -374,16 +374,16 @@ fn root_in_bracket<R: Real, const N: usize>(
     let typical = typical_root(p, low, high);
     let start = if typical > left && typical <= right { typical } else { point_in_bracket(left, right) };
     let (at, slope) = match p.coefficient[low..high] {
-        // a length that is known when compiling unrolls the evaluation
+        // A length known at compile time lets the compiler unroll the evaluation.
         [c0, c1, c2, c3] => halley(&[c0, c1, c2, c3], left, right, left_sign, start),
         ref coefficients => halley(coefficients, left, right, left_sign, start),
     };
-    // an iteration that did not settle has no slope
+    // A slope of 0 means that the iteration did not converge.
     let trusted = uncertain == UncertainSign::Zero || is_accurate(p, low, high, at, slope);
     trusted.then_some(at)
 }
 
-/// A point well inside a bracket; one over many decades is halved on the logarithmic scale.
+/// A point well inside a bracket: the geometric mean if the bracket spans decades.
 fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     if right >= R::from(FAR) {
         left * R::from(16.0)
@@ -396,12 +396,12 @@ fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     }
 }
 
-/// Halley's iteration from `x`: the root, and the derivative next to it (0 where it did not settle).
+/// Halley's iteration from `x`: the root and the derivative next to it, 0 if it did not converge.
 #[inline(always)]
 fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8, mut x: R) -> (R, f64) {
     let zero = R::from(0.0);
     let mut previous = f64::INFINITY;
-    // It at least halves the bracket every second step; the limit only guards the loop.
+    // Every second step at least halves the bracket; the limit only guards the loop.
     for _ in 0..2200 {
         let (mut value, mut slope, mut curvature) = (zero, zero, zero);
         for &coefficient in coefficients.iter().rev() {

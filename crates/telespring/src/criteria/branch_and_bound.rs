@@ -1,16 +1,16 @@
-//! All points at which a characteristic root lies on a vertical line, over a range of one parameter.
+//! Branch and bound for all crossings of a vertical line over a range of one parameter.
 //!
-//! A root s = −σ + jω gives two real equations for the frequency ω and the parameter p (the stiffness
-//! or an added damping). A box of (ω, p) without a solution is discarded by a Taylor bound of
-//! second order, one with at most one solution is handed to Newton's iteration, any other is halved: no
-//! solution is missed, and the extreme one needs no search on stable and unstable.
+//! A root s = −σ + jω gives two real equations for the frequency ω and the parameter p (a stiffness or an
+//! added damping). A second-order Taylor bound discards boxes of (ω, p) without a solution. A box with at
+//! most one solution goes to Newton's iteration; any other box is halved. No solution is missed, and the
+//! extreme one needs no bisection on stability.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use num_complex::Complex64;
 
-/// The value of a characteristic function on the line and its first derivatives.
+/// The value and first derivatives of a characteristic function on the line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Jet {
     pub value: Complex64,
@@ -26,12 +26,11 @@ pub(super) struct Curvature {
     pub parameter: f64,
 }
 
-/// A characteristic function restricted to a vertical line, as a function of frequency and parameter.
+/// A characteristic function on a vertical line, as a function of frequency and parameter.
 pub(super) trait LineFunction {
     fn jet(&self, frequency: f64, parameter: f64) -> Jet;
     fn curvature(&self, region: &Region) -> Curvature;
-    /// Whether the magnitudes of the two terms alone rule out a zero in the box, however fast the
-    /// delay turns their phases.
+    /// Whether the magnitudes of the two terms alone exclude a zero in the box, for any phase of the delay.
     fn magnitudes_differ(&self, region: &Region) -> bool;
 }
 
@@ -42,18 +41,18 @@ pub(super) struct Region {
     pub parameter: (f64, f64),
 }
 
-/// Which solutions are wanted.
+/// Which solutions to compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
-    /// The one of the least parameter.
+    /// The solution with the smallest parameter.
     Least,
-    /// The one of the greatest parameter.
+    /// The solution with the largest parameter.
     Greatest,
-    /// All of them.
+    /// All solutions.
     All,
 }
 
-/// A box waiting for its examination, ordered so that the most promising parameter comes first.
+/// A box in the queue, ordered by the most promising parameter.
 struct QueuedBox {
     priority: f64,
     region: Region,
@@ -76,7 +75,7 @@ impl Ord for QueuedBox {
     }
 }
 
-/// The parameters at which a root lies on the line, ascending; one value for an extreme one.
+/// The parameters at which a root lies on the line, ascending; a single value if only an extreme is wanted.
 pub(super) fn crossing_parameters(function: &impl LineFunction, region: Region, wanted: Wanted) -> Vec<f64> {
     let mut solutions: Vec<(f64, f64)> = Vec::new();
     let mut waiting = BinaryHeap::new();
@@ -124,6 +123,7 @@ fn nearly_equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
+/// Halves a box along its frequency or its parameter.
 fn split_region(region: &Region, frequency: bool) -> [Region; 2] {
     let halve = |(low, high): (f64, f64)| {
         let middle = 0.5 * (low + high);
@@ -144,11 +144,12 @@ enum BoxContent {
     Undecided { halve_frequency: bool },
 }
 
-/// Im(conj(a) b): the part of b across the direction of a, times |a|.
+/// Im(conj(a) b): the component of b perpendicular to a, times |a|.
 fn cross_product(a: Complex64, b: Complex64) -> f64 {
     a.re * b.im - a.im * b.re
 }
 
+/// Decides whether a box holds no solution, at most one, or must be halved.
 fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> BoxContent {
     if function.magnitudes_differ(part) {
         return BoxContent::Nothing;
@@ -162,7 +163,7 @@ fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> B
         0.5 * (bound.frequency * dw * dw + 2.0 * bound.mixed * dw * dp + bound.parameter * dp * dp);
     let (by_w, by_p) = (jet.by_frequency.norm(), jet.by_parameter.norm());
 
-    // No solution where the value exceeds what the box can change, in size or across one direction.
+    // No solution if the value exceeds its possible change over the box, in size or along one direction.
     let determinant = cross_product(jet.by_frequency, jet.by_parameter);
     if jet.value.norm() > by_w * dw + by_p * dp + remainder
         || cross_product(jet.by_frequency, jet.value).abs() > determinant.abs() * dp + by_w * remainder
@@ -171,12 +172,12 @@ fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> B
         return BoxContent::Nothing;
     }
 
-    // At most one solution where the derivative stays invertible over the box.
+    // At most one solution if the derivative stays invertible over the box.
     let change_by_w = bound.frequency * dw + bound.mixed * dp;
     let change_by_p = bound.mixed * dw + bound.parameter * dp;
     let injective =
         change_by_w * by_p < 0.5 * determinant.abs() && change_by_p * by_w < 0.5 * determinant.abs();
-    // A box this narrow holds, if anything, a double solution, where two branches touch.
+    // A box this narrow holds at most a double solution, where two branches touch.
     let exhausted = dw <= 1e-12 * whole.frequency.1 && dp <= 1e-12 * p.abs();
     if injective || exhausted {
         return newton_in_box(function, w, p, part, injective);
@@ -186,7 +187,7 @@ fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> B
     }
 }
 
-/// Newton's iteration from the middle of a box that holds at most one solution.
+/// Newton's iteration from the middle of a box with at most one solution.
 fn newton_in_box(
     function: &impl LineFunction,
     mut w: f64,
@@ -219,7 +220,7 @@ fn newton_in_box(
         }
         previous = size;
     }
-    // The iteration left the box: whether it holds the solution is for its halves to say.
+    // The iteration left the box: its halves decide whether it holds the solution.
     let (dw, dp) = (part.frequency.1 - part.frequency.0, part.parameter.1 - part.parameter.0);
     if dw <= 1e-13 * w.abs() && dp <= 1e-13 * p.abs() {
         return BoxContent::Nothing;

@@ -1,4 +1,4 @@
-//! The criteria solved for what an engineer may choose: the stiffness or the damping.
+//! Inverse criteria: the maximum stiffness or minimum damping for a delay.
 
 use num_complex::Complex64;
 
@@ -12,15 +12,15 @@ use crate::error::{InvalidInput, Result};
 use crate::model::{DyadAxis, Side};
 use crate::quantity;
 
-/// The stiffness K at this one-way delay (s): every k with 0 < k < K is stable, N/m.
+/// The maximum stiffness K at a one-way delay (s): every k with 0 < k < K is stable, N/m.
 ///
-/// Infinite without delay, 0 where the softest spring is already unstable. Some dyads are stable again
-/// at a larger stiffness; that does not count. K is the least stiffness on the curve of crossings, all
-/// of which are enclosed, not the outcome of a search on stable and unstable.
+/// Infinite without delay, 0 if even a soft spring is unstable. Some dyads become stable again at a larger
+/// stiffness, which does not count. K is the smallest stiffness on the curve of crossings, all of which are
+/// enclosed; it does not come from a bisection on stability.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay (s) is not in range.
+/// [`InvalidInput`] if the delay (s) is out of range.
 ///
 /// # Examples
 ///
@@ -48,7 +48,7 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
     if resonances.is_empty() {
         let mut low = 1e-9 * scale;
         if coincident {
-            // Both roots move by a part k here: a count of roots still tells them apart.
+            // Both roots move in proportion to k here, so a count of roots still separates them.
             low = axis.sides.iter().fold(f64::INFINITY, |low, side| {
                 let frequency = (side.ground_stiffness / side.mass).sqrt();
                 low.min(1e-4 * side.ground_stiffness).min(0.1 * side.mass * frequency / round_trip)
@@ -60,7 +60,7 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
             return Ok(0.0);
         }
         let stiffness = first_crossing_stiffness(&line, low, low);
-        // No root crosses between, so that one stiffness speaks for all.
+        // No root crosses in between, so one stiffness represents all.
         return Ok(if unstable_roots(axis, 0.5 * stiffness, delay) > 0 { 0.0 } else { stiffness });
     }
 
@@ -69,7 +69,8 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
         .iter()
         .filter_map(|resonance| resonance.first_unstable_stiffness(soft))
         .fold(f64::INFINITY, f64::min);
-    // All other roots are stable with the softest spring; they are searched for beside the resonances.
+    // All other roots are stable with a soft spring; the search covers the frequencies between the
+    // resonances.
     let mut bands: Vec<(f64, f64)> =
         resonances.iter().map(|resonance| resonance.frequency_band(soft)).collect();
     bands.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -91,10 +92,10 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
     Ok(if first.is_finite() { first } else { first_crossing_stiffness(&line, soft, soft) })
 }
 
-/// The least stiffness above `low` at which a root crosses, N/m.
+/// The smallest stiffness above `low` at which a root crosses, N/m.
 ///
-/// Every large stiffness is unstable at a positive delay, so that some window holds a crossing; the
-/// windows widen because at a long delay the first crossing lies close above the critical stiffness.
+/// With a positive delay every large stiffness is unstable, so some window holds a crossing. The windows
+/// widen because at a long delay the first crossing lies just above the critical stiffness.
 fn first_crossing_stiffness(line: &StiffnessLine, mut low: f64, mut width: f64) -> f64 {
     while low.is_finite() {
         let high = low + width;
@@ -109,12 +110,12 @@ fn first_crossing_stiffness(line: &StiffnessLine, mut low: f64, mut width: f64) 
     f64::INFINITY
 }
 
-/// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is
-/// stable at this stiffness (N/m) and one-way delay (s); 0 where every addition is, however small.
+/// The smallest damping d, N·s/m, added to both robots, such that every larger addition is stable at this
+/// stiffness (N/m) and one-way delay (s); 0 if every addition is stable.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness or the delay is not in range.
+/// [`InvalidInput`] if the stiffness or the delay is out of range.
 ///
 /// # Examples
 ///
@@ -150,18 +151,18 @@ pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f6
     Ok(crossing_parameters(&line, region, Wanted::Greatest).first().copied().unwrap_or(0.0))
 }
 
-/// The largest decay rate times delay that is searched for: the search grows with its exponential.
+/// The largest product of decay rate and delay: the cost of the search grows exponentially with it.
 const FASTEST_DECAY: f64 = 5.0;
 
-/// The stiffnesses, as intervals `(low, high)` in N/m, with which every characteristic root but the
-/// rigid-body one lies left of −`decay_rate` (1/s) at this one-way delay (s): a softer spring is slow,
-/// a stiffer one rings. Empty where no stiffness decays that fast; searched up to 1e7 N/m, and `high` may
-/// be infinite without delay.
+/// The stiffness intervals `(low, high)`, N/m, with which every characteristic root but the rigid-body one
+/// lies left of −`decay_rate` (1/s) at a one-way delay (s). A softer spring is slow, a stiffer one
+/// oscillates. Empty if no stiffness decays that fast. The search ends at 1e7 N/m; without delay `high` may
+/// be infinite.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay or the decay rate is not in range, their product exceeds 5, or the
-/// rate is 0 and an undamped side makes the critical stiffness 0.
+/// [`InvalidInput`] if the delay or the decay rate is out of range, their product exceeds 5, or the rate is
+/// 0 and an undamped side makes the critical stiffness 0.
 ///
 /// # Examples
 ///
@@ -186,7 +187,7 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
             "Ask for a slower decay: a motion that crosses the network settles in several delays.",
         ));
     }
-    // On the imaginary axis itself nothing crosses below the critical stiffness.
+    // On the imaginary axis no root crosses below the critical stiffness.
     let lowest = if decay_rate > 0.0 { 0.0 } else { critical_stiffness(axis) * (1.0 - 1e-9) };
     if decay_rate == 0.0 && lowest == 0.0 {
         return Err(InvalidInput::new(
@@ -232,7 +233,7 @@ fn decays_faster_than(axis: &DyadAxis, stiffness: f64, delay: f64, decay_rate: f
     Ok(crate::spectrum::spectral_abscissa(axis, stiffness, &delay)?.value < -decay_rate)
 }
 
-/// A stiffness typical of the dyad where its damping gives none, N/m.
+/// A typical stiffness of the dyad, N/m, for dyads whose critical stiffness is 0.
 fn stiffness_scale(axis: &DyadAxis, round_trip: f64) -> f64 {
     let [first, second] = &axis.sides;
     let mass = first.mass + second.mass;
@@ -259,7 +260,7 @@ fn crossing_frequency_bound(axis: &DyadAxis, stiffness: f64) -> f64 {
         .sqrt()
 }
 
-/// A bound on |s| for every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.
+/// An upper bound on |s| of every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.
 fn root_magnitude_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_rate: f64) -> f64 {
     let growth = (0.5 * decay_rate * round_trip).exp();
     let c = axis.coupling_damping;
@@ -271,8 +272,7 @@ fn root_magnitude_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_
     })
 }
 
-/// A stiffness above which every dyad with a delay is unstable, or, without delay, above which
-/// nothing changes any more.
+/// A stiffness above which every dyad with a delay is unstable, or, without delay, nothing changes.
 fn unstable_stiffness_bound(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
     let [first, second] = &axis.sides;
     let ground = first.ground_stiffness + second.ground_stiffness;
@@ -283,8 +283,8 @@ fn unstable_stiffness_bound(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64
         return 1e4 * scale;
     }
     let mut limit = if ground > 0.0 { 1e3 * scale } else { 1e-3 * scale };
-    // The highest crossing leaves at least δω/π − 1 times, the returning ones bring back at most
-    // δω/π + 1 pairs; both move apart as the stiffness grows.
+    // The highest crossing leaves at least δω/π − 1 times; the returning ones bring back at most δω/π + 1
+    // pairs. Both diverge as the stiffness grows.
     loop {
         let crossings = all_crossings(axis, limit);
         let highest = crossings.last().map_or(0.0, |last| last.frequency);
@@ -327,7 +327,7 @@ fn real_root_stiffnesses(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> V
         .collect()
 }
 
-/// N(s) (χ(s), over s for free handles) and its derivative by s.
+/// N(s) and its derivative with respect to s; N is χ(s), divided by s for free handles.
 fn characteristic_jet(
     chi: &Characteristic,
     s: Complex64,
@@ -336,8 +336,8 @@ fn characteristic_jet(
     if chi.rigid_body { chi.jet_by_remainder(s, exponential) } else { chi.jet_by_sides(s, exponential) }
 }
 
-/// Whether |P₁P₂| and |k + c s|² e^(σT) differ all over a box of frequencies, with the stiffness and the
-/// added damping in the given ranges, on the line Re s = −σ.
+/// Whether |P₁P₂| and |k + c s|² e^(σT) differ everywhere in a box of frequencies on the line Re s = −σ,
+/// for the given ranges of stiffness and added damping.
 fn magnitudes_differ(
     axis: &DyadAxis,
     frequency: (f64, f64),
@@ -348,7 +348,7 @@ fn magnitudes_differ(
 ) -> bool {
     let c = axis.coupling_damping;
     let squares = (frequency.0 * frequency.0, frequency.1 * frequency.1);
-    // The least and the greatest value of x² on an interval.
+    // The smallest and largest value of x² on an interval.
     let square = |(low, high): (f64, f64)| {
         let greatest = (low * low).max(high * high);
         (if low <= 0.0 && high >= 0.0 { 0.0 } else { (low * low).min(high * high) }, greatest)
@@ -369,16 +369,16 @@ fn magnitudes_differ(
     let growth = (decay_rate * round_trip).exp();
     let returned = ((spring.0 + c * c * squares.0) * growth, (spring.1 + c * c * squares.1) * growth);
     let product = (sides[0].0 * sides[1].0, sides[0].1 * sides[1].1);
-    // The margin keeps the rounding of these bounds from deciding.
+    // The factor keeps the rounding of these bounds from deciding.
     product.0 > returned.1 * returned.1 * (1.0 + 1e-12) || product.1 * (1.0 + 1e-12) < returned.0 * returned.0
 }
 
-/// The least and the greatest |s| of a box on the line Re s = −σ.
+/// The smallest and largest |s| of a box on the line Re s = −σ.
 fn magnitude_range(region: &Region, decay_rate: f64) -> (f64, f64) {
     (region.frequency.0.hypot(decay_rate), region.frequency.1.hypot(decay_rate))
 }
 
-/// The characteristic function on Re s = −σ over the stiffness.
+/// The characteristic function on Re s = −σ as a function of frequency and stiffness.
 struct StiffnessLine<'a> {
     axis: &'a DyadAxis,
     round_trip: f64,
@@ -433,7 +433,7 @@ impl LineFunction for StiffnessLine<'_> {
     }
 }
 
-/// The characteristic function on the imaginary axis over a damping added to both sides.
+/// The characteristic function on the imaginary axis as a function of frequency and added damping.
 struct DampingLine<'a> {
     axis: &'a DyadAxis,
     stiffness: f64,
@@ -441,6 +441,7 @@ struct DampingLine<'a> {
 }
 
 impl DampingLine<'_> {
+    /// The characteristic function with a damping added to both sides.
     fn characteristic(&self, added: f64) -> Characteristic {
         let sides = self.axis.sides.map(|side| Side { damping: side.damping + added, ..side });
         Characteristic::new(&DyadAxis { sides, ..*self.axis }, self.stiffness, self.round_trip)

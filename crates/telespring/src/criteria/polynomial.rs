@@ -1,16 +1,16 @@
-//! The polynomial F whose positive roots are the squared frequencies of all crossings (the paper's
-//! Eq. 8, here with operators and coupling damping).
+//! The crossing polynomial F: its positive roots are the squared crossing frequencies (the paper's Eq. 8,
+//! with operators and coupling damping).
 
 use twofloat::TwoFloat;
 
 use crate::model::DyadAxis;
 use crate::poly::{Polynomial, Real, Roots, positive_roots};
 
-/// The number of coefficients of F: degree 4 with an operator's stiffness.
+/// The number of coefficients of F: degree 4 if an operator has stiffness.
 pub(super) const LENGTH: usize = 5;
 
-/// F(y) = |P₁(jω)/k|² |P₂(jω)/k|² − (1 + c² y/k)² with y = ω²/k, its coefficients formed without
-/// cancellation: with free handles F(0) = 0 exactly, and the constant is exactly zero.
+/// The crossing polynomial F(y) = |P₁(jω)/k|² |P₂(jω)/k|² − (1 + c² y/k)² with y = ω²/k, formed without
+/// cancellation: with free handles its constant term is exactly zero.
 pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> Polynomial<R, LENGTH> {
     let number = R::from;
     let compliance = number(1.0) / number(stiffness);
@@ -57,7 +57,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
     }
 }
 
-/// One side divided by the spring's stiffness.
+/// One side divided by the spring stiffness.
 struct NormalisedSide<R> {
     m2: R,
     ground: R,
@@ -66,7 +66,7 @@ struct NormalisedSide<R> {
     f_size: f64,
 }
 
-/// The positive roots of F in y = ω²/k, ascending.
+/// The positive roots of the crossing polynomial F in y = ω²/k, ascending.
 pub(super) fn crossing_roots(axis: &DyadAxis, stiffness: f64) -> Roots<f64, LENGTH> {
     positive_roots(&crossing_polynomial::<f64>(axis, stiffness), || {
         crossing_polynomial::<TwoFloat>(axis, stiffness)

@@ -1,27 +1,27 @@
-//! What the softest springs do to a resonance that nothing damps.
+//! Undamped resonances under a very soft spring.
 //!
-//! A side that is held to the ground and has no damping rings at ω² = k_h/m, and a soft spring moves that
-//! root by a part k²: too little for a count of roots or for a search in ω and k. But P₁ is real there,
-//! so that the root is on the axis exactly where the imaginary part of e^(−jωT)/P₂(jω) is zero, on the
-//! frequencies m₁ω² = k_h + k − k² Re(e^(−jωT)/P₂); where it is positive the root is unstable.
+//! A grounded side without damping resonates at ω² = k_h/m. A soft spring moves that root only in
+//! proportion to k², too little for a count of roots or for a search in ω and k. But P₁ is real there, so
+//! the root lies on the axis exactly where the imaginary part of e^(−jωT)/P₂(jω) is zero, at the
+//! frequencies m₁ω² = k_h + k − k² Re(e^(−jωT)/P₂). It is unstable where that part is positive.
 
 use num_complex::Complex64;
 
 use crate::model::DyadAxis;
 
-/// Resonances closer than this part of the ground stiffness are taken for one.
+/// Resonances closer than this fraction of the ground stiffness count as one.
 const COINCIDENT: f64 = 1e-8;
 
-/// An undamped side held to the ground, its partner elsewhere.
+/// The resonance of an undamped, grounded side that is not shared by its partner.
 pub(super) struct Resonance<'a> {
     axis: &'a DyadAxis,
     side: usize,
     round_trip: f64,
-    /// Up to this stiffness (N/m) the description here holds, with at most one change of stability.
+    /// The description holds up to this stiffness (N/m), with at most one change of stability.
     pub valid: f64,
 }
 
-/// The resonances that nothing damps, and whether two of them coincide (these are not listed).
+/// The undamped resonances of an axis, and whether two of them coincide (those are not listed).
 pub(super) fn undamped_resonances(axis: &DyadAxis, round_trip: f64) -> (Vec<Resonance<'_>>, bool) {
     let mut coincident = false;
     let mut resonances = Vec::new();
@@ -36,20 +36,20 @@ pub(super) fn undamped_resonances(axis: &DyadAxis, round_trip: f64) -> (Vec<Reso
             coincident = true;
             continue;
         }
-        // The partner's factor changes by 1 %, the phase of the delay by 0.1.
+        // The partner's factor changes by 1 %, the delay phase by 0.1.
         let valid = (0.01 * gap / (1.0 + other.mass / own.mass)).min(0.2 * own.mass * frequency / round_trip);
         resonances.push(Resonance { axis, side, round_trip, valid: valid.min(0.01 * own.ground_stiffness) });
     }
     (resonances, coincident)
 }
 
-/// A stiffness (N/m) below which no root but those of undamped resonances crosses, where a handle is held
-/// to the ground and there is no coupling damper.
+/// A stiffness (N/m) below which only roots of undamped resonances cross, for an axis with a grounded
+/// operator and no coupling damper.
 pub(super) fn crossing_free_stiffness(axis: &DyadAxis, round_trip: f64) -> f64 {
     let [first, second] = &axis.sides;
     let least = [(0, first, second), (1, second, first)].into_iter().map(|(side, own, other)| {
         if own.ground_stiffness == 0.0 {
-            // A free mass on the spring: the delay and the partner's damping turn its force by half a turn.
+            // A free mass on the spring: delay and partner damping turn its force by half a turn.
             let lag = round_trip + other.damping / other.ground_stiffness;
             own.mass / (lag * lag)
         } else if own.damping > 0.0 {
@@ -64,17 +64,19 @@ pub(super) fn crossing_free_stiffness(axis: &DyadAxis, round_trip: f64) -> f64 {
 }
 
 impl Resonance<'_> {
+    /// The partner's factor P₂(jω) at a frequency and stiffness.
     fn partner_factor(axis: &DyadAxis, side: usize, frequency: f64, stiffness: f64) -> Complex64 {
         let other = &axis.sides[1 - side];
         let elastic = stiffness + other.ground_stiffness - other.mass * frequency * frequency;
         Complex64::new(elastic, other.damping * frequency)
     }
 
-    /// Positive where the spring feeds the resonance, negative where it damps it.
+    /// The destabilising part of the returned spring force: positive if it feeds the resonance, negative if
+    /// it damps it.
     fn destabilising_part(&self, stiffness: f64) -> f64 {
         let own = &self.axis.sides[self.side];
         let mut returned = Complex64::ZERO;
-        // Each round gains four digits or more.
+        // Each iteration gains four digits or more.
         for _ in 0..8 {
             let elastic = own.ground_stiffness + stiffness - stiffness * stiffness * returned.re;
             let frequency = (elastic / own.mass).sqrt();
@@ -84,7 +86,8 @@ impl Resonance<'_> {
         returned.im
     }
 
-    /// The stiffness up to `limit` at which the resonance first becomes unstable; None where it does not.
+    /// The smallest stiffness up to `limit` at which the resonance becomes unstable; `None` if it stays
+    /// stable.
     pub fn first_unstable_stiffness(&self, limit: f64) -> Option<f64> {
         if self.destabilising_part(1e-9 * limit) > 0.0 {
             return Some(0.0);
@@ -103,7 +106,7 @@ impl Resonance<'_> {
         Some(low)
     }
 
-    /// The frequencies (rad/s) between which the resonance stays up to the stiffness `limit`.
+    /// The frequency range (rad/s) of the resonance for stiffnesses up to `limit`.
     pub fn frequency_band(&self, limit: f64) -> (f64, f64) {
         let own = &self.axis.sides[self.side];
         let frequency = |shift: f64| ((own.ground_stiffness + shift * limit) / own.mass).sqrt();

@@ -1,4 +1,5 @@
-//! The characteristic roots known so far: refined by Newton's method, each once, with multiplicity.
+//! The characteristic roots found so far: refined by Newton's method, without duplicates, with
+//! multiplicity.
 
 use num_complex::Complex64;
 
@@ -6,10 +7,10 @@ use super::matrix::CharacteristicMatrix;
 use super::zero;
 use crate::spectrum::contour::zeros_in_rectangle;
 
-/// Two approximations of one root differ by less than this, relatively to root and system.
+/// Two approximations of one root differ by less than this, relative to root and system.
 const SAME: f64 = 1e-7;
 
-/// A root in the closed upper half-plane and how often it counts.
+/// A root in the closed upper half-plane with its multiplicity.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct KnownRoot {
     pub s: Complex64,
@@ -17,12 +18,13 @@ pub(super) struct KnownRoot {
 }
 
 impl KnownRoot {
+    /// The number of characteristic roots it stands for, the conjugate included.
     pub fn weight(&self) -> usize {
         if self.s.im == 0.0 { self.multiplicity } else { 2 * self.multiplicity }
     }
 }
 
-/// The root s = 0, where it is one.
+/// The root s = 0 with its multiplicity, if it is a root.
 pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
     match zero::multiplicity_at_zero(matrix) {
         0 => Vec::new(),
@@ -30,11 +32,12 @@ pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
     }
 }
 
+/// Sorts roots by descending real part.
 pub(super) fn sort_by_real_part(known: &mut [KnownRoot]) {
     known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
 }
 
-/// Newton on the determinant, with the step of a multiple root where it creeps like one.
+/// Newton's method on the determinant, with a multiplied step at a multiple root.
 fn refine_by_newton(matrix: &CharacteristicMatrix, start: Complex64) -> Option<KnownRoot> {
     let scale = matrix.scale();
     let mut s = start;
@@ -52,14 +55,14 @@ fn refine_by_newton(matrix: &CharacteristicMatrix, start: Complex64) -> Option<K
             return None;
         }
         let step = size * multiplicity as f64;
-        // Rounding ends the descent.
+        // Rounding ends the convergence.
         idle = if size < 0.5 * smallest { 0 } else { idle + 1 };
         smallest = smallest.min(size);
         let rounding = 4.0 * f64::EPSILON * s.norm() + 1e-24 * scale;
         if step <= rounding || (idle >= 3 && step <= 1e-7 * (s.norm() + 1e-6 * scale)) {
             return Some(KnownRoot { s, multiplicity });
         }
-        // Near an m-fold root a plain step leaves 1 − 1/m of the error, twice alike.
+        // Near an m-fold root a plain step reduces the error by a factor 1 − 1/m, two steps alike.
         if multiplicity == 1 {
             let ratio = size / previous;
             let guess = (1.0 / (1.0 - ratio)).round();
@@ -79,7 +82,7 @@ fn refine_by_newton(matrix: &CharacteristicMatrix, start: Complex64) -> Option<K
     None
 }
 
-/// Refines a start and keeps the root if it is new; whether it did.
+/// Refines a start and stores the root if it is new; returns whether it was.
 pub(super) fn refine_and_insert(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -87,7 +90,7 @@ pub(super) fn refine_and_insert(
 ) -> bool {
     let Some(mut root) = refine_by_newton(matrix, start) else { return false };
     if root.multiplicity > 1 {
-        // What Newton's pace suggests, a count decides.
+        // Newton's pace suggests a multiplicity, a count decides it.
         let half = 1e-5 * root.s.norm();
         let corner = Complex64::new(half, half);
         root.multiplicity = zeros_in_rectangle(matrix, root.s - corner, root.s + corner, 10_000)
@@ -107,7 +110,7 @@ pub(super) fn refine_and_insert(
         (other.s - root.s).norm() <= reach
     };
     match known.iter_mut().find(same) {
-        // That s = 0 is a root is known exactly.
+        // The multiplicity of s = 0 is known exactly.
         Some(other) if other.multiplicity < root.multiplicity && other.s != Complex64::ZERO => {
             *other = root;
             true
@@ -120,10 +123,12 @@ pub(super) fn refine_and_insert(
     }
 }
 
+/// The number of known roots right of a vertical line, with multiplicity.
 pub(super) fn count_right_of(known: &[KnownRoot], depth: f64) -> usize {
     known.iter().filter(|root| root.s.re > depth).map(KnownRoot::weight).sum()
 }
 
+/// The number of known roots in a rectangle, with multiplicity.
 pub(super) fn count_in_rectangle(known: &[KnownRoot], low: Complex64, high: Complex64) -> usize {
     let within = |s: Complex64| s.re > low.re && s.re < high.re && s.im > low.im && s.im < high.im;
     known
@@ -135,7 +140,7 @@ pub(super) fn count_in_rectangle(known: &[KnownRoot], low: Complex64, high: Comp
         .sum()
 }
 
-/// Sets multiplicities from a count in a small square around each root.
+/// Sets the multiplicity of each root from a count in a small square around it.
 pub(super) fn assign_multiplicities(matrix: &CharacteristicMatrix, known: &mut [KnownRoot], depth: f64) {
     for i in 0..known.len() {
         let s = known[i].s;

@@ -1,4 +1,4 @@
-//! From eigenvalues of the collocated generator to certified characteristic roots.
+//! Certified characteristic roots of a delay system, from the eigenvalues of the collocated generator.
 
 use super::DelaySystem;
 use super::collocation::{collocation_eigenvalues, delayed_states};
@@ -12,9 +12,9 @@ use crate::spectrum::{Certificate, Spectrum};
 
 /// The largest order of a collocation matrix: its eigenvalues take about a second.
 const LARGEST_ORDER: usize = 400;
-/// How many steps a contour may take.
+/// The maximum number of steps along a contour.
 const STEPS: usize = 400_000;
-/// The `count` rightmost roots with their certificate.
+/// The `count` rightmost characteristic roots of a delay system with their certificate.
 pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     let matrix = CharacteristicMatrix::balanced(system, 0.0);
     let states = delayed_states(&matrix).len();
@@ -27,13 +27,13 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     let mut known = root_at_zero(&matrix);
     let mut searched = false;
     loop {
-        // The shifts of the eigenvalue iteration can go in circles; another size breaks the circle.
+        // The shifts of the eigenvalue iteration can cycle; another size breaks the cycle.
         let starts =
             collocation_eigenvalues(&matrix, nodes).or_else(|| collocation_eigenvalues(&matrix, nodes + 1));
         if let Some(mut starts) = starts {
             starts.retain(|start| start.im >= 0.0);
             starts.sort_by(|a, b| b.re.total_cmp(&a.re));
-            // The generator has eigenvalues of its own besides; a margin of good ones is kept.
+            // The generator also has spurious eigenvalues, so a margin of starts is kept.
             starts.truncate(2 * count + 24);
             for start in starts {
                 refine_and_insert(&matrix, &mut known, start);
@@ -41,10 +41,10 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
         }
         sort_by_real_part(&mut known);
         let last = nodes >= most_nodes;
-        // A missing root is more often one that needs more nodes than one that counts twice.
+        // A missing root more often needs more nodes than it is a multiple root.
         let mut outcome = certify_by_count(&matrix, &mut known, count, last || nodes > 60);
         let complete = matches!(outcome, Some((_, Certificate::Complete)));
-        // Once: what it cannot find, it cannot find from a few starts more.
+        // Once only: a search that failed fails again with a few more starts.
         if !complete && !searched && (last || nodes > 60) {
             searched = true;
             outcome = find_missing_roots(&matrix, &mut known, count, outcome);
@@ -64,7 +64,7 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     }
 }
 
-/// Where collocation fell short: finds the roots that the count speaks of.
+/// Finds the roots that collocation missed, guided by the count.
 fn find_missing_roots(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -76,7 +76,7 @@ fn find_missing_roots(
         Some((depth, Certificate::Failed { counted, .. })) if counted <= MAX_TO_FIND => {
             Some((depth, counted))
         }
-        // A line far too deep, or one that cannot be counted: the search goes on from the axis.
+        // A line far too deep, or one that cannot be counted: the search continues from the axis.
         Some(_) => line_with_roots_right_of(matrix, count, 0.0),
         None => line_with_roots_right_of(matrix, count, hint),
     };
@@ -94,9 +94,9 @@ fn find_missing_roots(
     Some((depth, certificate))
 }
 
-/// Counts right of a depth below the `count`-th root, in the widest of the next gaps.
+/// Counts the roots right of a line below the `count`-th root, in the widest of the next gaps.
 ///
-/// `None` where fewer roots than wanted are known.
+/// `None` if fewer roots than requested are known.
 fn certify_by_count(
     matrix: &CharacteristicMatrix,
     known: &mut [KnownRoot],
@@ -148,7 +148,7 @@ fn certify_by_count(
     stopped
 }
 
-/// No delay: as many roots as states.
+/// The characteristic roots of a system without delay, as many as states.
 fn roots_without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
     let mut known = root_at_zero(matrix);
     for start in collocation_eigenvalues(matrix, 0).unwrap_or_default() {
@@ -167,6 +167,7 @@ fn roots_without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum 
     spectrum_of(&known, count, f64::NEG_INFINITY, certificate)
 }
 
+/// The list of the `count` rightmost known roots with its certificate.
 fn spectrum_of(known: &[KnownRoot], count: usize, depth: f64, certificate: Certificate) -> Spectrum {
     let mut roots = Vec::with_capacity(count + 1);
     for root in known.iter().filter(|root| root.s.re >= depth) {

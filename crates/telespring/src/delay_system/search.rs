@@ -1,5 +1,5 @@
-//! What collocation missed, found by the count: a line with enough roots to its right, starts along
-//! that line, and at last rectangles halved until each missing root is alone in one.
+//! The search for roots that collocation missed: a vertical line with enough roots to its right, starts
+//! along that line, and finally rectangles halved until each contains one missing root.
 
 use num_complex::Complex64;
 
@@ -7,24 +7,24 @@ use super::known_roots::{KnownRoot, count_in_rectangle, count_right_of, refine_a
 use super::matrix::CharacteristicMatrix;
 use crate::spectrum::contour::{ContourError, zeros_in_rectangle};
 
-/// How many steps one contour of the search for a line may take.
+/// The maximum number of steps of one contour in the search for a line.
 const LINE_STEPS: usize = 100_000;
-/// How many steps the contour of one rectangle may take, and how many rectangles are tried.
+/// The maximum number of steps of the contour of one rectangle, and of rectangles.
 const RECTANGLE_STEPS: usize = 20_000;
 const MAX_RECTANGLES: usize = 80;
-/// After this many lines that took too many steps, the search for one is given up: each costs a second.
+/// The search for a line ends after this many lines with too many steps: each costs a second.
 const MAX_REFUSED: usize = 4;
-/// Beyond this many roots right of a line, a line further right is looked for.
+/// With more roots than this right of a line, the search continues further right.
 pub(super) const MAX_TO_FIND: usize = 6_000;
 
-/// How many starts of Newton are affordable: inverting n × n matrices costs as n³.
+/// The affordable number of Newton starts: inverting n × n matrices costs n³.
 fn newton_start_limit(matrix: &CharacteristicMatrix) -> usize {
     (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
 }
 
-/// A line with at least `count` roots to its right and not many more, with their number.
+/// A vertical line with at least `count` roots to its right and not many more, with their number.
 ///
-/// `hint` is a line to begin with. `None` where no such line could be counted.
+/// `hint` is the first line to try. `None` if no such line could be counted.
 pub(super) fn line_with_roots_right_of(
     matrix: &CharacteristicMatrix,
     count: usize,
@@ -79,14 +79,14 @@ pub(super) fn line_with_roots_right_of(
     deep
 }
 
-/// Looks for the roots right of `depth` until `counted` are known, or all means are used up.
+/// Searches for the roots right of `depth` until `counted` are known or all methods are exhausted.
 pub(super) fn search_right_of(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
     depth: f64,
     counted: usize,
 ) {
-    // Weights for this line keep the bound on the roots small.
+    // Balancing for this line keeps the bound on the roots small.
     let matrix = &matrix.rebalanced(depth);
     let top = matrix.root_radius(depth);
     let right = matrix.root_radius(depth.max(0.0));
@@ -94,8 +94,8 @@ pub(super) fn search_right_of(
         return;
     }
     let mut starts = newton_start_limit(matrix);
-    // From the left of a chain Newton moves straight onto it; what lies further right (roots that no
-    // delay makes) is reached from further right.
+    // From the left of a chain of roots Newton's method converges to it; roots further right that do not
+    // come from the delay are reached from further right.
     for share in [0.0, 0.03, 0.3] {
         start_newton_along_line(
             matrix,
@@ -114,7 +114,7 @@ pub(super) fn search_right_of(
     }
 }
 
-/// Starts Newton along the line Re s = `sigma`, so densely that det Δ turns little between two.
+/// Starts Newton's method along the line Re s = `sigma`, so densely that det Δ turns little between starts.
 fn start_newton_along_line(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -124,7 +124,7 @@ fn start_newton_along_line(
     starts: &mut usize,
 ) {
     let longest = matrix.longest_delay();
-    // A chain of roots is at least this wide apart on average: det Δ holds n delays in all.
+    // Roots of a chain are at least this far apart on average: det Δ holds n delays in all.
     let finest = 0.5 / (matrix.size() as f64 * longest);
     let coarsest = 1.5 / longest;
     let mut y = 0.0;
@@ -139,7 +139,7 @@ fn start_newton_along_line(
     }
 }
 
-/// Counts in rectangles, halves those with more roots than are known in them, and starts Newton there.
+/// Counts the roots in rectangles, halves those with unknown roots, and starts Newton's method in them.
 fn bisect_rectangles(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,

@@ -1,4 +1,4 @@
-//! The open loop on the imaginary axis, and the continuous argument of χ there.
+//! The open loop on the imaginary axis, and the continuous argument of χ.
 
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -8,24 +8,24 @@ use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, DyadAxis};
 use crate::quantity;
 
-/// Relative rounding error granted to a sum of a few terms, parameters included.
+/// Relative rounding error allowed for a sum of a few terms, parameters included.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂) of one axis, and the argument of N(s): χ(s),
+/// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂) of one axis, and the argument of N(s), which is χ(s),
 /// divided by s for free handles.
 #[derive(Debug, Clone)]
 pub(super) struct OpenLoop {
     pub chi: Characteristic,
     pub delay: Delay,
-    /// |P₁P₂|² − |k + cjω|⁴ in powers of ω², and the sums of the terms' magnitudes.
+    /// |P₁P₂|² − |k + cjω|⁴ in powers of ω², and the sums of the magnitudes of its terms.
     excess: [f64; 5],
     excess_size: [f64; 5],
 }
 
-/// What subdividing found on the way.
+/// The continuous argument of N and its zeros on the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FollowedArgument {
-    /// Continuous argument of N at each node, 0 at rest.
+    /// The continuous argument of N at each node, 0 at rest.
     pub argument: Vec<f64>,
     /// Frequencies where N is zero within rounding.
     pub zeros: Vec<f64>,
@@ -55,35 +55,35 @@ impl OpenLoop {
         Ok(Self { chi, delay: *delay, excess: excess_of(-1.0), excess_size: excess_of(1.0) })
     }
 
-    /// The power of s that N grows with.
+    /// The degree of N at infinity.
     pub fn degree(&self) -> usize {
         self.chi.deflated_remainder().len() - 1
     }
 
-    /// The excess, over ω² for free handles, which make it vanish at rest; and its terms' magnitudes.
+    /// The excess, divided by ω² for free handles, and the magnitudes of its terms.
     fn deflated_excess(&self) -> (&[f64], &[f64]) {
         let first = usize::from(self.chi.rigid_body);
         (&self.excess[first..], &self.excess_size[first..])
     }
 
-    /// s where N = χ/s, else 1.
+    /// s if N = χ/s, else 1.
     pub fn rigid_body_factor(&self, s: Complex64) -> Complex64 {
         if self.chi.rigid_body { s } else { Complex64::ONE }
     }
 
-    /// L(s) = −(k + c s)² e^(−T s)/(P₁P₂).
+    /// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂).
     pub fn value(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides.map(|side| self.chi.coupling(s) / side.value(s));
         -one * two * (-s * self.chi.round_trip).exp()
     }
 
-    /// 1 + L(s), without cancellation near s = 0.
+    /// The return difference 1 + L(s), without cancellation near s = 0.
     pub fn return_difference(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides;
         (self.rigid_body_factor(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
     }
 
-    /// The continuous argument of −L at j `frequency`; 0 at rest, in closed form.
+    /// The continuous argument of −L at j`frequency` in closed form; 0 at rest.
     pub fn loop_phase(&self, frequency: f64) -> f64 {
         self.coupling_phase(frequency)
             - self.chi.sides[0].phase(frequency)
@@ -96,7 +96,7 @@ impl OpenLoop {
         2.0 * (self.chi.coupling_damping * frequency).atan2(self.chi.stiffness)
     }
 
-    /// A frequency from which on |L| < 1: Kioustelidis' bound on the positive roots of the excess.
+    /// A frequency above which |L| < 1, from Kioustelidis' bound on the positive roots of the excess.
     pub fn crossover_bound(&self) -> f64 {
         let (coefficients, size) = self.deflated_excess();
         let degree = coefficients.len() - 1;
@@ -112,7 +112,7 @@ impl OpenLoop {
         1.01 * bound.max(natural).sqrt()
     }
 
-    /// The sign of |P₁P₂| − |k + cjω|² where it is proven to be the same on all of (low, high).
+    /// The sign of |P₁P₂| − |k + cjω|² if it is provably constant on (low, high).
     fn excess_sign(&self, low: f64, high: f64) -> Option<f64> {
         let (bernstein, noise) = self.excess_bernstein(low * low, high * high);
         let used = &bernstein[..=self.degree()];
@@ -125,8 +125,8 @@ impl OpenLoop {
         }
     }
 
-    /// Bernstein coefficients of the (deflated) excess over a range of ω²; they bound it, and their
-    /// sign variations bound its roots there. The second value is what rounding may change.
+    /// Bernstein coefficients of the deflated excess over a range of ω², which bound it, and their rounding
+    /// error.
     fn excess_bernstein(&self, low: f64, high: f64) -> ([f64; 5], f64) {
         let degree = self.degree();
         let (coefficients, sizes) = self.deflated_excess();
@@ -156,7 +156,7 @@ impl OpenLoop {
         (bernstein, ROUNDING * size)
     }
 
-    /// An upper bound of |dN/dω| on j[`low`, `high`].
+    /// An upper bound on |dN/dω| on j[`low`, `high`].
     pub fn slope_bound(&self, low: f64, high: f64) -> f64 {
         let mut slope = 0.0;
         for (power, &coefficient) in self.chi.deflated_remainder().iter().enumerate().skip(1).rev() {
@@ -168,7 +168,8 @@ impl OpenLoop {
         slope + coupling * (2.0 * c * lag + coupling * lag_slope)
     }
 
-    /// Upper bounds on j[`low`, `high`] of |1 − e^(−T s)|, over |s| for free handles, and of its slope.
+    /// Upper bounds on |1 − e^(−T s)|, divided by |s| for free handles, and on its slope on j[`low`,
+    /// `high`].
     fn lag_bounds(&self, low: f64, high: f64) -> [f64; 2] {
         let round_trip = self.chi.round_trip;
         if !self.chi.rigid_body {
@@ -178,7 +179,7 @@ impl OpenLoop {
         [value, slope]
     }
 
-    /// What rounding may change of N anywhere on j[`low`, `high`].
+    /// The rounding error of N on j[`low`, `high`].
     pub fn rounding_error(&self, low: f64, high: f64) -> f64 {
         let round_trip = self.chi.round_trip;
         let polynomial = self.chi.deflated_remainder().iter().rev().fold(0.0, |sum, &c| sum * high + c);
@@ -188,13 +189,13 @@ impl OpenLoop {
             + f64::EPSILON * coupling * coupling * turn
     }
 
-    /// Follows the argument of N from rest along the ascending `nodes`.
+    /// Follows the continuous argument of N from rest along the ascending `nodes`.
     ///
-    /// Each piece is accepted by one of three proofs, else halved: |L| < 1 on it (1 + L stays in the
-    /// right half-plane), |L| > 1 on it (so does 1 + 1/L, and the argument of L is known), or N
-    /// stays in a disc that excludes zero. The first two do not care how fast the delay turns, so
-    /// the work hardly grows with it. Where all three fail down to rounding, N has a zero on the
-    /// axis for all we can tell: it is reported and passed as if it lay just to the left.
+    /// Each piece is accepted by one of three proofs, or halved: |L| < 1 on it (1 + L stays in the right
+    /// half-plane); |L| > 1 on it (1 + 1/L does, and the argument of L is known); or N stays in a disc that
+    /// excludes zero. The first two hold for any speed of the delay phase, so the work hardly grows with
+    /// the delay. If all three fail down to rounding, N may have a zero on the axis: it is reported, and
+    /// the argument continues as if it lay just to the left.
     pub fn follow_argument(&self, nodes: &[f64]) -> FollowedArgument {
         let floor = 1e-24 * self.crossover_bound();
         let mut followed = FollowedArgument { argument: Vec::with_capacity(nodes.len()), zeros: Vec::new() };
@@ -239,7 +240,7 @@ impl OpenLoop {
         followed
     }
 
-    /// True where no finer subdivision of j[`low`, `high`] can tell N from zero.
+    /// True if no finer subdivision of j[`low`, `high`] can distinguish N from zero.
     pub fn is_undecidable(&self, low: f64, high: f64) -> bool {
         let noise = self.rounding_error(low, high);
         0.5 * (high - low) * self.slope_bound(low, high) <= 2.0 * noise
@@ -248,7 +249,7 @@ impl OpenLoop {
                 .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.rounding_error(w, w))
     }
 
-    /// The change of the argument of N from `low` to `high`, where one of the three proofs holds.
+    /// The change of the argument of N from `low` to `high`, if one of the three proofs holds.
     fn proven_turn(&self, low: f64, high: f64) -> Option<f64> {
         let sides = |w: f64| self.chi.sides[0].phase(w) + self.chi.sides[1].phase(w);
         match self.excess_sign(low, high) {
@@ -276,8 +277,8 @@ impl OpenLoop {
         }
     }
 
-    /// The principal argument of `value` at j`frequency`; at rest, where free handles make it zero,
-    /// its limit.
+    /// The principal argument of `value` at j`frequency`, or its limit at rest, where it is zero for free
+    /// handles.
     fn principal_argument(
         &self,
         frequency: f64,
@@ -290,12 +291,13 @@ impl OpenLoop {
         value(Complex64::new(0.0, frequency)).arg()
     }
 
+    /// The change of the argument of N over an interval on which it is less than π.
     fn argument_change(&self, low: f64, high: f64) -> f64 {
         let at = |w| self.chi.value(Complex64::new(0.0, w));
         (at(high) * at(low).conj()).arg()
     }
 
-    /// The turn past a zero that counts as lying on the left: about +π.
+    /// The change of the argument past a zero on the axis, counted as lying on the left: about +π.
     fn turn_past_zero(&self, low: f64, high: f64) -> f64 {
         let turn = if low == 0.0 {
             self.chi.value(Complex64::new(0.0, high)).arg()
@@ -305,7 +307,7 @@ impl OpenLoop {
         if turn < -FRAC_PI_2 { turn + 2.0 * PI } else { turn }
     }
 
-    /// The turn of N from `frequency` on to infinity, where |L| < 1 all the way.
+    /// The change of the argument of N from `frequency` to infinity, where |L| < 1.
     pub fn remaining_turn(&self, frequency: f64) -> f64 {
         let s = Complex64::new(0.0, frequency);
         2.0 * PI
@@ -315,7 +317,7 @@ impl OpenLoop {
     }
 }
 
-/// Refuses what is no angular frequency.
+/// Checks an angular frequency (rad/s).
 pub(super) fn check_frequency(field: &str, value: f64) -> Result<f64> {
     if (0.0..=1e12).contains(&value) {
         return Ok(value);

@@ -1,9 +1,10 @@
-//! The values of a laboratory, checked once at the door.
+//! Checks of the values of a laboratory.
 
 use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spots, Station, Target};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
+/// Checks the x and y values of a quantity.
 fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
     for (index, value) in values.into_iter().enumerate() {
         quantity.check(&format!("{field}[{index}]"), value)?;
@@ -12,12 +13,12 @@ fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<(
 }
 
 impl Laboratory {
-    /// The paper's: both H-MANs of Table III without Coulomb friction, ideal massless arms, the skilled
-    /// agent of Eq. 13 and the less-skilled one of Eq. 14 with ten spots, the figure eight of Eq. 12,
-    /// controllers at 1 kHz, and a network that does nothing beside its delay.
+    /// The paper's laboratory: both H-MAN robots of Table III without Coulomb friction, ideal massless
+    /// arms, the skilled agent of Eq. 13 and the less-skilled agent of Eq. 14 with ten spots, the figure of
+    /// eight of Eq. 12, controllers at 1 kHz, and a network with a constant delay only.
     ///
-    /// A spot lives 0.2 s: by then the typical spot is 0.06 m off, about the size of the figure; a cloud
-    /// much wider would not blur the target but hide it. The paper gives no lifetime.
+    /// A spot lives 0.2 s: by then a typical spot is 0.06 m away, about the size of the figure. A much
+    /// wider cloud would hide the target rather than blur it. The paper gives no lifetime.
     pub fn paper() -> Self {
         let dyad = crate::model::hman();
         let side = |index: usize, agent| {
@@ -50,12 +51,11 @@ impl Laboratory {
         }
     }
 
-    /// Refuses the first value that is out of range, under the name it has in a study file, such as
-    /// `arm1.link_length[0]`.
+    /// Checks all values; errors use the field names of a study file, such as `arm1.link_length[0]`.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`].
+    /// [`InvalidInput`] for the first value out of range.
     ///
     /// # Examples
     ///
@@ -94,7 +94,7 @@ impl Laboratory {
 }
 
 impl Handle {
-    /// Refuses what is out of range.
+    /// Checks that mass, damping and friction are in range.
     ///
     /// # Errors
     ///
@@ -107,7 +107,7 @@ impl Handle {
 }
 
 impl Arm {
-    /// Refuses what is out of range.
+    /// Checks that all values of the arm are in range.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl Arm {
 }
 
 impl Agent {
-    /// Refuses what is out of range.
+    /// Checks that all values of the agent are in range.
     ///
     /// # Errors
     ///
@@ -146,10 +146,10 @@ impl Agent {
 }
 
 impl Spots {
-    /// The most spots.
+    /// The maximum number of spots.
     pub const MAX_COUNT: usize = 10_000;
 
-    /// Refuses what is out of range.
+    /// Checks that number, velocity and lifetime of the spots are in range.
     ///
     /// # Errors
     ///
@@ -170,7 +170,7 @@ impl Spots {
 }
 
 impl Target {
-    /// Refuses what is out of range.
+    /// Checks that all values of the target are in range.
     ///
     /// # Errors
     ///
@@ -202,10 +202,10 @@ impl Target {
 }
 
 impl Controller {
-    /// The smallest step of a position sensor that is not none, m.
+    /// The finest nonzero resolution of a position sensor, m.
     pub const FINEST_RESOLUTION: f64 = 1e-12;
 
-    /// Refuses what is out of range.
+    /// Checks that all values of the controller are in range.
     ///
     /// # Errors
     ///
@@ -232,7 +232,7 @@ impl Controller {
 }
 
 impl NetworkImpairments {
-    /// Refuses what is out of range.
+    /// Checks that jitter and loss are in range.
     ///
     /// # Errors
     ///

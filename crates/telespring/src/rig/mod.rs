@@ -1,10 +1,10 @@
-//! The virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
+//! The virtual laboratory: two robots, two arms, their agents, a target and a network, in virtual time.
 //!
 //! | part | job |
 //! |---|---|
-//! | [`Laboratory`] | what stands there, as plain values |
-//! | [`Trial`] | one run of it, from a seed: the same numbers again, bit for bit on one type of CPU |
-//! | [`plant`] | handles in arms, moved by forces |
+//! | [`Laboratory`] | the parts, as plain values |
+//! | [`Trial`] | one run with a seed; repeatable bit for bit on one type of CPU |
+//! | [`plant`] | robots held by arms, moved by forces |
 //! | [`trial_seed`] | the seed of each trial of a rehearsal |
 //!
 //! # Examples

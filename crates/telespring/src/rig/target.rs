@@ -1,4 +1,4 @@
-//! Where the agents are to be.
+//! The target that the agents follow, as a function of time.
 
 use super::{Schedule, Target};
 
@@ -12,8 +12,8 @@ pub(crate) struct TargetPoint {
 }
 
 impl Target {
-    /// Positions in every row that a schedule keeps at this sample period (s), m; none where a sampled
-    /// target has no samples.
+    /// The target positions in every recorded row of a schedule at this sample period (s), m; empty for a
+    /// sampled target without samples.
     pub fn positions(&self, schedule: &Schedule, sample_period: f64) -> Vec<[f64; 2]> {
         if matches!(self, Self::Sampled(samples) if samples.is_empty()) {
             return Vec::new();
@@ -23,14 +23,13 @@ impl Target {
             .collect()
     }
 
-    /// The target at tick `tick` of controllers with this period (s). A sampled target rests where its
-    /// samples end.
+    /// The target at a tick of controllers with this period (s). A sampled target stays at its last sample.
     pub(crate) fn at_tick(&self, tick: usize, period: f64) -> TargetPoint {
         match self {
             Self::FigureEight { amplitude: [a, b], angular_frequency: w } => {
                 let (sin, cos) = (w * (tick as f64 * period)).sin_cos();
                 TargetPoint {
-                    // sin 2ωt and cos 2ωt by the double angle
+                    // sin 2ωt and cos 2ωt by the double-angle formulas.
                     position: [2.0 * a * sin * cos, b * sin],
                     velocity: [2.0 * a * w * (cos - sin) * (cos + sin), b * w * cos],
                 }

@@ -1,9 +1,9 @@
-//! One trial: two controllers, two agents, two plants and a network in virtual time.
+//! A trial: two controllers, two agents, two plants and a network in virtual time.
 //!
-//! Time is counted in ticks of the controllers, tick n being at n·period. At every tick both sides
-//! measure and send; then what has arrived is delivered; then both compute their forces, which are held
-//! until the next tick. With a computing tick the forces of the tick before act instead. Both sides thus
-//! use what was measured at the same instant, whichever is computed first.
+//! Time is counted in ticks of the controllers; tick n is at n·period. At every tick both sides measure and
+//! send; then packets that have arrived are delivered; then both compute their forces, which are held until
+//! the next tick. With a computing tick the forces of the previous tick act instead. Both sides thus use
+//! samples of the same instant, in either order of computation.
 
 use super::agent::{AgentState, Observation};
 use super::channel::Channel;
@@ -17,23 +17,23 @@ use crate::model::Delay;
 use crate::quantity;
 use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, wire};
 
-/// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
-/// robot reaches that far.
+/// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
+/// that far.
 pub const POSITION_LIMIT: f64 = 10.0;
 
-/// How the two sides are coupled.
+/// The connected mode: stiffness, damping and delay of the coupling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConnectedMode {
-    /// Of the virtual spring, N/m.
+    /// The stiffness of the virtual spring, N/m.
     pub stiffness: f64,
-    /// Of the damper beside it, N·s/m.
+    /// The damping in parallel with it, N·s/m.
     pub damping: f64,
-    /// From the measurement of a position to its use by the partner, one way.
+    /// The one-way delays from the measurement of a position to its use by the partner.
     pub delay: Delay,
 }
 
 impl ConnectedMode {
-    /// Refuses what is out of range.
+    /// Checks that stiffness and damping are in range.
     ///
     /// # Errors
     ///
@@ -45,59 +45,61 @@ impl ConnectedMode {
     }
 }
 
-/// A program of the caller's that moves an arm: the force (N per axis) from what it sees at a tick.
+/// An external agent: returns the force (N per axis) for its observation at a tick.
 pub type Callback<'a, E> = &'a mut dyn FnMut(&Observation) -> std::result::Result<[f64; 2], E>;
 
-/// Called in the course of a trial; an error ends it, such as that somebody pressed Ctrl-C.
+/// Called during a trial; an error ends the trial, for instance after Ctrl-C.
 pub type InterruptCheck<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
 
-/// Ticks between two calls of a check_interrupt: some milliseconds, and some tenths of a second in a plant that is
-/// about to be too stiff.
+/// Ticks between two calls of the interrupt check: a few milliseconds, or some tenths of a second if a
+/// plant is about to be too stiff.
 const TICKS_BETWEEN_CHECKS: usize = 256;
 
-/// One trial.
+/// One trial of a laboratory in one condition.
 #[derive(Debug, Clone, Copy)]
 pub struct Trial<'a> {
-    /// Where.
+    /// The laboratory.
     pub laboratory: &'a Laboratory,
-    /// How both sides are coupled; `None` in the unconnected mode.
+    /// The coupling of both sides; `None` in the unconnected mode.
     pub coupling: Option<ConnectedMode>,
-    /// From which everything random is drawn.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// Which ticks are run and kept.
+    /// The ticks to run and to record.
     pub schedule: Schedule,
 }
 
-/// What acts on one side from a tick on, N.
+/// The forces that act on one side from a tick on, N.
 #[derive(Debug, Clone, Copy, Default)]
 struct ActingForces {
-    /// What the robot's controller asks for.
+    /// The force commanded by the robot's controller.
     command: [f64; 2],
-    /// What the robot gives at the tick; behind a lag not yet what is asked for.
+    /// The force of the robot at the tick, behind the actuator lag.
     robot: [f64; 2],
-    /// What the agent asks of its arm.
+    /// The force commanded by the agent.
     hand: [f64; 2],
 }
 
-/// One side in the course of a trial.
+/// The state of one side during a trial.
 struct RunningStation {
     plant: Plant,
     mover: AgentState,
     endpoint: Option<Endpoint>,
-    /// Towards this side.
+    /// The channel towards this side.
     link: Option<Channel>,
-    /// Computed at the tick before: of the spring and of the agent, N.
+    /// The forces computed at the previous tick: of the spring and of the agent, N.
     computed: [[f64; 2]; 2],
-    /// What the actuator gives, N.
+    /// The force of the actuator, N.
     actuator: [f64; 2],
 }
 
 impl RunningStation {
+    /// Whether a handle is beyond the position limit or too fast for a packet.
     fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
         beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
     }
 
+    /// Measures position and velocity with the sensor's resolution.
     fn measure_motion(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
@@ -108,7 +110,7 @@ impl RunningStation {
         Motion { position, velocity: self.plant.velocity() }
     }
 
-    /// Takes in what has arrived and gives the force of the spring, N.
+    /// Receives all packets that have arrived and returns the force of the spring, N.
     fn spring_force(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
@@ -117,7 +119,7 @@ impl RunningStation {
         Ok(endpoint.force(now))
     }
 
-    /// What acts until the next tick where these forces have been computed now, N.
+    /// The forces that act until the next tick, given the newly computed ones, N.
     fn acting_forces(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> ActingForces {
         let computed = [spring, hand];
         let before = std::mem::replace(&mut self.computed, computed);
@@ -126,7 +128,7 @@ impl RunningStation {
         ActingForces { command, robot, hand }
     }
 
-    /// Moves on by one period.
+    /// Moves the plant over one sample period.
     fn advance_plant(
         &mut self,
         acting: &ActingForces,
@@ -143,13 +145,14 @@ impl RunningStation {
 }
 
 impl Trial<'_> {
+    /// Both sides at the start of the trial.
     fn start_stations(&self) -> Result<[RunningStation; 2]> {
         let Laboratory { stations: sides, target, controller, network } = self.laboratory;
         let period = Nanoseconds::from_seconds(controller.sample_period);
         let start = target.at_tick(0, controller.sample_period).position;
         let station = |side: usize| -> Result<RunningStation> {
             let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| {
-                // what robot 2 receives comes forward
+                // Robot 2 receives in the forward direction.
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
                 let delay = Nanoseconds::from_seconds(delay);
                 let travel = delay.before(period).unwrap_or_default();
@@ -170,7 +173,7 @@ impl Trial<'_> {
         Ok([station(0)?, station(1)?])
     }
 
-    /// Runs it into memory of its own.
+    /// Runs the trial and records it in its own memory.
     ///
     /// # Errors
     ///
@@ -182,7 +185,7 @@ impl Trial<'_> {
         self.record_interruptible(external, &mut || Ok(()))
     }
 
-    /// As [`Trial::record`], with the check_interrupt of [`Trial::run_interruptible`].
+    /// As [`Trial::record`], with the interrupt check of [`Trial::run_interruptible`].
     ///
     /// # Errors
     ///
@@ -198,14 +201,14 @@ impl Trial<'_> {
         Ok(recording)
     }
 
-    /// Runs it; `external` moves the sides whose agent is [`Agent::External`]. The laboratory is taken as
-    /// checked ([`Laboratory::check`]).
+    /// Runs the trial into the caller's arrays; `external` moves the sides with an [`Agent::External`]. The
+    /// laboratory must have passed [`Laboratory::check`].
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is out of range, an arm cannot reach the first target, an external
-    /// agent is missing or gives a force that is not finite, or `record` is too short; and whatever an
-    /// external agent returns.
+    /// [`InvalidInput`] if a value is out of range, an arm cannot reach the first target, an external agent
+    /// is missing or returns a force that is not finite, or `record` is too short; and every error of an
+    /// external agent.
     pub fn run<E: From<InvalidInput>>(
         &self,
         external: [Option<Callback<'_, E>>; 2],
@@ -214,11 +217,11 @@ impl Trial<'_> {
         self.run_interruptible(external, record, &mut || Ok(()))
     }
 
-    /// As [`Trial::run`]; `check_interrupt` is called now and then, and what it returns as an error ends the trial.
+    /// As [`Trial::run`]; `check_interrupt` is called regularly, and its error ends the trial.
     ///
     /// # Errors
     ///
-    /// As [`Trial::run`], and whatever `check_interrupt` returns.
+    /// As [`Trial::run`], and every error of `check_interrupt`.
     pub fn run_interruptible<E: From<InvalidInput>>(
         &self,
         mut external: [Option<Callback<'_, E>>; 2],
@@ -252,7 +255,7 @@ impl Trial<'_> {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
             let aim_here = target.at_tick(tick, period);
-            // also where a motion is none that a packet may carry
+            // Also if the motion cannot be sent in a packet.
             let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
             if stations.iter().any(RunningStation::has_diverged) {
                 return Ok(diverged);
@@ -328,6 +331,7 @@ fn missing_agent(side: usize) -> InvalidInput {
     )
 }
 
+/// Checks the force of an external agent.
 fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
     for (axis, value) in force.into_iter().enumerate() {
         quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {

@@ -1,9 +1,9 @@
-//! The search for the rightmost characteristic roots of a dyad, driven by the count.
+//! The search for the rightmost characteristic roots of a dyad, guided by a root count.
 //!
-//! A line with enough roots to its right is found first; the places on it where the ratio of both
-//! terms is real and positive start Newton, one per root. Where the count still exceeds what was
-//! found, the count itself is bisected: it jumps at a root's real part, and the root then lies where
-//! that line's ratio passes 1. So the search ends with the right roots, however bad the starts were.
+//! The search first finds a vertical line with enough roots to its right. Points on it where the ratio of
+//! both terms is real and positive start Newton's method, one per root. If the count exceeds the roots
+//! found, the search bisects on the count: it jumps at the real part of a root, and that root lies where
+//! the ratio on the line is 1. The result is correct however poor the starts were.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -19,33 +19,33 @@ use crate::characteristic::Characteristic;
 #[derive(Debug, Clone, Copy)]
 struct KnownRoot {
     s: Complex64,
-    /// 1 for a real root, 2 for one that stands for itself and its conjugate.
+    /// 1 for a real root, 2 for a root that also stands for its conjugate.
     weight: usize,
 }
 
-/// What the search ended with.
+/// The result of the root search.
 pub(super) struct RightmostRoots {
-    /// Rightmost first, a pair's upper member first.
+    /// The rightmost root first; of a pair, the upper one first.
     pub roots: Vec<Complex64>,
     pub certificate: Certificate,
     pub depth: f64,
 }
 
-/// Two approximations of one root differ by less than this, relatively.
+/// Two approximations within this relative distance are one root.
 const SAME: f64 = 1e-8;
-/// How near to the middle of a double root another approximation of it may lie, relatively.
+/// Approximations within this relative distance from the centre of a double root belong to it.
 const SAME_PAIR: f64 = 1e-4;
-/// More starts than this on one line are not made: then the line lies far too deep.
+/// A line with more starts than this lies far too deep and is skipped.
 const MAX_STARTS: f64 = 20_000.0;
 
 struct RootSearch<'a> {
     chi: &'a Characteristic,
     known: Vec<KnownRoot>,
-    /// The middles of double roots, with the distance within which an approximation belongs to them.
+    /// The centres of double roots, with the distance within which approximations belong to them.
     pairs: Vec<(Complex64, f64)>,
 }
 
-/// The `count` rightmost roots, the rigid-body root left out.
+/// The `count` rightmost characteristic roots of a dyad, without the rigid-body root.
 pub(super) fn rightmost_roots(chi: &Characteristic, count: usize) -> RightmostRoots {
     let mut search = RootSearch { chi, known: Vec::new(), pairs: Vec::new() };
     if chi.round_trip == 0.0 {
@@ -91,7 +91,7 @@ fn quadratic_roots(beta: f64, kappa: f64) -> Vec<Complex64> {
 }
 
 impl RootSearch<'_> {
-    /// Refines a start and keeps the root it leads to, if it is new.
+    /// Refines a start by Newton's method and stores the root if it is new.
     fn refine_start(&mut self, start: Complex64) -> bool {
         match self.chi.refine_root(start) {
             Some(RefinedRoot::Simple(s)) => self.add_root(s),
@@ -100,10 +100,11 @@ impl RootSearch<'_> {
         }
     }
 
+    /// Stores a simple root if it is new, on the real axis if it is real up to rounding.
     fn add_root(&mut self, s: Complex64) -> bool {
         let mut s = Complex64::new(s.re, s.im.abs());
         if s.im > 0.0 && s.im <= SAME * s.norm() {
-            // Real but for rounding, if Newton on the axis agrees.
+            // Real up to rounding, if Newton's method on the axis agrees.
             match self.chi.refine_root(Complex64::new(s.re, 0.0)) {
                 Some(RefinedRoot::Simple(real)) if (real - s).norm() <= 2.0 * SAME * s.norm() => s = real,
                 _ => {}
@@ -118,13 +119,13 @@ impl RootSearch<'_> {
         true
     }
 
-    /// Keeps two roots that lie too near each other for Newton to find them one by one.
+    /// Stores two roots too close together to be found one by one.
     fn add_pair(&mut self, centre: Complex64, half: Complex64) -> bool {
         let mut centre = Complex64::new(centre.re, centre.im.abs());
         let mut half = half;
         if centre.im <= SAME * centre.norm() {
             centre.im = 0.0;
-            // A real function: the two are both real, or conjugate.
+            // A real function: the two roots are both real or conjugate.
             half = if half.re.abs() >= half.im.abs() {
                 Complex64::new(half.re.abs(), 0.0)
             } else {
@@ -147,14 +148,14 @@ impl RootSearch<'_> {
         true
     }
 
-    /// How many known roots lie right of a line.
+    /// The number of known roots right of a vertical line, with conjugates.
     fn count_right_of(&self, sigma: f64) -> usize {
         self.known.iter().filter(|known| known.s.re > sigma).map(|known| known.weight).sum()
     }
 
-    /// A line that no root touches, at or near `sigma`.
+    /// A vertical line at or near `sigma` with no root on it.
     fn line_clear_of_roots(&self, sigma: f64) -> VerticalLine {
-        // Roots of undamped sides gather at the axis itself: no line is put on it by chance.
+        // Roots of undamped sides accumulate at the imaginary axis, so no line is placed there.
         let sigma = if sigma == 0.0 { -1e-3 / self.chi.round_trip } else { sigma };
         let mut line = VerticalLine::count_right_of(self.chi, sigma);
         let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / self.chi.round_trip.max(1e-12));
@@ -168,7 +169,7 @@ impl RootSearch<'_> {
         line
     }
 
-    /// A line with at least `count` roots to its right, and not many more where that can be had.
+    /// A vertical line with at least `count` roots to its right, and few more if possible.
     fn line_with_roots_right_of(&self, count: usize) -> VerticalLine {
         let chi = self.chi;
         let t = chi.round_trip;
@@ -185,7 +186,7 @@ impl RootSearch<'_> {
         for _ in 0..150 {
             let sigma = line.sigma;
             if line.count.is_none() && !line.crowded && deep > f64::NEG_INFINITY {
-                // Rounding allows no finer choice.
+                // Rounding prevents a finer choice.
                 break;
             }
             if line.crowded {
@@ -215,8 +216,8 @@ impl RootSearch<'_> {
         if enough(&line) { line } else { self.line_clear_of_roots(deep) }
     }
 
-    /// Starts Newton where the ratio of both terms is real and positive on the line, with |L| > 1:
-    /// each such place belongs to one root further right.
+    /// Starts Newton's method where the ratio of both terms is real and positive on the line, with |L| > 1:
+    /// each such point belongs to one root further right.
     fn start_along_line(&mut self, line: &VerticalLine) {
         let t = self.chi.round_trip;
         let mut stretch = line.start.map(|phase| (0.0, phase));
@@ -241,8 +242,8 @@ impl RootSearch<'_> {
             }
             tried = Some((first - line.left_of, last - line.left_of));
         }
-        // Branches that have no place on the line start further right: the lowest ones, where sides
-        // have zeros of their own right of it.
+        // Branches without a point on the line start further right: the lowest ones, if sides have zeros of
+        // their own right of it.
         let (Some((first, last)), Some(top)) = (tried, line.crossings.last()) else { return };
         let enough = line.count.unwrap_or(0);
         let mut turn = last + 1.0;
@@ -256,10 +257,10 @@ impl RootSearch<'_> {
         }
     }
 
-    /// Newton on log L = 2πj · `turn`, then on χ, from height `y`.
+    /// Applies Newton's method to log L = 2πj · `turn` and then to χ, from height `y`.
     ///
-    /// The argument of each side is taken in [0, 2π), that of s² far out: it is continuous in the
-    /// whole upper half-plane beyond the resonances, so that `turn` names one branch there.
+    /// The argument of each side is taken in [0, 2π), that of s² at infinity. It is continuous in the upper
+    /// half-plane beyond the resonances, so `turn` identifies one branch.
     fn follow_branch(&mut self, sigma: f64, y: f64, turn: f64) {
         let chi = self.chi;
         let t = chi.round_trip;
@@ -270,7 +271,7 @@ impl RootSearch<'_> {
             let sides = p1.arg().rem_euclid(TAU) + p2.arg().rem_euclid(TAU);
             let size = (q.norm_sqr() / (p1.norm() * p2.norm())).ln() - t * s.re;
             if iteration == 0 {
-                // To where the moduli balance, at this height.
+                // Moves to where the moduli balance at this height.
                 s.re += size / t;
                 continue;
             }
@@ -288,7 +289,7 @@ impl RootSearch<'_> {
         self.refine_start(s);
     }
 
-    /// Finds what the starts missed, by bisecting the line at which the count exceeds the known.
+    /// Finds roots that the starts missed, by bisecting on the root count.
     fn find_missed_roots(&mut self, sigma: f64, counted: usize) {
         for _ in 0..64 {
             if self.count_right_of(sigma) >= counted {
@@ -300,7 +301,7 @@ impl RootSearch<'_> {
         }
     }
 
-    /// Finds the rightmost missing root; whether it did.
+    /// Finds the rightmost missed root; returns whether it succeeded.
     fn find_missed_root(&mut self, sigma: f64) -> bool {
         let mut low = sigma;
         let mut high = sigma;
@@ -318,7 +319,7 @@ impl RootSearch<'_> {
         for _ in 0..200 {
             let line = self.line_clear_of_roots(0.5 * (low + high));
             let Some(counted) = line.count else { break };
-            // The places where |L| = 1 on this line, the likeliest first.
+            // The points with |L| = 1 on this line, the most likely first.
             let mut places: Vec<(f64, f64)> = line
                 .crossings
                 .iter()
@@ -343,7 +344,7 @@ impl RootSearch<'_> {
         self.find_missed_multiplicity(low, high)
     }
 
-    /// Finds a second root next to a known one: where the count jumps by more than the known there.
+    /// Finds a second root next to a known one, where the count jumps by more than the known roots.
     fn find_missed_multiplicity(&mut self, low: f64, high: f64) -> bool {
         let margin = 1e-5 * low.abs().max(high.abs());
         let near: Vec<KnownRoot> = self
@@ -365,7 +366,7 @@ impl RootSearch<'_> {
             if (centre.re - 0.5 * (low + high)).abs() > margin.max(reach) {
                 continue;
             }
-            // Three or more in one place: count them in a small square and list the middle.
+            // Three or more roots in one place: count them in a small square and list the centre.
             let side = 4.0 * reach;
             let corner = Complex64::new(side, side);
             let Ok(inside) = contour::zeros_in_rectangle(self.chi, centre - corner, centre + corner, 10_000)
@@ -389,7 +390,7 @@ impl RootSearch<'_> {
         false
     }
 
-    /// No delay: the roots of a polynomial of degree four, or three without the rigid-body root.
+    /// The roots without delay: those of a polynomial of degree four, or three without the rigid-body root.
     fn roots_without_delay(mut self, count: usize) -> RightmostRoots {
         let polynomial = self.chi.deflated_remainder();
         let degree = polynomial.len() - 1;
@@ -399,7 +400,7 @@ impl RootSearch<'_> {
         for start in &starts[zeros..] {
             self.refine_start(*start);
         }
-        // A double root, to which two starts lead.
+        // A double root, to which two starts converge.
         for known in self.known.clone() {
             if self.count_right_of(f64::NEG_INFINITY) >= degree {
                 break;
@@ -417,6 +418,7 @@ impl RootSearch<'_> {
         self.certified_roots(count, f64::NEG_INFINITY, certificate)
     }
 
+    /// The list of the `count` rightmost known roots with its certificate.
     fn certified_roots(mut self, count: usize, depth: f64, certificate: Certificate) -> RightmostRoots {
         self.known.retain(|known| known.s.re > depth);
         self.known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));

@@ -1,4 +1,4 @@
-//! One value of a study's text: read as what it must be, or refused with its line.
+//! One value of a study file: converted to its type, or rejected with its line.
 
 use toml::Spanned;
 use toml::de::DeValue;
@@ -15,7 +15,7 @@ pub(super) struct Span {
     pub high: f64,
 }
 
-/// A value per axis, or one for all of them.
+/// One value per axis, or one for all axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum PerAxis {
     Every(Span),
@@ -23,7 +23,7 @@ pub(super) enum PerAxis {
 }
 
 impl PerAxis {
-    /// The number of axes it prescribes, if it does.
+    /// The number of axes in a list; `None` for a single value.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Every(_) => None,
@@ -40,7 +40,7 @@ impl PerAxis {
     }
 }
 
-/// A value with its dotted field.
+/// A value of a study file with its dotted field.
 pub(super) struct Entry<'r, 'a> {
     pub(super) source: Source<'a>,
     pub(super) field: String,
@@ -48,17 +48,17 @@ pub(super) struct Entry<'r, 'a> {
 }
 
 impl<'r, 'a> Entry<'r, 'a> {
-    /// A refusal of this entry.
+    /// The error for this value.
     pub fn reject(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
         self.source.reject(&self.field, self.value, allowed, remedy)
     }
 
-    /// The line of a refusal that something else made about this entry.
+    /// Adds the line of this value to an error.
     pub fn place(&self, error: InvalidInput) -> InvalidInput {
         self.source.with_line(error, self.value.span().start)
     }
 
-    /// A string.
+    /// Reads a string.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
             DeValue::String(text) if text.contains('\0') => Err(self.reject(
@@ -70,7 +70,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         }
     }
 
-    /// One of a few words.
+    /// Reads one of several words.
     pub fn choice<'w>(&self, words: &[&'w str]) -> Result<&'w str> {
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
         let given = match self.value.get_ref() {
@@ -84,7 +84,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         })
     }
 
-    /// True or false.
+    /// Reads true or false.
     pub fn boolean(&self) -> Result<bool> {
         self.value
             .get_ref()
@@ -92,10 +92,10 @@ impl<'r, 'a> Entry<'r, 'a> {
             .ok_or_else(|| self.reject("true or false is needed", "Write it without quotes."))
     }
 
-    /// A whole number in a range.
+    /// Reads a whole number within a range.
     pub fn whole_number(&self, what: &str, least: i64, most: i64) -> Result<i64> {
         let remedy = match self.value.get_ref() {
-            // one that does not fit in 64 bits is a whole number out of the range as well
+            // A number beyond 64 bits is out of range too.
             DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
                 Ok(value) if (least..=most).contains(&value) => return Ok(value),
                 _ => "Choose a number in that range.",
@@ -113,7 +113,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
 
-    /// The items of a table, each with its key.
+    /// The members of a table with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
             return Err(self.reject("names with values are needed", "Write it such as {gain = 2.0}."));
@@ -125,12 +125,12 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(table.iter().map(|(key, value)| member((key, value))).collect())
     }
 
-    /// What stands there.
+    /// The parsed TOML value.
     pub fn value(&self) -> &'r DeValue<'a> {
         self.value.get_ref()
     }
 
-    /// Two numbers, or with `one` also one number that stands for both.
+    /// Reads two numbers, or with `one` also a single number for both.
     pub fn two_numbers(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
         let values = self.per_axis(quantity, false)?;
         match values.count() {
@@ -151,7 +151,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok([values[0].low, values[1].low])
     }
 
-    /// A list of strings.
+    /// Reads a list of strings.
     pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(
@@ -161,12 +161,13 @@ impl<'r, 'a> Entry<'r, 'a> {
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
+    /// An item or member of this value, with its own field.
     fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
         Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
 
-    /// A table with exactly these two keys, such as min and max; `None` where it is not a table. `instead`
-    /// is what else could stand there.
+    /// Reads a table with exactly these two keys, such as min and max; `None` if it is not a table.
+    /// `instead` describes the alternative.
     pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
         let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
         for (key, value) in table {
@@ -198,7 +199,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Some([part(keys[0])?, part(keys[1])?]))
     }
 
-    /// A number in the range of a quantity.
+    /// Reads a number within the range of a quantity.
     pub fn number(&self, quantity: Quantity, kinds: &str) -> Result<f64> {
         let value = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -217,7 +218,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
 
-    /// A number, or with `ranges` also {min = …, max = …}.
+    /// Reads a number, or with `ranges` also {min = …, max = …}.
     fn number_or_range(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
@@ -230,7 +231,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Span { low: value, high: value })
     }
 
-    /// A number, a list of them, one per axis, and with `ranges` {min = …, max = …} for any number.
+    /// Reads a number or a list with one per axis; with `ranges` any number may be {min = …, max = …}.
     pub fn per_axis(&self, quantity: Quantity, ranges: bool) -> Result<PerAxis> {
         let kinds = if ranges {
             "a number, a range {min = …, max = …} or a list of these, one per axis,"

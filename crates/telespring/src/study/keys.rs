@@ -1,13 +1,13 @@
-//! Every section of a study with its keys, and the word that was most likely meant.
+//! The keys of every section of a study file, and suggestions for misspelt ones.
 
 use toml::de::DeTable;
 
 /// The keys of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Keys {
-    /// The same in every study.
+    /// The same keys in every study.
     Fixed(&'static [&'static str]),
-    /// Those of the kind that the section's key `kind` names, the first where it names none.
+    /// The keys depend on the section's key `kind`; without it the first kind applies.
     ByKind(&'static [(&'static str, &'static [&'static str])]),
 }
 
@@ -46,8 +46,7 @@ const BLURRED: (&str, &[&str]) =
     ("blurred", &["kind", "stiffness", "spots", "spot_velocity", "spot_lifetime"]);
 const PYTHON_AGENT: (&str, &[&str]) = ("python", &["kind", "class", "options"]);
 
-/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
-/// ignored silently.
+/// Every section with its keys. Unknown keys are rejected, so that no setting is silently ignored.
 pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ("robot1", ROBOT),
     ("robot2", ROBOT),
@@ -95,12 +94,12 @@ pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ),
 ];
 
-/// The sections without which a study is decided but not rehearsed.
+/// The sections that only a rehearsal needs.
 pub(super) const REHEARSAL: [&str; 7] =
     ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
 
 impl Keys {
-    /// The kinds, where the section has any.
+    /// The kinds of a section; empty if it has none.
     pub fn kinds(self) -> Vec<&'static str> {
         match self {
             Self::Fixed(_) => Vec::new(),
@@ -108,7 +107,7 @@ impl Keys {
         }
     }
 
-    /// The keys that go with what the section says of its kind, and that kind.
+    /// The keys allowed in a section of its kind, and that kind.
     pub fn allowed_in(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
         match self {
             Self::Fixed(keys) => (keys, None),
@@ -120,7 +119,7 @@ impl Keys {
         }
     }
 
-    /// The kind whose key this is, where the section has kinds; any section otherwise has no answer.
+    /// The kind that has this key, if the section has kinds.
     pub fn kind_with_key(self, key: &str) -> Option<&'static str> {
         match self {
             Self::Fixed(_) => None,
@@ -128,7 +127,7 @@ impl Keys {
         }
     }
 
-    /// Every key, whatever the kind.
+    /// All keys of a section, of any kind.
     pub fn all(self) -> Vec<&'static str> {
         match self {
             Self::Fixed(keys) => keys.to_vec(),
@@ -145,7 +144,7 @@ impl Keys {
     }
 }
 
-/// A key as TOML writes it: quoted where it is not bare.
+/// A key in TOML syntax, quoted if it is not a bare key.
 pub(super) fn toml_key(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }

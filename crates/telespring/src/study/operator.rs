@@ -8,7 +8,7 @@ use crate::model::Operator;
 use crate::quantity;
 use crate::verdicts::OperatorRange;
 
-/// Reads the range of one operator; a section left out is a free handle.
+/// Reads the range of one operator; a missing section means a free handle.
 pub(super) fn read_operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
     let keys = [
         ("mass", quantity::ADDED_MASS),

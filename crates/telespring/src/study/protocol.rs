@@ -1,4 +1,4 @@
-//! The section [protocol]: which conditions are run, how often, for how long.
+//! The section [protocol]: conditions, number and duration of trials.
 
 use std::f64::consts::TAU;
 
@@ -10,36 +10,36 @@ use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
 use crate::rig::{Protocol, Schedule};
 
-/// The conditions as the study says them.
+/// The conditions as given in the study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conditions {
-    /// Every stiffness (N/m) with every delay (s); where a list is not given, multiples of K and Δ.
+    /// Every stiffness (N/m) with every delay (s); missing lists default to multiples of K and Δ.
     Combinations {
-        /// Stiffnesses, N/m; {0.5, 1, 2, 4}·K unless given.
+        /// Stiffnesses, N/m; {0.5, 1, 2, 4}·K by default.
         stiffness: Option<Vec<f64>>,
-        /// One-way delays, s; {0, 0.5, 1, 2}·Δ unless given.
+        /// One-way delays, s; {0, 0.5, 1, 2}·Δ by default.
         delay: Option<Vec<f64>>,
     },
-    /// Stiffness (N/m) and one-way delay (s) of each.
+    /// Stiffness (N/m) and one-way delay (s) of each condition.
     Listed(Vec<(f64, f64)>),
 }
 
-/// The protocol as the study says it; what it leaves away follows from robots, task and controllers.
+/// The protocol as given in the study; missing values follow from robots, task and controllers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProtocolChoice {
-    /// True where the robots are also run without the spring.
+    /// True if the robots also run without the spring.
     pub unconnected: bool,
     /// The connected conditions.
     pub conditions: Conditions,
-    /// Trials of each condition.
+    /// The number of trials per condition.
     pub trials: usize,
-    /// Length of a trial, s; twelve periods of the target unless given.
+    /// The duration of a trial, s; twelve target periods by default.
     pub duration: Option<f64>,
-    /// What the analysis leaves out at the start, s; two periods of the target unless given.
+    /// The part discarded at the start, s; two target periods by default.
     pub discard: Option<f64>,
-    /// Samples kept per second, Hz; about 100 unless given.
+    /// Samples recorded per second, Hz; about 100 by default.
     pub record_rate: Option<f64>,
-    /// From which every trial's own seed is drawn.
+    /// The seed from which the seeds of all trials are drawn.
     pub seed: u64,
     /// True for an order drawn from the seed.
     pub shuffled: bool,
@@ -47,20 +47,20 @@ pub struct ProtocolChoice {
 
 const MAX_TRIALS: i64 = 10_000;
 const MAX_CONDITIONS: usize = 1000;
-/// Of all trials together, some 10 GB as a dataset; the paper's protocol keeps a million.
+/// For all trials together, about 10 GB as a dataset; the paper's protocol records a million.
 const MAX_ROWS: f64 = 5e7;
-/// TOML has no larger whole number.
+/// The largest whole number in TOML.
 const LARGEST_SEED: i64 = i64::MAX;
 const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 const DELAY_FACTORS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
-/// Whole periods, so that the mean error does not depend on where a trial is cut: ten to judge, after two
-/// in which the transient of every stable condition dies away.
+/// Whole periods, so that the mean error does not depend on where a trial is cut: ten to evaluate after two
+/// in which the transient of every stable condition decays.
 const PERIODS: [f64; 2] = [12.0, 2.0];
 /// Duration and discarded part for a target of unknown period, s.
 const WITHOUT_PERIOD: [f64; 2] = [30.0, 5.0];
 
 impl ProtocolChoice {
-    /// The paper's: unconnected and all sixteen combinations, twenty trials of each.
+    /// The paper's protocol: unconnected and all sixteen combinations, twenty trials each.
     pub fn paper() -> Self {
         Self {
             unconnected: true,
@@ -74,7 +74,7 @@ impl ProtocolChoice {
         }
     }
 
-    /// What is run on these robots with this task, at this sample period (s).
+    /// The complete protocol for these robots, this task and this sample period (s).
     pub(super) fn resolve(&self, dyad: &Dyad, task: &Task, sample_period: f64) -> Result<Protocol> {
         let mut conditions: Vec<(Option<f64>, f64)> = Vec::new();
         if self.unconnected {
@@ -99,7 +99,7 @@ impl ProtocolChoice {
 
         let rate = 1.0 / sample_period;
         let spans = match task {
-            // without a frequency the target stands still
+            // Without a frequency the target stands still.
             Task::FigureEight { angular_frequency, .. } if *angular_frequency > 0.0 => {
                 PERIODS.map(|count| (count * TAU / angular_frequency * rate).round() / rate)
             }
@@ -116,11 +116,11 @@ impl ProtocolChoice {
                 "Name a longer duration, or a shorter part to discard.",
             ));
         }
-        // The rate of the controllers itself, or half of it, a third, …: about 100 Hz unless given.
+        // The rate of the controllers or an integer fraction of it: about 100 Hz by default.
         let record_rate = self.record_rate.unwrap_or_else(|| rate / (rate / 100.0 - 1e-9).ceil().max(1.0));
         let schedule = Schedule::new(duration, record_rate, sample_period)
             .map_err(|refusal| refusal.within("protocol"))?;
-        // with the share of a sample that the analysis allows for rounding
+        // With the fraction of a sample that the analysis allows for rounding.
         let first = (discard / schedule.time(1, sample_period) - 1e-6).ceil().max(0.0);
         if schedule.rows() as f64 - first < 2.0 {
             let unless_given = if self.duration.is_none() { " (unless given)" } else { "" };
@@ -159,6 +159,7 @@ impl ProtocolChoice {
     }
 }
 
+/// Every stiffness with every delay.
 fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
     stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
 }
@@ -175,8 +176,8 @@ fn check_condition_count(count: usize) -> Result<()> {
     ))
 }
 
-/// K and Δ of Eq. 11 by the exact criteria, on free handles: the smallest critical stiffness of any axis,
-/// and the smallest delay at which twice that stiffness is unstable on any.
+/// The reference stiffness K and delay Δ of Eq. 11 by the exact criteria, with free handles: the smallest
+/// critical stiffness of any axis, and the smallest delay at which twice that stiffness is unstable.
 fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     let [one, two] = dyad.robots();
     let axes = (0..one.mass().len())
@@ -205,6 +206,7 @@ fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     ))
 }
 
+/// Reads the section [protocol].
 pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     const HERE: &str = "protocol";
     let paper = ProtocolChoice::paper();
@@ -230,6 +232,7 @@ pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     })
 }
 
+/// Reads the conditions of the section [protocol].
 fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     let stiffness = read_number_list(reader, "stiffness", quantity::STIFFNESS)?;
     let delay = read_number_list(reader, "delay", quantity::DELAY)?;
@@ -265,7 +268,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     Ok(Conditions::Listed(listed))
 }
 
-/// A list of numbers, each once.
+/// Reads a list of distinct numbers.
 fn read_number_list(
     reader: &Reader<'_>,
     key: &str,

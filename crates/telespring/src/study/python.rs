@@ -1,5 +1,5 @@
-//! What a study names in Python: an agent's class or a target's function, with options. Rust keeps the
-//! text; Python imports it.
+//! Python objects named in a study: the class of an agent or the function of a target, with options. Rust
+//! stores the text; Python imports it.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::Result;
 
-/// A value of an option.
+/// The value of an option.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OptionValue {
     /// True or false.
     Boolean(bool),
     /// A whole number.
     Whole(i64),
-    /// A number with a decimal point; finite.
+    /// A finite number with a decimal point.
     Number(f64),
     /// A text.
     Text(String),
@@ -24,22 +24,23 @@ pub enum OptionValue {
     List(Vec<OptionValue>),
 }
 
-/// A class or function of Python with the options it is called with.
+/// A Python class or function with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PythonObject {
-    /// `module:name`; the module's file lies beside the study or is installed.
+    /// `module:name`; the module is next to the study file or installed.
     pub path: String,
-    /// Passed to it by name.
+    /// Keyword arguments.
     pub options: BTreeMap<String, OptionValue>,
 }
 
-/// A name that Python takes for a variable, so far as letters decide.
+/// Whether a word is a valid Python identifier, as far as its letters decide.
 fn is_identifier(word: &str) -> bool {
     let mut letters = word.chars();
     letters.next().is_some_and(|first| first.is_alphabetic() || first == '_')
         && letters.all(|letter| letter.is_alphanumeric() || letter == '_')
 }
 
+/// Reads the Python object of a section with its options.
 pub(super) fn read_python_object(
     reader: &Reader<'_>,
     section: &str,
@@ -72,6 +73,7 @@ pub(super) fn read_python_object(
     Ok(PythonObject { path, options })
 }
 
+/// Reads the value of an option.
 fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     let refused = |remedy: &str| {
         entry.reject("an option is a finite number, a text, true, false or a list of these", remedy)

@@ -1,4 +1,4 @@
-//! Study text to checked values: every refusal names the dotted field, its line, the value and the remedy.
+//! Reads the sections and keys of a study file; every error gives the dotted field and its line.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -9,17 +9,17 @@ use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
 
-/// A study of more text than this is a slip (the wrong file), not a study.
+/// A longer text is the wrong file, not a study.
 const LONGEST: usize = 1 << 20;
 
-/// The text with its table, to look things up with their lines.
+/// The parsed text of a study file.
 pub(super) struct Reader<'a> {
     source: Source<'a>,
     table: DeTable<'a>,
 }
 
 impl<'a> Reader<'a> {
-    /// The table of a study, its sections and keys known.
+    /// Parses the text and checks that all sections and keys are known.
     pub fn new(text: &'a str) -> Result<Self> {
         let source = Source(text);
         if text.len() > LONGEST {
@@ -49,6 +49,7 @@ impl<'a> Reader<'a> {
         Ok(reader)
     }
 
+    /// Checks that all sections are known, and the keys in them.
     fn check_keys(&self) -> Result<()> {
         let sections: Vec<&str> = SECTIONS.iter().map(|(name, _)| *name).collect();
         let mut top = vec!["name"];
@@ -86,6 +87,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Checks that all keys of a section are known.
     fn check_section(&self, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
         if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
             entry.choice(kinds)?;
@@ -120,12 +122,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Whether the study has this section.
+    /// Whether the study has a section.
     pub fn has(&self, section: &str) -> bool {
         self.table.contains_key(section)
     }
 
-    /// The kind of a section that comes in several; the first of them where none is named.
+    /// The kind of a section; the first kind by default.
     pub fn kind(&self, section: &str) -> Result<&'static str> {
         let kinds = SECTIONS.iter().find(|(name, _)| *name == section).map(|(_, keys)| keys.kinds());
         let kinds = kinds.unwrap_or_default();
@@ -135,7 +137,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A refusal of a whole section.
+    /// The error for a whole section.
     pub fn reject_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
         let position = self.table.get(section).map_or(0, |value| value.span().start);
         self.source.with_line(InvalidInput::new(section, "a section", allowed, remedy), position)
@@ -146,7 +148,7 @@ impl<'a> Reader<'a> {
         REHEARSAL.into_iter().find(|name| self.table.contains_key(*name))
     }
 
-    /// A refusal by its dotted field, put to the line of that key, or of its section.
+    /// Adds the line of the field of an error: of its key, or else of its section.
     pub fn with_line_of_field(&self, error: InvalidInput) -> InvalidInput {
         let mut parts = error.field.splitn(2, '.');
         let section = parts.next().unwrap_or_default();
@@ -162,7 +164,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The study's name, where it has one.
+    /// The name of the study, if given.
     pub fn name(&self) -> Result<Option<String>> {
         self.table.get("name").map(|value| self.entry("name".to_owned(), value).text()).transpose()
     }
@@ -171,18 +173,18 @@ impl<'a> Reader<'a> {
         Entry { source: self.source, field, value }
     }
 
-    /// A key of a section, where both are there.
+    /// The value of a key in a section, if given.
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_, 'a>> {
         let value = self.table.get(section)?.get_ref().as_table()?.get(key)?;
         Some(self.entry(format!("{section}.{key}"), value))
     }
 
-    /// A number of a section, 0 where the key is not given.
+    /// The number of a key in a section; 0 if the key is missing.
     pub fn number_or_zero(&self, section: &str, key: &str, quantity: Quantity) -> Result<f64> {
         self.get(section, key).map_or(Ok(0.0), |entry| entry.number(quantity, "a number"))
     }
 
-    /// A key of a section that must be there; `like` is an example of it.
+    /// The value of a required key in a section; the error for a missing one gives the unit and an example.
     pub fn require(&self, section: &str, key: &str, unit: &str, example: &str) -> Result<Entry<'_, 'a>> {
         self.get(section, key).ok_or_else(|| {
             let missing = |remedy: String| InvalidInput::missing(format!("{section}.{key}"), unit, remedy);
@@ -196,7 +198,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// A refusal from the model, put into the file: the section before the field, its line after.
+    /// Adds the section and its line to an error of the model.
     pub fn place(&self, section: &str, error: InvalidInput) -> InvalidInput {
         let error = error.within(section);
         match self.table.get(section) {

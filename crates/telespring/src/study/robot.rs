@@ -6,21 +6,21 @@ use crate::error::Result;
 use crate::model::Robot;
 use crate::quantity::{self, Quantity};
 
-/// How far a robot's identified parameters may be off, per axis.
+/// The uncertainty of a robot's identified parameters, per axis.
 ///
-/// Mass and damping of one axis are normal with these standard deviations and this correlation; axes and
-/// robots are independent.
+/// Mass and damping of one axis are jointly normal with these standard deviations and this correlation;
+/// axes and robots are independent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Standard deviation of the mass, kg.
     pub mass_sd: Vec<f64>,
     /// Standard deviation of the damping, N·s/m.
     pub damping_sd: Vec<f64>,
-    /// Correlation of the two, −1 to 1.
+    /// Correlation of mass and damping, −1 to 1.
     pub correlation: Vec<f64>,
 }
 
-/// What the file says of a robot beside its mass and damping.
+/// The content of a robot section besides mass and damping.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RobotSection {
     pub name: Option<String>,
@@ -28,12 +28,12 @@ pub(super) struct RobotSection {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// The sections of both robots, which share their axes.
+/// Reads the sections of both robots, which have the same axes.
 pub(super) fn read_robots(reader: &Reader<'_>) -> Result<[(Robot, RobotSection); 2]> {
     let named = [read_axis_names(reader, "robot1")?, read_axis_names(reader, "robot2")?];
     let listed = [axis_count_from_lists(reader, "robot1")?, axis_count_from_lists(reader, "robot2")?];
     let of = |own: usize, section: &str| {
-        // A robot of single numbers has the axes of its partner, and names given once hold for both.
+        // A robot with single numbers has the axes of its partner; names given once hold for both.
         let other = 1 - own;
         let count = named[own].as_ref().map(Vec::len).or(listed[own]);
         let count = count.or(named[other].as_ref().map(Vec::len)).or(listed[other]).unwrap_or(1);
@@ -43,12 +43,12 @@ pub(super) fn read_robots(reader: &Reader<'_>) -> Result<[(Robot, RobotSection);
     Ok([of(0, "robot1")?, of(1, "robot2")?])
 }
 
-/// The names of a robot's axes, where it gives them.
+/// Reads the names of a robot's axes, if given.
 fn read_axis_names(reader: &Reader<'_>, section: &str) -> Result<Option<Vec<String>>> {
     reader.get(section, "axes").map(|entry| entry.text_list()).transpose()
 }
 
-/// The number of axes that a robot's lists tell, where it has any.
+/// The number of axes in a robot's lists, if it has any.
 fn axis_count_from_lists(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
     for (key, quantity) in [("mass", quantity::MASS), ("damping", quantity::DAMPING)] {
         let Some(entry) = reader.get(section, key) else { continue };
@@ -59,6 +59,7 @@ fn axis_count_from_lists(reader: &Reader<'_>, section: &str) -> Result<Option<us
     Ok(None)
 }
 
+/// Reads one robot with the given number of axes.
 fn read_robot(
     reader: &Reader<'_>,
     section: &str,
@@ -79,6 +80,7 @@ fn read_robot(
     Ok((robot, RobotSection { name, coulomb, uncertainty: read_uncertainty(reader, section, count)? }))
 }
 
+/// Reads the standard deviations and correlations of a robot.
 fn read_uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<Option<Uncertainty>> {
     const CORRELATION: &str = "mass_damping_correlation";
     let mass_sd = read_per_axis_or_zero(reader, section, "mass_sd", quantity::MASS_SD, count)?;
@@ -97,11 +99,12 @@ fn read_uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<
     Ok((!certain).then_some(Uncertainty { mass_sd, damping_sd, correlation }))
 }
 
+/// The lower ends of the values on all axes.
 fn lower_ends(values: &PerAxis, count: usize) -> Vec<f64> {
     values.spread(count).iter().map(|span| span.low).collect()
 }
 
-/// One value per axis, 0 where the key is not given.
+/// Reads one value per axis; 0 if the key is missing.
 fn read_per_axis_or_zero(
     reader: &Reader<'_>,
     section: &str,
@@ -112,10 +115,11 @@ fn read_per_axis_or_zero(
     let Some(entry) = reader.get(section, key) else { return Ok(vec![0.0; count]) };
     let values = entry.per_axis(quantity, false)?;
     check_axis_count(&entry, &values, count)?;
-    // +0: a minus sign before a zero means nothing and would not be written
+    // +0 removes the sign of −0, which has no meaning and would not be written.
     Ok(lower_ends(&values, count).into_iter().map(|value| value + 0.0).collect())
 }
 
+/// Checks that a list has one value per axis.
 pub(super) fn check_axis_count(entry: &Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
     match values.count() {
         Some(got) if got != count => Err(entry.reject(

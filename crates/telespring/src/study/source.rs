@@ -1,4 +1,4 @@
-//! The text of a study, and refusals that quote a value of it with its line.
+//! The text of a study file, and errors that quote a value with its line.
 
 use toml::Spanned;
 use toml::de::DeValue;
@@ -12,7 +12,7 @@ pub(super) struct Source<'a>(pub(super) &'a str);
 
 /// A key that the study format does not know.
 pub(super) struct UnknownKey<'k> {
-    /// Its dotted field.
+    /// The dotted field.
     pub field: &'k str,
     /// The key as written.
     pub key: &'k str,
@@ -32,7 +32,7 @@ impl Source<'_> {
         1 + self.0.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
     }
 
-    /// The value as written in the file, cut to one short line.
+    /// The value as written in the file, shortened to one line.
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
         const LONGEST_EXCERPT: usize = 60;
         let raw = self.0.get(span).unwrap_or("").trim();
@@ -44,7 +44,7 @@ impl Source<'_> {
         if short.len() < raw.len() { format!("{short} …") } else { short }
     }
 
-    /// Refuses a value of the file and names its line.
+    /// The error for a value of the file, with its line.
     pub fn reject(
         &self,
         field: &str,
@@ -60,13 +60,13 @@ impl Source<'_> {
         self.with_line(refusal, value.span().start)
     }
 
-    /// Adds the line of a byte position to the remedy of a refusal.
+    /// Adds the line of a byte position to an error.
     pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
         refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
         refusal
     }
 
-    /// Refuses an unknown key: names the section it belongs to, else the nearest known key.
+    /// The error for an unknown key: suggests its section, or else the nearest known key.
     pub fn reject_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
         let UnknownKey { field, key, position, section, allowed, keys } = unknown;
         let home = SECTIONS

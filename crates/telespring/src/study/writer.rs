@@ -1,5 +1,4 @@
-//! A study as TOML text that reads back to the same study; sections that say what holds anyway are left
-//! away.
+//! Writes a study as TOML text that reads back to the same study; sections with default values are omitted.
 
 use std::fmt::Write;
 
@@ -10,7 +9,7 @@ use super::python::{OptionValue, PythonObject};
 use crate::model::Operator;
 use crate::rig::{Arm, Elbow};
 
-/// The text of a study file, units as comments.
+/// The text of a study file, with units as comments.
 pub(super) fn to_toml(study: &Study) -> String {
     let mut text = TomlText(format!("name = {}\n", quoted_text(&study.name)));
     for (i, section) in study.robots.iter().enumerate() {
@@ -170,7 +169,7 @@ impl TomlText {
         self.write_line(key, quoted_text(&object.path), "");
         if !object.options.is_empty() {
             let options = object.options.iter().map(|(name, value)| {
-                // a name of letters beyond ASCII must be quoted
+                // A non-ASCII name must be quoted.
                 let name = if name.is_ascii() { name.clone() } else { quoted_text(name) };
                 format!("{name} = {}", option_text(value))
             });
@@ -219,7 +218,7 @@ impl TomlText {
     }
 }
 
-/// The shortest text that reads back to the same number.
+/// A number as the shortest text that reads back to the same value.
 fn float_text(value: f64) -> String {
     format!("{value:?}")
 }

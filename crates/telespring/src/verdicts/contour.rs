@@ -1,4 +1,4 @@
-//! The count of multipliers outside a circle, by a walk that cannot skip a turn.
+//! Counts the multipliers of a sampled axis outside a circle by the argument principle.
 
 use std::f64::consts::PI;
 
@@ -7,21 +7,21 @@ use num_complex::Complex64;
 use super::sampled_characteristic::SampledCharacteristic;
 use crate::characteristic::exp_m1;
 
-/// Steps after which a walk is given up; a delay of 100 s at 1 kHz needs some 1e4.
+/// The maximum number of steps; a delay of 100 s at 1 kHz needs about 1e4.
 const MAX_STEPS: usize = 1_000_000;
-/// The most places that are handed to Newton's method.
+/// The maximum number of starting points for Newton's method.
 const MAX_PLACES: usize = 24;
 
-/// Why a walk gave no count.
+/// Why the multipliers could not be counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CountFailure {
-    /// A root lies on the circle, or too near to tell.
+    /// A root lies on the circle or too close to it.
     RootOnCircle,
     /// The delay turns the function too often.
     TooLong,
 }
 
-/// All Taylor coefficients of a polynomial at `w`, by repeated synthetic division.
+/// The Taylor coefficients of a polynomial at `w`, by repeated synthetic division.
 fn taylor_coefficients(polynomial: &[f64], w: Complex64) -> [Complex64; 8] {
     let mut shifted = [Complex64::ZERO; 8];
     for (slot, &coefficient) in shifted.iter_mut().zip(polynomial) {
@@ -37,16 +37,16 @@ fn taylor_coefficients(polynomial: &[f64], w: Complex64) -> [Complex64; 8] {
     shifted
 }
 
-/// The most that a polynomial can change within `distance`.
+/// An upper bound on the change of a polynomial within `distance`.
 fn change_bound(taylor: &[f64; 8], distance: f64) -> f64 {
     distance * taylor[1..].iter().rev().fold(0.0, |sum, coefficient| sum * distance + coefficient)
 }
 
-/// The number of multipliers with |z| > e^(rate·h), and the places s on the circle where the function
-/// comes closest to 0.
+/// The number of multipliers with |z| > e^(rate·h), and the points s on the circle where the function comes
+/// closest to 0.
 ///
-/// From z = r to z = −r: each step is short enough that the function stays within a disc around its
-/// value that does not hold 0, by bounds on its parts, so its argument is followed exactly.
+/// The circle is followed from z = r to z = −r. Bounds on the parts of the function keep it, over each
+/// step, within a disc around its value that excludes 0, so its argument is followed exactly.
 pub(super) fn count_outside_circle(
     function: &SampledCharacteristic,
     rate: f64,
@@ -121,7 +121,7 @@ pub(super) fn count_outside_circle(
     if angle < PI {
         return Err(CountFailure::TooLong);
     }
-    // A minimum at the last point has no successor to show it.
+    // A minimum at the last point has no successor to reveal it.
     if closeness[1] < closeness[0] {
         places.push((closeness[1], previous_place));
     }

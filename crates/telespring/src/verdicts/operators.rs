@@ -1,4 +1,4 @@
-//! Verdicts over a range of operators: a grip varies, and the worst one counts.
+//! Verdicts over a range of operators: a grip varies, and the worst operator counts.
 
 use super::zero_order_hold::SampledPlant;
 use super::{Network, Tier, any_network, bounded_delay, sampled_gain};
@@ -7,7 +7,7 @@ use crate::criteria::{critical_stiffness, is_delay_independent, maximum_stiffnes
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis, Operator, Side};
 
-/// All operators between two: a box in mass, damping and stiffness, per axis.
+/// A range of operators: a box in mass, damping and stiffness per axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatorRange {
     low: Operator,
@@ -15,11 +15,11 @@ pub struct OperatorRange {
 }
 
 impl OperatorRange {
-    /// The operators from `low` to `high`, both included.
+    /// Creates the range from `low` to `high`, both included.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the two differ in their number of axes or a lower end lies above the upper.
+    /// [`InvalidInput`] if the two have different axes or a lower end exceeds the upper one.
     ///
     /// # Examples
     ///
@@ -70,7 +70,7 @@ impl OperatorRange {
         &self.high
     }
 
-    /// The middle of the range.
+    /// The operator in the middle of the range.
     pub fn middle(&self) -> Operator {
         let mean = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
         Operator::new(
@@ -81,6 +81,7 @@ impl OperatorRange {
         .expect("the mean of two valid values is valid")
     }
 
+    /// The lower and upper mass, damping and stiffness on one axis.
     fn ends(&self, axis: usize) -> [[f64; 2]; 3] {
         let (low, high) = (&self.low, &self.high);
         [
@@ -98,27 +99,27 @@ pub struct OperatorPoint {
     pub mass: f64,
     /// Damping, N·s/m.
     pub damping: f64,
-    /// Stiffness to the ground, N/m.
+    /// Stiffness to ground, N/m.
     pub stiffness: f64,
 }
 
-/// Both operators in six numbers: mass, damping, stiffness of the first, then of the second.
+/// Both operators as six numbers: mass, damping and stiffness of the first, then of the second.
 type OperatorPair = [f64; 6];
 
-/// The box of both operators on one axis, with the robots they hold.
+/// The box of both operators on one axis, with the robots that they hold.
 pub(super) struct OperatorBox {
     robots: [Side; 2],
     ends: [[f64; 2]; 6],
     coupling_damping: f64,
 }
 
-/// Steps per side of the grid inside the box, where a side has a length.
+/// The grid values per side of the box with nonzero length.
 const LEVELS: usize = 3;
-/// The pattern search ends at this part of the box.
+/// The pattern search ends at this fraction of the box.
 const FINEST: f64 = 1e-4;
 
 impl OperatorBox {
-    /// The box of one axis: the ranges, or the dyad's own operators as a single point.
+    /// Creates the box of one axis from the ranges, or from the dyad's own operators as a single point.
     pub fn new(dyad: &Dyad, ranges: Option<&[OperatorRange; 2]>, axis: usize) -> Self {
         let point = |operator: &Operator| {
             [operator.mass()[axis], operator.damping()[axis], operator.stiffness()[axis]].map(|v| [v, v])
@@ -138,7 +139,7 @@ impl OperatorBox {
         }
     }
 
-    /// The axis held by these operators.
+    /// The axis with these operators.
     pub fn axis(&self, at: &OperatorPair) -> DyadAxis {
         let side = |i: usize| Side {
             mass: self.robots[i].mass + at[3 * i],
@@ -148,7 +149,7 @@ impl OperatorBox {
         DyadAxis { sides: [side(0), side(1)], coupling_damping: self.coupling_damping }
     }
 
-    /// The grid with `levels` values on each side that has a length; its corners with 2.
+    /// The grid with `levels` values per side with nonzero length; 2 gives the corners.
     fn grid(&self, levels: usize) -> Vec<OperatorPair> {
         let mut points = vec![[0.0; 6]];
         for (dimension, [low, high]) in self.ends.iter().enumerate() {
@@ -173,42 +174,46 @@ impl OperatorBox {
         self.grid(2)
     }
 
-    /// The most mass with the least damping and stiffness: the worst of tiers 1 and 2 in closed form.
+    /// The corner with the largest mass and smallest damping and stiffness: the worst case of tiers 1 and
+    /// 2.
     fn weakest_corner(&self) -> OperatorPair {
         let [m1, b1, k1, m2, b2, k2] = self.ends;
         [m1[1], b1[0], k1[0], m2[1], b2[0], k2[0]]
     }
 }
 
+/// The six numbers of a pair as two operators.
 pub(super) fn operator_points(at: &OperatorPair) -> [OperatorPoint; 2] {
     [0, 3].map(|i| OperatorPoint { mass: at[i], damping: at[i + 1], stiffness: at[i + 2] })
 }
 
-/// One tier on one axis, the worst over all operators.
+/// One tier on one axis, for the worst operators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisTier {
-    /// The largest stiffness, N/m; `None` where the tier has no rule for this dyad.
+    /// The largest stiffness, N/m; `None` if the tier has no rule for this dyad.
     pub stiffness_bound: Option<f64>,
-    /// True where that stiffness is itself allowed.
+    /// True if that stiffness itself is allowed.
     pub attained: bool,
-    /// True where the stiffness in question keeps the tier's rule, for every operator examined.
+    /// True if the given stiffness satisfies the tier's rule for every operator examined.
     pub satisfied: bool,
-    /// The operators with the least bound.
+    /// The operators with the smallest bound.
     pub operators: [OperatorPoint; 2],
 }
 
-/// All tiers on one axis and how many pairs of operators were examined.
+/// All tiers on one axis, and the number of operator pairs examined.
 pub(super) struct ExaminedTiers {
     pub tiers: [AxisTier; 4],
     pub worst_constant: OperatorPair,
     pub count: usize,
 }
 
+/// Whether a stiffness is below a bound, or equal to an attained one.
 fn is_within(bound: f64, attained: bool, k: f64) -> bool {
     k < bound || (attained && k == bound)
 }
 
-/// Tier 1: exact at the limpest corner for continuous controllers; sampled ones see every corner.
+/// Tier 1: exact at the weakest corner for continuous controllers; for sampled controllers every corner is
+/// examined.
 fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let weakest = region.weakest_corner();
     let corners = region.corners();
@@ -249,7 +254,7 @@ fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier
     }
 }
 
-/// Tier 2: the least damping, exactly.
+/// Tier 2: exact at the smallest damping.
 fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let worst = region.weakest_corner();
     let damping = region.axis(&worst).sides.map(|side| side.damping);
@@ -264,12 +269,13 @@ fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTi
     }
 }
 
-/// True where F enters its first positive root at ξ = 0 when k reaches `critical`: still stable there.
+/// True if the first positive root of F appears at ξ = 0 when k reaches `critical`: the dyad is then stable
+/// at that stiffness.
 fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     let [first, second] = axis.sides;
     let (b1, b2, c) = (first.damping, second.damping, axis.coupling_damping);
     let entry = (b1 * b1 + b2 * b2 + 2.0 * c * (b1 + b2)) / (2.0 * (first.mass + second.mass));
-    // A tangency comes before this entry; 1e-12 parts the two in rounding.
+    // A tangency comes before this root; 1e-12 separates the two in rounding.
     axis.is_free() && (entry - critical).abs() <= 1e-12 * entry
 }
 
@@ -294,7 +300,7 @@ fn constant_delay_tier(
             return Ok(true);
         }
         if tier == Tier::AnyConstantDelay {
-            // Grounded handles may have bands above the first stiffness that some delay destabilises.
+            // With grounded operators there may be bands above the first destabilised stiffness.
             Ok(is_within(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
         } else {
             // Above the bound the delay may lie in a later stable interval.
@@ -351,7 +357,7 @@ fn constant_delay_tier(
     Ok((verdict, worst.0, count))
 }
 
-/// All four tiers on one axis.
+/// Evaluates all four tiers on one axis.
 pub(super) fn examine_tiers(region: &OperatorBox, network: &Network, k: f64) -> Result<ExaminedTiers> {
     let delay = network.buffered_mean();
     let (third, _, third_count) = constant_delay_tier(region, Tier::AnyConstantDelay, delay, k)?;

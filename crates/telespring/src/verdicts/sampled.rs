@@ -10,12 +10,12 @@ use crate::quantity;
 
 /// The spectral radius of the one-period map of one axis under sampled controllers.
 ///
-/// `stiffness` in N/m. The delays are those behind a playout buffer
-/// ([`Network::buffered`]), rounded up to whole periods as a sampled controller sees them.
+/// `stiffness` is in N/m. The delays are those behind a playout buffer ([`Network::buffered`]), rounded up
+/// to whole periods.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness is out of range or the network has no sample period.
+/// [`InvalidInput`] if the stiffness is out of range or the network has no sample period.
 ///
 /// # Examples
 ///
@@ -53,13 +53,13 @@ pub fn sampled_spectral_radius(
     })
 }
 
-/// The largest stiffness (N/m) up to `limit` below which the sampled dyad is stable, from a count on the
-/// unit circle at levels and a bisection below the first level that fails.
+/// The largest stiffness (N/m) up to `limit` below which the sampled dyad is stable: a count on the unit
+/// circle at several levels, then bisection below the first unstable level.
 ///
-/// `limit` infinite stands for the stiffness beyond which no held spring can be stable.
+/// An infinite `limit` stands for the stiffness above which no spring under a hold is stable.
 pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) -> f64 {
     const LEVELS: i32 = 40;
-    // A held spring on a free mass without damping diverges at any k; with damping, above 2 B/h or so.
+    // A spring under a hold on a free, undamped mass diverges at any k; with damping, above about 2 B/h.
     let strongest = axis
         .sides
         .iter()
@@ -72,7 +72,7 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) ->
     if limit <= 0.0 {
         return 0.0;
     }
-    // Unknown where the count cannot be ended: the search stops at what is proven.
+    // Unknown if the count cannot be completed: the search stops at the proven stiffness.
     let holds =
         |k: f64| match contour::count_outside_circle(&SampledCharacteristic::new(axis, k, network), 0.0) {
             Ok((outside, _)) => Some(outside == 0),
@@ -82,7 +82,7 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) ->
     let mut low = 0.0;
     let mut high = None;
     for level in 0..=LEVELS {
-        // The last level stands just inside: the limit itself may be a boundary.
+        // The last level lies just inside: the limit itself may be a boundary.
         let k = limit * (1.0 - 1e-9) * 1e4_f64.powf(f64::from(level - LEVELS) / f64::from(LEVELS));
         match holds(k) {
             Some(true) => low = k,
@@ -94,7 +94,7 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) ->
         }
     }
     let Some(mut high) = high else { return limit };
-    // Without a level that held the search starts far below any stiffness that is of use.
+    // Without a stable level, the search starts far below any useful stiffness.
     if low == 0.0 {
         low = 1e-6;
         if low >= high || holds(low) != Some(true) {

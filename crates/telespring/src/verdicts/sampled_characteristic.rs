@@ -1,9 +1,9 @@
 //! The characteristic function of one axis under two sampled controllers.
 //!
-//! Both controllers read position and velocity every h, hold the force over one period and see the
-//! partner N_f or N_b whole periods late. With qᵢ and nᵢ the exact plant under a held force and the force
-//! it returns ([`SampledPlant`]), the multipliers z solve
-//! (q₁ + n₁)(q₂ + n₂) − n₁ n₂ z^(−N) = 0, N = N_f + N_b; no matrix with N delay lines is formed.
+//! Both controllers read position and velocity every h, hold the force over one period and receive the
+//! partner's sample N_f or N_b whole periods late. With qᵢ and nᵢ the exact plant under a zero-order hold
+//! and the force it returns ([`SampledPlant`]), the multipliers z solve (q₁ + n₁)(q₂ + n₂) − n₁ n₂ z^(−N) =
+//! 0 with N = N_f + N_b; no matrix with N delay lines is needed.
 
 use num_complex::Complex64;
 
@@ -12,18 +12,18 @@ use super::zero_order_hold::SampledPlant;
 use crate::characteristic::exp_m1;
 use crate::model::DyadAxis;
 
-/// The characteristic function of one sampled axis in s, the rigid-body root divided out.
+/// The characteristic function of one sampled axis in s, without the rigid-body root.
 #[derive(Debug, Clone)]
 pub(super) struct SampledCharacteristic {
-    /// q₁ q₂ + q₁ n₂ + q₂ n₁ in w = z − 1 (over w where the handles are free), constant term first.
+    /// q₁ q₂ + q₁ n₂ + q₂ n₁ in w = z − 1 (divided by w for free handles), constant term first.
     pub undelayed: Vec<f64>,
     /// n₁ n₂ in w.
     pub delayed: Vec<f64>,
-    /// N, the round trip in periods.
+    /// N, the round trip in sample periods.
     pub ticks: f64,
-    /// h, s.
+    /// The sample period h, s.
     pub period: f64,
-    /// True where w has been divided out.
+    /// True if w has been divided out.
     pub deflated: bool,
 }
 
@@ -37,7 +37,7 @@ fn multiply_polynomials(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// Value and derivative of a polynomial, constant term first.
+/// The value and derivative of a polynomial, constant term first.
 fn evaluate_polynomial(polynomial: &[f64], w: Complex64) -> (Complex64, Complex64) {
     let zero = Complex64::ZERO;
     polynomial
@@ -78,7 +78,7 @@ impl SampledCharacteristic {
         }
     }
 
-    /// Value and derivative by s.
+    /// The value of the sampled characteristic function and its derivative with respect to s.
     pub fn value_and_derivative(&self, s: Complex64) -> (Complex64, Complex64) {
         let w = exp_m1(s * self.period);
         let (c, c_slope) = evaluate_polynomial(&self.undelayed, w);
@@ -88,7 +88,7 @@ impl SampledCharacteristic {
         (c + b * e, slope * (w + 1.0) * self.period)
     }
 
-    /// 1 − z^(−N), over w where deflated, and its derivative by w.
+    /// The delay factor 1 − z^(−N), divided by w if deflated, and its derivative with respect to w.
     pub fn delay_factor(&self, s: Complex64, w: Complex64) -> (Complex64, Complex64) {
         let n = self.ticks;
         let lost = -exp_m1(-s * (self.period * n));
@@ -98,14 +98,14 @@ impl SampledCharacteristic {
         }
         if w.norm() * n.max(1.0) < 1e-3 {
             let value = if w == Complex64::ZERO { Complex64::from(n) } else { lost / w };
-            // Two terms of Σ_j −j z^(−j−1): only the speed of Newton's method hangs on them.
+            // Two terms of Σ_j −j z^(−j−1): they only affect the speed of Newton's method.
             return (value, -0.5 * n * (n + 1.0) + w * (n * (n + 1.0) * (n + 2.0) / 3.0));
         }
         let value = lost / w;
         (value, (turned - value) / w)
     }
 
-    /// A rate (1/s) on which the fastest part of the loop and the round trip act.
+    /// A typical rate (1/s) of the fastest part of the loop and the round trip.
     pub fn rate_scale(&self, axis: &DyadAxis, stiffness: f64) -> f64 {
         let fastest = axis
             .sides

@@ -1,28 +1,28 @@
-//! The slowest multiplier of a sampled axis, next_places by counting the multipliers outside circles.
+//! The slowest multiplier of a sampled axis, found by counting the multipliers outside circles.
 //!
-//! The search runs in s = ln(z)/h and bisects on the count, so that a delay of 100 s at 1 kHz costs
-//! milliseconds and no multiplier is missed.
+//! The search runs in s = ln(z)/h and bisects on the count. A delay of 100 s at 1 kHz takes milliseconds,
+//! and no multiplier is missed.
 
 use num_complex::Complex64;
 
 use super::contour::{self, CountFailure};
 use super::sampled_characteristic::SampledCharacteristic;
 
-/// The slowest multiplier of the sampled dyad; the rigid-body multiplier z = 1 is set apart.
+/// The slowest multiplier of the sampled dyad, apart from the rigid-body multiplier z = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledSpectrum {
-    /// The largest |z|: below 1 the sampled dyad is stable.
+    /// The largest |z|: the sampled dyad is stable if it is below 1.
     pub radius: f64,
-    /// ln(radius)/h, 1/s: to compare with the spectral abscissa of the continuous dyad.
+    /// ln(radius)/h, 1/s, comparable with the spectral abscissa of the continuous dyad.
     pub abscissa_equivalent: f64,
-    /// |arg z|/h, rad/s: the frequency at which this multiplier turns.
+    /// |arg z|/h, rad/s: the frequency of this multiplier.
     pub frequency: f64,
     /// What is proven about it.
     pub certificate: SampledCertificate,
 }
 
 impl SampledSpectrum {
-    /// True where all multipliers but the rigid-body one lie inside the unit circle.
+    /// True if all multipliers but the rigid-body one lie inside the unit circle.
     pub fn is_stable(&self) -> bool {
         self.radius < 1.0
     }
@@ -34,14 +34,14 @@ impl SampledSpectrum {
 pub enum SampledCertificate {
     /// A multiplier was refined at this radius, and a count on a circle just outside found no other.
     Complete,
-    /// All multipliers lie within this radius; none was resolved on it (they decay within a few ticks).
+    /// All multipliers lie within this radius; none was resolved (they decay within a few periods).
     UpperBound,
-    /// The count ended before it could decide: the radius is the best found, a larger one may exist.
+    /// The count failed before it could decide: a larger multiplier may exist.
     Incomplete,
 }
 
 impl SampledCharacteristic {
-    /// Newton from `s`: the root and the size of the last step, where it converges.
+    /// Newton's method from `start`: the root and the size of the last step, if it converges.
     fn refine_multiplier(&self, start: Complex64, scale: f64) -> Option<(Complex64, f64)> {
         let mut s = start;
         let mut step = f64::INFINITY;
@@ -61,8 +61,8 @@ impl SampledCharacteristic {
         (step <= 1e-6 * scale).then_some((s, step))
     }
 
-    /// The count of multipliers with |z| > e^(σ h) and places near which they may lie. Where a root lies
-    /// on the circle, a circle beside it by 1e-9 of `scale` is taken.
+    /// The number of multipliers with |z| > e^(σ h), and points near which they may lie. If a root lies on
+    /// the circle, a circle 1e-9 of `scale` beside it is used.
     fn count_right_of(&self, rate: f64, scale: f64) -> Option<(usize, Vec<Complex64>)> {
         for shift in [0.0, 1e-9, -1.7e-9, 1.3e-8] {
             match contour::count_outside_circle(self, rate + shift * scale) {
@@ -74,7 +74,7 @@ impl SampledCharacteristic {
         None
     }
 
-    /// The rightmost s = ln(z)/h.
+    /// The rightmost s = ln(z)/h of the sampled axis, with its certificate.
     pub fn rightmost_root(&self, scale: f64) -> (Complex64, SampledCertificate) {
         let incomplete = |s: Complex64| (s, SampledCertificate::Incomplete);
         let Some((outside, mut places)) = self.count_right_of(0.0, scale) else {
@@ -128,7 +128,7 @@ impl SampledCharacteristic {
         incomplete(Complex64::from(high))
     }
 
-    /// The rightmost root that Newton's method finds from the places, within the bracket.
+    /// The rightmost root to which Newton's method converges from the given points, within the bracket.
     fn rightmost_refined(
         &self,
         places: &[Complex64],

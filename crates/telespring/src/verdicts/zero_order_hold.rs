@@ -1,24 +1,24 @@
-//! One side under a held force, from tick to tick, exactly.
+//! The exact motion of one side under a zero-order hold, from sample to sample.
 //!
-//! Everything is written in w = z − 1: at 1 kHz the poles of a robot lie within 1 % of z = 1, and
-//! polynomials in z would lose six digits to cancellation there.
+//! Polynomials are written in w = z − 1: at 1 kHz the poles of a robot lie within 1 % of z = 1, where
+//! polynomials in z would lose six digits to cancellation.
 
 use crate::model::Side;
 
 /// A 2 × 2 matrix by rows.
 type Matrix = [[f64; 2]; 2];
 
-/// Mass, damper and ground spring between two ticks: X⁺ = (1 + Ψ) X + Γ_new F_n + Γ_old F_(n−1), where
-/// X is (position, velocity) and F_n is computed from the samples of tick n.
+/// Mass, damper and ground spring over one sample period: X⁺ = (1 + Ψ) X + Γ_new F_n + Γ_old F_(n−1), where
+/// X is (position, velocity) and F_n is computed from the samples at tick n.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SampledPlant {
     /// Ψ = e^(A h) − 1.
     pub change: Matrix,
-    /// Γ_new: the effect of the force that is computed at this tick.
+    /// Γ_new: the effect of the force computed at this tick.
     pub new_force: [f64; 2],
-    /// Γ_old: the effect of the previous force, which acts until the computing time is over.
+    /// Γ_old: the effect of the previous force, which acts until the computing time has passed.
     pub old_force: [f64; 2],
-    /// True where a computing time makes the previous force act at all.
+    /// True if a computing time makes the previous force act.
     pub has_computing_time: bool,
 }
 
@@ -36,15 +36,15 @@ impl SampledPlant {
         Self { change, new_force, old_force, has_computing_time: true }
     }
 
-    /// The characteristic polynomial of the side alone in w, constant term first; with a computing time
-    /// it carries the factor z of the force that waits.
+    /// The characteristic polynomial of the side alone in w, constant term first; with a computing time it
+    /// has an additional factor z.
     pub fn denominator(&self) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         let plant = [a * d - b * c, -(a + d), 1.0];
         if self.has_computing_time { multiply_by_z(&plant) } else { plant.to_vec() }
     }
 
-    /// The numerator in w of stiffness × position + damping × velocity, per force.
+    /// The numerator in w of stiffness × position + damping × velocity, per unit force.
     pub fn numerator(&self, stiffness: f64, damping: f64) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         // adj(w − Ψ) Γ, read by the row (stiffness, damping).
@@ -63,7 +63,7 @@ impl SampledPlant {
     }
 }
 
-/// A polynomial in w times z = 1 + w.
+/// Multiplies a polynomial in w by z = 1 + w.
 fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; polynomial.len() + 1];
     for (i, &coefficient) in polynomial.iter().enumerate() {
@@ -73,7 +73,8 @@ fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     product
 }
 
-/// e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ: a Taylor series over a short span, doubled up to t.
+/// The exact response over a span: e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ, from a Taylor series over a
+/// short span that is doubled up to t.
 fn exact_step(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
     let damping = side.damping / side.mass;
     let spring = side.ground_stiffness / side.mass;

@@ -1,22 +1,23 @@
-//! The critical stiffness with a handle held to the ground: the least point of a curve, enclosed by
-//! subdivision with Bernstein coefficients.
+//! The critical stiffness with a grounded operator: the lowest point of a curve, enclosed by subdivision
+//! with Bernstein coefficients.
 
 use crate::model::DyadAxis;
 use crate::poly::{Polynomial, Real, positive_roots};
 
-/// The certified range ends this far (relative) below the stiffness that is returned.
+/// The certified range ends this relative distance below the returned stiffness.
 const RESOLUTION: f64 = 1e-9;
 
 /// F(ξ, k) in powers of ξ = ω² (rows, to ξ⁴) and of k (columns, to k³: k⁴ cancels).
 type Tensor = [[f64; 4]; 5];
 
+/// The critical stiffness with a grounded operator, certified by subdivision.
 pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
     let bound = stable_stiffness_bound(axis);
-    // An undamped side still meets the coupling damper: only a soft spring's limit is left to decide.
+    // An undamped side still has the coupling damper: only the limit of a soft spring is left to check.
     let softest = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
     let Some(lowest) = bound.or(softest) else { return 0.0 };
     let mut best = scan_frequencies(axis, lowest);
-    // Each round either proves that F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
+    // Each round either proves F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
     for _ in 0..64 {
         match frequency_of_negative_value(
             axis,
@@ -38,7 +39,7 @@ struct CurvePoint {
     stiffness: f64,
 }
 
-/// A stiffness up to which each |Pᵢ(jω)|² ≥ k² + c²ω², so that F ≥ 0; None where there is none.
+/// A stiffness up to which |Pᵢ(jω)|² ≥ k² + c²ω² on both sides, so that F ≥ 0; `None` if there is none.
 fn stable_stiffness_bound(axis: &DyadAxis) -> Option<f64> {
     let c = axis.coupling_damping;
     let bound = axis.sides.iter().fold(f64::INFINITY, |bound, side| {
@@ -50,17 +51,17 @@ fn stable_stiffness_bound(axis: &DyadAxis) -> Option<f64> {
     (bound > 0.0).then_some(bound)
 }
 
-/// A stiffness typical of the sides on their own, N/m.
+/// A typical stiffness of the sides without coupling, N/m.
 fn stiffness_scale(axis: &DyadAxis) -> f64 {
     let loss = |damping: f64, mass: f64| (damping + axis.coupling_damping).powi(2) / mass;
     axis.sides.iter().map(|side| side.ground_stiffness + loss(side.damping, side.mass)).sum()
 }
 
-/// A first point of the curve: the least stiffness over a grid of frequencies about the resonances.
+/// A starting point on the curve: the smallest stiffness on a grid of frequencies around the resonances.
 fn scan_frequencies(axis: &DyadAxis, lowest: f64) -> CurvePoint {
     let mut best = CurvePoint { squared_frequency: f64::NAN, stiffness: f64::INFINITY };
     for side in &axis.sides {
-        // At ω² = K/m the side's own stiffness and inertia cancel; the least k lies near it.
+        // At ω² = K/m the side's stiffness and inertia cancel; the smallest k lies near it.
         for step in -40..=120 {
             let stiffness = lowest * 1.25f64.powi(step);
             let squared_frequency = (stiffness + side.ground_stiffness) / side.mass;
@@ -74,7 +75,7 @@ fn lower_stiffness(best: CurvePoint, candidate: Option<CurvePoint>) -> CurvePoin
     candidate.filter(|point| point.stiffness < best.stiffness).unwrap_or(best)
 }
 
-/// The least stiffness with F = 0 at this frequency.
+/// The smallest stiffness with F = 0 at a frequency.
 fn least_stiffness_at(axis: &DyadAxis, squared_frequency: f64) -> Option<CurvePoint> {
     let tensor = crossing_tensor::<f64>(axis);
     let fine = || {
@@ -100,8 +101,8 @@ fn polynomial_in_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64
     Polynomial { coefficient, magnitude }
 }
 
-/// Follows the curve from a frequency to a local minimum of the stiffness, by golden section on
-/// the logarithm of the frequency.
+/// Follows the curve from a frequency to a local minimum of the stiffness, by golden-section search on the
+/// logarithm of the frequency.
 fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint) -> CurvePoint {
     let start = match least_stiffness_at(axis, squared_frequency) {
         Some(point) => point,
@@ -111,7 +112,7 @@ fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint
         least_stiffness_at(axis, logarithm.exp())
             .unwrap_or(CurvePoint { squared_frequency: logarithm.exp(), stiffness: f64::INFINITY })
     };
-    // A bracket about the start, widened downhill.
+    // A bracket around the start, widened downhill.
     let mut middle = start;
     let mut width = 1e-3;
     let (mut left, mut right) =
@@ -154,7 +155,7 @@ fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint
     lower_stiffness(best, Some(middle))
 }
 
-/// F(ξ, k) expanded; formed in the arithmetic asked for.
+/// The coefficients of F(ξ, k), in the requested arithmetic.
 fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     let number = R::from;
     let two = number(2.0);
@@ -193,8 +194,8 @@ fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     tensor
 }
 
-/// A frequency at which F < 0 for some stiffness from `lowest` to `highest`, or None where F > 0
-/// on that whole range of stiffness and at every frequency.
+/// A frequency at which F < 0 for some stiffness between `lowest` and `highest`; `None` if F > 0 there at
+/// every frequency.
 fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
     // ξ = scale · u/(1 − u) maps all frequencies onto 0 ≤ u ≤ 1.
     let lowest = lowest.min(highest);
@@ -202,7 +203,7 @@ fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale
     while let Some((tensor, left, right, depth)) = boxes.pop() {
         let size = tensor.iter().flatten().fold(0.0f64, |size, value| size.max(value.abs()));
         let least = tensor.iter().flatten().fold(f64::INFINITY, |least, &value| least.min(value));
-        // The coefficients enclose F on the box; those at the corners are values of F.
+        // The coefficients enclose F on the box; the corner coefficients are values of F.
         if least > -1e-14 * size {
             continue;
         }
@@ -212,7 +213,7 @@ fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale
                 return Some(scale * u / (1.0 - u));
             }
         }
-        // A box of this depth is narrower than rounding: what is left in it is rounding.
+        // A box of this depth is narrower than rounding.
         if depth > 120 {
             continue;
         }
@@ -248,6 +249,7 @@ fn bernstein_tensor(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> T
     tensor
 }
 
+/// The largest difference of Bernstein coefficients along the frequency.
 fn spread_over_frequency(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for i in 0..4 {
@@ -258,6 +260,7 @@ fn spread_over_frequency(tensor: &Tensor) -> f64 {
     spread
 }
 
+/// The largest difference of Bernstein coefficients along the stiffness.
 fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for row in tensor {
@@ -268,7 +271,7 @@ fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     spread
 }
 
-/// De Casteljau's halving over the rows (frequency).
+/// De Casteljau subdivision along the frequency (rows).
 fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for j in 0..4 {
@@ -284,7 +287,7 @@ fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     (low, high)
 }
 
-/// De Casteljau's halving over the columns (stiffness).
+/// De Casteljau subdivision along the stiffness (columns).
 fn halve_stiffness_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for i in 0..5 {

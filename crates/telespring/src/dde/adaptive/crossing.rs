@@ -1,24 +1,24 @@
-//! Break points that come back through a varying delay: roots of t − τ(t) = ξ inside a step.
+//! Break points that propagate through a varying delay: roots of t − τ(t) = ξ within a step.
 
 use super::discontinuity::{Discontinuities, Discontinuity, resolution};
 use super::equation::{Delayed, Interrupt};
 use super::history::StateHistory;
 use super::interpolant;
 
-/// Places in a step at which the argument is compared with the break points; between two of them a pair of
-/// crossings can hide, which is then left to the error control.
+/// Points per step at which the delayed argument is compared with the break points. A pair of crossings
+/// between two points can be missed; the error control then handles it.
 const SAMPLES: usize = 4;
 
-/// The span of one step as a crossing search sees it.
+/// The interval of one step in a search for crossings.
 pub(super) struct Window<'c> {
     pub(super) start: f64,
     pub(super) end: f64,
-    /// What callbacks are shown for the two ends.
+    /// The times passed to callbacks at both ends.
     pub(super) seen: (f64, f64),
     pub(super) state: StateSource<'c>,
 }
 
-/// The state along the step: known to be unneeded, or the polynomial of a trial.
+/// The state along the step: not needed, or the polynomial of an attempted step.
 pub(super) enum StateSource<'c> {
     Unneeded(&'c [f64]),
     Attempt(&'c [f64]),
@@ -29,7 +29,8 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
-    /// The first break in `window` that comes through delay `index`, its start left out and its end included.
+    /// The first break in `window` that propagates through delay `index`; the start is excluded, the end
+    /// included.
     pub(super) fn delayed_crossing(
         &mut self,
         index: usize,
@@ -82,7 +83,7 @@ where
         Ok(first.filter(|crossing| crossing.time > window.start + resolution(window.start)))
     }
 
-    /// The argument at `t` in the window.
+    /// The delayed argument at `t` in the window.
     fn argument_in(
         &mut self,
         index: usize,
@@ -107,8 +108,8 @@ where
         }
     }
 
-    /// The root of argument = `level` between `low`, given with its gap there, and `high`, by bisection down to
-    /// neighbouring numbers: a break is landed on to the last digit, and delays need not be smooth.
+    /// The root of argument = `level` between `low`, given with its gap, and `high`, by bisection to
+    /// neighbouring numbers: breaks are located to the last digit, and delays need not be smooth.
     fn bisect_crossing(
         &mut self,
         index: usize,

@@ -1,19 +1,19 @@
-//! Break points: where they start, how they travel through the delays, and which come next.
+//! Break points of the solution: their times and orders, and their propagation through the delays.
 
 use super::interpolant::ORDER;
 
-/// Two times closer than this many roundings are one.
+/// Two times within this many roundings are one.
 const ROUNDINGS: f64 = 32.0;
 
-/// The distance below which `time` cannot be told from its neighbour.
+/// The distance below which two times near `time` count as one.
 pub(super) fn resolution(time: f64) -> f64 {
     ROUNDINGS * f64::EPSILON * time.abs()
 }
 
-/// A time at which a derivative of the solution jumps, with the order of the lowest derivative that does.
+/// A time at which a derivative of the solution jumps, with the order of the lowest such derivative.
 ///
-/// Order 0 is a jump of the value itself, order 1 a kink, and so on. A break at ξ of order k comes back through
-/// a delay τ at the time t with t − τ(t) = ξ, one order smoother, since y'(t) depends on y(t − τ).
+/// Order 0 is a jump of the value, order 1 a kink, and so on. A break of order k at ξ propagates through a
+/// delay τ to the time t with t − τ(t) = ξ, one order smoother, since y'(t) depends on y(t − τ).
 ///
 /// # Examples
 ///
@@ -25,25 +25,25 @@ pub(super) fn resolution(time: f64) -> f64 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discontinuity {
-    /// When, in the problem's unit of time.
+    /// The time, in the unit of the problem.
     pub time: f64,
     /// The lowest derivative of the solution that jumps; 0 is the solution itself.
     pub order: u32,
 }
 
 impl Discontinuity {
-    /// A jump of the solution's first derivative: a force that switches on.
+    /// A jump of the first derivative: a force that switches on.
     pub fn kink(time: f64) -> Self {
         Self { time, order: 1 }
     }
 
-    /// A jump of the value itself, which only a history can have.
+    /// A jump of the value, possible only in a history.
     pub fn jump(time: f64) -> Self {
         Self { time, order: 0 }
     }
 }
 
-/// The breaks behind the current time and those known to lie ahead.
+/// The break points reached so far and the known ones ahead.
 #[derive(Debug)]
 pub(super) struct Discontinuities {
     /// Sorted by time; those before the start belong to the history.
@@ -55,7 +55,7 @@ pub(super) struct Discontinuities {
 }
 
 impl Discontinuities {
-    /// The discontinuities at `start`, with the breaks that the caller declared in the history and ahead.
+    /// The break points at `start`, including those declared by the caller in the history and ahead.
     pub(super) fn new(
         constant_delays: Vec<f64>,
         start: Discontinuity,
@@ -63,7 +63,7 @@ impl Discontinuities {
         declared: &[Discontinuity],
     ) -> Self {
         let mut discontinuities = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
-        // Declared times go in first, so that a propagated one which rounds elsewhere yields to them.
+        // Declared times go first, so that a propagated time that differs by rounding yields to them.
         for &breakpoint in declared.iter().filter(|d| d.time > start.time) {
             discontinuities.add_pending(breakpoint, resolution(breakpoint.time));
         }
@@ -76,7 +76,7 @@ impl Discontinuities {
         discontinuities
     }
 
-    /// Notes a break ahead, or sharpens the one that is already there.
+    /// Adds a break ahead, or lowers the order of an existing one.
     fn add_pending(&mut self, new: Discontinuity, slack: f64) {
         if new.time > self.end || new.order > ORDER {
             return;
@@ -90,12 +90,12 @@ impl Discontinuities {
         }
     }
 
-    /// The next break that is known to come.
+    /// The next known break ahead.
     pub(super) fn next_pending(&self) -> Option<Discontinuity> {
         self.pending.first().copied()
     }
 
-    /// Records that the solution has reached `here` and sends it on through the constant delays.
+    /// Records a break as reached and propagates it through the constant delays.
     pub(super) fn reach(&mut self, here: Discontinuity, start: f64) {
         let done = self.pending.partition_point(|d| d.time <= here.time + resolution(here.time));
         self.pending.drain(..done);
@@ -103,7 +103,7 @@ impl Discontinuities {
         for i in 0..self.constant_delays.len() {
             let delay = self.constant_delays[i];
             let time = here.time + delay;
-            // The sum is as uncertain as its larger part, however close to zero it falls.
+            // The sum is as uncertain as its larger part, however close to zero it is.
             let slack = resolution(here.time.abs().max(delay));
             if time > start.max(here.time) + slack {
                 self.add_pending(Discontinuity { time, order: here.order + 1 }, slack);
@@ -111,13 +111,13 @@ impl Discontinuities {
         }
     }
 
-    /// The breaks from `low` to `high` whose image, one order smoother, still matters to the method.
+    /// The breaks from `low` to `high` whose image, one order smoother, still affects the method.
     pub(super) fn reached_between(&self, low: f64, high: f64) -> impl Iterator<Item = Discontinuity> + '_ {
         let from = self.reached.partition_point(|d| d.time < low);
         self.reached[from..].iter().take_while(move |d| d.time <= high).copied().filter(|d| d.order < ORDER)
     }
 
-    /// Jumps of the value itself.
+    /// The times at which the value jumps.
     pub(super) fn jumps(&self) -> Vec<f64> {
         self.reached.iter().filter(|d| d.order == 0).map(|d| d.time).collect()
     }

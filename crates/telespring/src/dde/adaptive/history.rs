@@ -1,20 +1,20 @@
-//! Lookups: where a delayed argument falls, and the value there.
+//! The solution history: lookups of delayed states.
 
 use super::discontinuity::resolution;
 use super::equation::{Delayed, Equation, Interrupt};
 use super::interpolant;
 use super::solution::Mesh;
 
-/// Callbacks at one side of a jump are asked this many roundings aside of it.
+/// The distance from a jump, in roundings, at which callbacks are evaluated on one side of it.
 const ASIDE: f64 = 4.0 * f64::EPSILON;
 
-/// `t` moved by a few roundings to the later side (`direction` 1) or the earlier one (−1); `scale` speaks for
-/// the unit of time where `t` is near zero.
+/// Moves `t` by a few roundings to the later (`direction` 1) or earlier side (−1); `scale` sets the unit of
+/// time near zero.
 pub(super) fn offset_by_roundings(t: f64, direction: f64, scale: f64) -> f64 {
     t + direction * ASIDE * t.abs().max(scale)
 }
 
-/// A polynomial that stands in for the step under way where a lookup falls into it.
+/// A polynomial that predicts the current step for lookups within it.
 #[derive(Debug, Default)]
 pub(super) struct Predictor {
     pub(super) coefficients: Vec<f64>,
@@ -28,20 +28,20 @@ impl Predictor {
     }
 }
 
-/// The equation together with its solution so far: all that an evaluation of the slope needs.
+/// The equation with its solution so far: everything an evaluation of the derivative needs.
 pub(super) struct StateHistory<'a, E, F, H> {
     pub(super) equation: Equation<'a, E, F, H>,
     pub(super) mesh: Mesh,
     pub(super) initial: Vec<f64>,
     pub(super) start: f64,
-    /// Times at which the history or its junction with the solution jumps.
+    /// Times at which the history, or its junction with the solution, jumps.
     pub(super) jumps: Vec<f64>,
     pub(super) predictor: Predictor,
-    /// The time from which the predictor answers.
+    /// The current time, from which the predictor is used.
     pub(super) here: f64,
-    /// Each delay's argument in the middle of the step: it tells on which side of a jump the step looks.
+    /// The delayed argument of each delay in the middle of the step, which decides the side of a jump.
     pub(super) middle: Vec<f64>,
-    /// How near to a jump a state-dependent argument counts as being on it.
+    /// The distance within which a state-dependent argument counts as on a jump.
     pub(super) state_slack: f64,
     /// Set when a lookup used the predictor.
     pub(super) looked_ahead: bool,
@@ -76,13 +76,13 @@ where
         }
     }
 
-    /// The roundings within which the argument `s` of delay `index`, asked at `t`, cannot be told from a break.
+    /// The rounding within which the argument `s` of delay `index` at time `t` coincides with a break.
     pub(super) fn slack(&self, index: usize, t: f64, s: f64) -> f64 {
         let rounding = resolution(t.abs().max(s.abs()));
         if self.equation.is_state_dependent(index) { rounding.max(self.state_slack) } else { rounding }
     }
 
-    /// Prepares the step from the current time to `end`: which side of each jump it looks at.
+    /// Chooses, for the step from the current time to `end`, the side of each jump that it uses.
     pub(super) fn choose_jump_sides(
         &mut self,
         end: f64,
@@ -101,7 +101,7 @@ where
         Ok(())
     }
 
-    /// y' at the mesh time `nominal`, at which callbacks are shown `seen`.
+    /// The derivative y' at the mesh time `nominal`, with `seen` passed to callbacks.
     pub(super) fn slope(
         &mut self,
         nominal: f64,
@@ -128,7 +128,7 @@ where
         for (index, row) in delayed.chunks_exact_mut(self.equation.dimension).enumerate() {
             let argument = self.equation.argument(index, nominal, seen, y)?;
             if argument >= nominal {
-                // No delay at all: the state itself, so that nothing has to be repeated.
+                // Without delay, take the state itself, so that the step need not be iterated.
                 row.copy_from_slice(y);
             } else {
                 self.delayed_state(index, nominal, argument, row)?;
@@ -137,7 +137,7 @@ where
         Ok(())
     }
 
-    /// The value at the argument `s` of delay `index`, asked at `t`.
+    /// The state at the argument `s` of delay `index`, for an evaluation at `t`.
     fn delayed_state(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
         let slack = self.slack(index, t, s);
         if let Some(&jump) = self.jumps.iter().find(|&&jump| (s - jump).abs() <= slack) {

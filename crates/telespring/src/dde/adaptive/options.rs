@@ -1,9 +1,9 @@
-//! What the caller may choose: tolerances, limits and declared break points.
+//! Options of the adaptive solver: tolerances, limits and declared break points.
 
 use super::discontinuity::Discontinuity;
 use crate::error::{InvalidInput, Result};
 
-/// One tolerance for all components, or one for each.
+/// One tolerance for all components, or one per component.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tolerance {
     /// The same for all components.
@@ -25,7 +25,7 @@ impl From<Vec<f64>> for Tolerance {
 }
 
 impl Tolerance {
-    /// One value per component, checked.
+    /// One checked tolerance per component.
     fn expand(&self, field: &str, dimension: usize, minimum: f64) -> Result<Vec<f64>> {
         let values = match self {
             Self::Uniform(value) => vec![*value; dimension],
@@ -57,8 +57,8 @@ impl Tolerance {
     }
 }
 
-/// Tolerances, limits and declared break points. The local error of component i is held below
-/// `atol[i] + rtol[i] |y_i|` in every step.
+/// Tolerances, limits and declared break points. The local error of component i stays below `atol[i] +
+/// rtol[i] |y_i|` in every step.
 ///
 /// # Examples
 ///
@@ -78,16 +78,16 @@ pub struct Options {
     pub rtol: Tolerance,
     /// Absolute tolerance in the components' units, above zero; by default 1e-9.
     pub atol: Tolerance,
-    /// Steps, kept or rejected, after which the computation ends with a status; by default 100 000.
+    /// The maximum number of steps, accepted or rejected; by default 100 000.
     pub max_steps: usize,
-    /// The first step to try, in the problem's unit of time; chosen from the first slopes where absent.
+    /// The first step to try, in the unit of time of the problem; chosen automatically if `None`.
     pub initial_step: Option<f64>,
-    /// The longest step, in the problem's unit of time; unlimited where absent.
+    /// The longest step, in the unit of time of the problem; unlimited if `None`.
     pub max_step: Option<f64>,
-    /// Break points that only the caller can know. Before the start: jumps and kinks of the history. After it:
-    /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end on
-    /// them exactly. Callbacks are shown a time a few roundings before such a point when a step ends there and a
-    /// few after it when one starts, so that it does not matter which side they assign the point itself to.
+    /// Break points that only the caller knows. Before the start: jumps and kinks of the history. After it:
+    /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end
+    /// exactly on them. Callbacks receive a time a few roundings before such a point at the end of a step,
+    /// and a few after it at the start, so the side to which they assign the point does not matter.
     pub breakpoints: Vec<Discontinuity>,
 }
 
@@ -104,7 +104,7 @@ impl Default for Options {
     }
 }
 
-/// The options after their check.
+/// The checked options.
 #[derive(Debug)]
 pub(super) struct CheckedOptions {
     pub(super) rtol: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The loop over steps: where each ends, whether it is kept, and how long the next one is.
+//! The loop over steps: step ends, acceptance and step-size control.
 
 use super::crossing::{StateSource, Window};
 use super::discontinuity::{Discontinuities, Discontinuity, resolution};
@@ -9,39 +9,40 @@ use super::options::CheckedOptions;
 use super::solution::{Solution, Status};
 use super::step::{ErrorScale, Outcome, StepAttempt, StepInterval};
 
-/// The controller of Gustafsson as in Hairer, Nørsett and Wanner (1993), section IV.2 of volume II and DOPRI5:
-/// the weight of the last error, the safety factor and the limits of one change.
+/// Gustafsson's step-size controller as in Hairer, Nørsett and Wanner (1993), section IV.2 of volume II,
+/// and DOPRI5: the weight of the last error, the safety factor and the limits of one change.
 const BETA: f64 = 0.04;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
 
-/// What a step that did not settle is cut to, and by how much each kept step then lifts that ceiling.
+/// The factor for a step that did not converge, and the factor by which each accepted step raises that
+/// ceiling.
 const UNSETTLED: f64 = 0.5;
 const LIFT: f64 = 1.1;
 
-/// How often a step is cut back to a break that a state-dependent delay meets before it is taken as it is.
+/// How often a step is cut back to a break through a state-dependent delay before it is accepted as it is.
 const CUTS: usize = 6;
 
-/// The computation under way.
+/// The state of the solver.
 pub(super) struct Solver<'a, E, F, H> {
     history: StateHistory<'a, E, F, H>,
     discontinuities: Discontinuities,
     attempt: StepAttempt,
     scale: ErrorScale,
     options: CheckedOptions,
-    /// Sorted times of the declared breaks.
+    /// The sorted times of the declared breaks.
     declared: Vec<f64>,
     end: f64,
     /// The current state; the current time is `history.here`.
     state: Vec<f64>,
-    /// Whether the last stage of the last step still has to be replaced by a fresh first one.
+    /// True if the first stage must be evaluated anew instead of reusing the last stage.
     fresh: bool,
     rejected: usize,
     last_error: f64,
 }
 
-/// Where a step is to end and what waits there.
+/// The end of a step, and the order of the break there.
 #[derive(Debug, Clone, Copy)]
 struct StepEnd {
     end: f64,
@@ -83,7 +84,7 @@ where
         }
     }
 
-    /// Runs to the end and hands the solution over, whatever became of it.
+    /// Runs the solver to the end and returns the solution with its status.
     pub(super) fn run(mut self) -> Solution<E> {
         let (status, failure) = match self.run_steps() {
             Ok(status) => (status, None),
@@ -103,11 +104,12 @@ where
         }
     }
 
+    /// The loop over steps until the end or a failure.
     fn run_steps(&mut self) -> Result<Status, Interrupt<E>> {
         let mut width = self.first_step_width()?;
         let (mut cuts, mut cut) = (0, None);
         let mut not_finite = false;
-        // Neither a rejected step nor one that did not settle is tried again at once.
+        // A rejected step, or one that did not converge, is not enlarged at once.
         let (mut grow, mut ceiling) = (GROW, f64::INFINITY);
         while self.history.here < self.end {
             let here = self.history.here;
@@ -171,7 +173,7 @@ where
                 continue;
             }
             self.history.equation.check_state_delays(ends.end, &self.attempt.new)?;
-            // A step cut short by a break says little about the step that the solution could bear.
+            // A step cut short by a break says little about the step size the solution allows.
             let next = ends.width() * factor.clamp(SHRINK, grow);
             width = if ends.width() < 0.99 * width && cuts == 0 { next.max(width) } else { next };
             ceiling *= LIFT;
@@ -184,8 +186,8 @@ where
         Ok(Status::Completed)
     }
 
-    /// The time that callbacks are shown at the end (`side` −1) or the start (1) of a step: a few roundings
-    /// inside it where the caller declared a break.
+    /// The time passed to callbacks at the end (`side` −1) or the start (1) of a step: a few roundings
+    /// inside it at a declared break.
     fn callback_time(&self, target: StepEnd, side: f64) -> f64 {
         let slack = resolution(target.end);
         let nearest = self.declared.partition_point(|d| *d < target.end - slack);
@@ -195,13 +197,13 @@ where
         }
     }
 
-    /// The smallest step that still moves the time and the solution.
+    /// The smallest step that changes time and solution.
     fn smallest_step(&self, here: f64) -> f64 {
         0.5 * resolution(here.abs().max(1e-4 * (self.end - self.history.start)))
     }
 
-    /// Where a step of about `width` should end: on a break where one is near, never leaving a sliver before it.
-    /// `cut` is the time at which a trial met a break through the state.
+    /// The end of a step of about `width`: on a nearby break, never leaving a tiny step before it. `cut` is
+    /// the time at which an attempted step met a break through the state.
     fn choose_step_end(&mut self, width: f64, cut: Option<f64>) -> Result<StepEnd, Interrupt<E>> {
         let here = self.history.here;
         let width = width.min(self.options.max_step);
@@ -248,7 +250,7 @@ where
         Ok(target)
     }
 
-    /// Makes the first stage and a first guess of the step ready.
+    /// Prepares the first stage and the predictor of a step.
     fn prepare_step(&mut self, ends: StepInterval) -> Result<(), Interrupt<E>> {
         let here = ends.start;
         self.history.state_slack = self.history.equation.state_slack * ends.width();
@@ -260,7 +262,7 @@ where
         }
         let predictor = &mut self.history.predictor;
         let steps = self.history.mesh.steps();
-        // The last step's polynomial goes on for a while, unless the solution breaks here.
+        // The polynomial of the last step serves as a predictor, unless the solution breaks here.
         let continues = steps > 0
             && !self.discontinuities.has_break_at(here)
             && ends.width() <= 2.0 * self.history.mesh.step(steps - 1).2;
@@ -280,7 +282,7 @@ where
         Ok(())
     }
 
-    /// The first break in the trial that comes through a state-dependent delay.
+    /// The first break in the attempted step that propagates through a state-dependent delay.
     fn crossing_by_state_delay(&mut self, ends: StepInterval) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let mut first: Option<Discontinuity> = None;
         for index in 0..self.history.equation.delays.len() {
@@ -304,7 +306,7 @@ where
         Ok(first)
     }
 
-    /// Takes the trial step over.
+    /// Accepts the attempted step.
     fn accept_step(&mut self, target: StepEnd) {
         self.history.mesh.push(target.end, &self.attempt.coefficients);
         self.history.here = target.end;
@@ -318,7 +320,7 @@ where
         }
     }
 
-    /// The first step to try (Hairer, Nørsett and Wanner 1993, section II.4).
+    /// The width of the first step (Hairer, Nørsett and Wanner 1993, section II.4).
     fn first_step_width(&mut self) -> Result<f64, Interrupt<E>> {
         let span = self.end - self.history.start;
         let small = 1e-6 * span;

@@ -1,24 +1,25 @@
-//! One trial step: the seven stages, and their repetition where the step looks into itself.
+//! One attempted Runge-Kutta step: its seven stages, iterated if it overlaps its own delay.
 
 use super::equation::{Delayed, Interrupt};
 use super::history::StateHistory;
 use super::interpolant::{self, COEFFICIENTS, ERROR, NODES, STAGES, WEIGHTS};
 
-/// How often a step that looks into itself is repeated before it is given up.
+/// The maximum number of iterations of a step that overlaps its own delay.
 const REPETITIONS: usize = 12;
 
-/// What is left of the repetition's error when it ends, as a part of the tolerance.
+/// The remaining iteration error at the end, as a fraction of the tolerance.
 const SETTLED: f64 = 0.01;
 
-/// How much larger than the error estimate the defect in the middle of a step may be.
+/// The allowed ratio of the defect in the middle of a step to the error estimate.
 ///
-/// The pair's own estimate weighs a jump of the slope between 0 and 0.8 of the step by 0.003 or less where the
-/// error is a quarter of it, so a switch of friction could pass at a hundred times the tolerance. The defect
-/// sees such a jump whole (Enright and Hayashi 1997 control it alone). In smooth steps a tenth of it is about as
-/// large as the estimate, and it also holds the dense output to the tolerance.
+/// The pair's error estimate gives a jump of the slope between 0 and 0.8 of the step a weight of 0.003 or
+/// less although the error is a quarter of it, so a friction switch could pass at a hundred times the
+/// tolerance. The defect contains such a jump in full (Enright and Hayashi 1997 control it alone). In
+/// smooth steps a tenth of it is about as large as the estimate, and it also keeps the dense output within
+/// the tolerance.
 const DEFECT: f64 = 10.0;
 
-/// The two ends of a step: the mesh times, and the times that callbacks are shown there.
+/// The interval of a step: mesh times, and the times passed to callbacks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StepInterval {
     pub(super) start: f64,
@@ -40,7 +41,7 @@ pub(super) struct ErrorScale {
 }
 
 impl ErrorScale {
-    /// The largest of |difference| measured by its component's tolerance; a NaN comes through.
+    /// The largest |difference| relative to the tolerance of its component; NaN if one is NaN.
     pub(super) fn measure(&self, old: &[f64], new: &[f64], difference: impl Fn(usize) -> f64) -> f64 {
         let mut largest = 0.0;
         for i in 0..old.len() {
@@ -55,7 +56,7 @@ impl ErrorScale {
     }
 }
 
-/// The room in which a step is tried.
+/// The memory of an attempted step.
 #[derive(Debug)]
 pub(super) struct StepAttempt {
     pub(super) stages: [Vec<f64>; STAGES],
@@ -66,12 +67,12 @@ pub(super) struct StepAttempt {
     reached: [Vec<f64>; 2],
 }
 
-/// What became of a trial.
+/// The outcome of an attempted step.
 #[derive(Debug, PartialEq)]
 pub(super) enum Outcome {
-    /// The error as a part of the tolerance; to be kept where at most 1.
+    /// The error as a fraction of the tolerance; acceptable up to 1.
     Error(f64),
-    /// The repetition did not settle: the step is too long for the delay.
+    /// The iteration did not converge: the step is too long for the delay.
     Unsettled,
 }
 
@@ -88,8 +89,8 @@ impl StepAttempt {
         }
     }
 
-    /// Tries the step `ends` from `old`; the first stage is there already. Where lookups fall into the step, its
-    /// own polynomial answers them, and the step is repeated until that polynomial settles.
+    /// Tries the step over `ends` from `old`; the first stage is given. Lookups within the step use its own
+    /// polynomial, and the step is iterated until that polynomial converges.
     pub(super) fn try_step<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,
@@ -126,7 +127,7 @@ impl StepAttempt {
                 }
                 change = f64::max(change, here);
             }
-            // What further repetitions would still change, by the ratio of the last two changes.
+            // The change left in further iterations, from the ratio of the last two changes.
             let ratio = change / last_change;
             let left = if last_change.is_finite() { change * ratio / (1.0 - ratio).max(0.1) } else { change };
             if change <= SETTLED * SETTLED || left <= SETTLED {
@@ -150,8 +151,8 @@ impl StepAttempt {
         Ok(Outcome::Error(error.max(self.defect(history, ends, scale)? / DEFECT)))
     }
 
-    /// How far the polynomial misses the equation in the middle of the step, times the step, as a part of the
-    /// tolerance.
+    /// The defect: the residual of the polynomial in the equation in the middle of the step, times the
+    /// step, as a fraction of the tolerance.
     fn defect<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,
@@ -171,7 +172,7 @@ impl StepAttempt {
         Ok(scale.measure(state, &self.new, |i| width * (rise[i] - slope[i])))
     }
 
-    /// The stages after the first; the last one's argument is the new state.
+    /// Evaluates the stages after the first; the argument of the last one is the new state.
     fn run_stages<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,

@@ -1,10 +1,10 @@
-//! Steps that divide the delay: a step of one robot in one delay interval meets exactly the partner's
-//! step in the interval before, whose coefficients are used as they are.
+//! Simulation with steps that divide the delay: a step of one robot coincides exactly with the partner's
+//! step one delay earlier, whose coefficients are used unchanged.
 //!
-//! Times are (interval, θ) with 0 ≤ θ < delay, so that what happens at (j, θ) is felt by the partner at
-//! (j + 1, θ) without any rounding. Where something breaks inside a cell of the grid (a sample, a
-//! robot's later start), the cell is cut there, and cut again in the next intervals until the kink, whose
-//! order grows by two with every passage, is too small to matter.
+//! Times are (interval, θ) with 0 ≤ θ < delay, so an event at (j, θ) reaches the partner at (j + 1, θ)
+//! without rounding. At a break inside a cell (a sample, a robot's later start) the cell is cut, and cut
+//! again in the following intervals until the kink is negligible; its order grows by two with every
+//! passage.
 
 use super::output::OutputWriter;
 use super::series::{
@@ -12,20 +12,20 @@ use super::series::{
 };
 use super::{Problem, RunOutcome};
 
-/// What a kink must amount to, relative to the signal, to be followed further.
+/// The effect of a kink, relative to the signal, below which it is dropped.
 const NEGLIGIBLE: f64 = 1e-17;
 
-/// A break inside one delay interval.
+/// A break within one delay interval.
 #[derive(Debug, Clone, Copy)]
 struct Kink {
     theta: f64,
-    /// Lowest derivative of the position that jumps.
+    /// The lowest derivative of the position that jumps.
     order: usize,
-    /// The jump's effect on the position within one cell, relative to the signal.
+    /// The effect of the jump on the position within one cell, relative to the signal.
     effect: f64,
 }
 
-/// The steps of one robot in one delay interval; storage is kept between intervals.
+/// The steps of one robot in one delay interval; the storage is reused.
 #[derive(Debug, Default)]
 struct StepTrack {
     steps: Vec<Series>,
@@ -43,7 +43,7 @@ impl StepTrack {
         step
     }
 
-    /// The coefficients over [start, start + length]; `cursor` follows along.
+    /// The coefficients over [start, start + length]; `cursor` moves along.
     fn window_series<'a>(
         &'a self,
         cursor: &mut usize,
@@ -59,8 +59,8 @@ impl StepTrack {
         if best.start == start && best.length == length {
             return best.used_coefficients();
         }
-        // all steps under the window belong to one smooth stretch, up to negligible kinks: the longest
-        // of them is expanded with the least rounding
+        // All steps under the window belong to one smooth interval, up to negligible kinks: the longest one
+        // is expanded with the least rounding.
         for step in &steps[*cursor + 1..] {
             if step.start >= start + length {
                 break;
@@ -74,7 +74,7 @@ impl StepTrack {
     }
 }
 
-/// Memory of the method, kept from one simulation to the next.
+/// The memory of the method, reused between simulations.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
     previous: [StepTrack; 2],
@@ -83,7 +83,7 @@ pub(super) struct Grid {
     kinks: [Vec<Kink>; 2],
 }
 
-/// Where a robot stands.
+/// The current state of a robot.
 struct RobotState {
     state: State,
     break_cursor: usize,
@@ -91,6 +91,7 @@ struct RobotState {
     force: Coefficients,
 }
 
+/// Simulates with `cells` steps per delay.
 pub(super) fn simulate_on_grid(
     problem: &Problem,
     cells: usize,
@@ -164,7 +165,7 @@ pub(super) fn simulate_on_grid(
 }
 
 impl RobotState {
-    /// One step; the degree grows where the series is not resolved at once. False where it never is.
+    /// One Taylor step; the degree grows until the series is resolved. False if it never is.
     fn advance_robot(
         &mut self,
         problem: &Problem,
@@ -193,7 +194,7 @@ impl RobotState {
     }
 }
 
-/// The partner's kinks of the interval before, one passage smoother.
+/// Propagates the partner's kinks of the last interval, one passage smoother.
 fn propagate_kinks(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
     let rates = &problem.rates[robot];
     for kink in from {
@@ -237,7 +238,7 @@ fn add_own_breaks(
         if on_grid {
             continue;
         }
-        // a kink that falls on one that is there already keeps that one's exact place
+        // A kink that coincides with an existing one keeps the exact place of that one.
         let twin = [Some(here), here.checked_sub(1)]
             .into_iter()
             .flatten()

@@ -1,14 +1,14 @@
-//! The caller's arrays, filled step by step.
+//! Writes the outputs of a simulation into the caller's arrays.
 
 use super::MAGNITUDE_LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
-/// True beyond [`MAGNITUDE_LIMIT`] and for what is no number.
+/// True beyond [`MAGNITUDE_LIMIT`] and for NaN.
 fn is_beyond(value: f64) -> bool {
     value.is_nan() || value.abs() > MAGNITUDE_LIMIT
 }
 
-/// Writes positions and velocities at t = i/rate while the steps come in.
+/// Writes positions and velocities at t = i/rate as the steps arrive.
 pub(super) struct OutputWriter<'a> {
     rate: f64,
     count: usize,
@@ -27,18 +27,18 @@ impl<'a> OutputWriter<'a> {
         Self { rate, count, next: [0; 2], position, velocity }
     }
 
-    /// Starts again from the first output.
+    /// Restarts from the first output.
     pub(super) fn restart(&mut self) {
         self.next = [0; 2];
     }
 
-    /// True where every output of both robots is written.
+    /// True if every output of both robots is written.
     pub(super) fn is_complete(&self) -> bool {
         self.next.iter().all(|&next| next >= self.count)
     }
 
-    /// Writes the outputs of `robot` that fall into this step, which starts at `start` on the robot's
-    /// clock and ends in `state`; returns the time from which positions are beyond [`MAGNITUDE_LIMIT`], if so.
+    /// Writes the outputs of `robot` within a step that starts at `start` on the robot's clock and ends in
+    /// `state`; returns the time from which positions exceed [`MAGNITUDE_LIMIT`], if they do.
     pub(super) fn write_step(
         &mut self,
         robot: usize,
@@ -48,7 +48,7 @@ impl<'a> OutputWriter<'a> {
     ) -> Option<f64> {
         let end = start.high + series.length;
         let first = self.next[robot];
-        // a point on the edge of two steps is taken from the first: both agree there
+        // A point on the edge of two steps is taken from the first: both agree there.
         let stop = ((end * self.rate * (1.0 + 2.0 * f64::EPSILON)).floor() + 1.0).max(0.0);
         let stop = if stop < self.count as f64 { stop as usize } else { self.count };
         let diverged = is_beyond(state.x);
@@ -78,7 +78,7 @@ impl<'a> OutputWriter<'a> {
         diverged.then_some(end)
     }
 
-    /// How many outputs lie before `time`.
+    /// The number of outputs before `time`.
     pub(super) fn count_before(&self, time: f64) -> usize {
         let estimate = (time * self.rate).floor().max(0.0) as usize;
         let mut count = estimate.saturating_sub(1);

@@ -1,8 +1,9 @@
-//! Steps longer than the delay, for delays much shorter than the robots' own times (and none at all).
+//! Simulation with steps longer than the delay, for delays much shorter than the time constants of the
+//! robots, or zero.
 //!
-//! A break is followed for the few delays within which its echoes matter; from then on the motion is
-//! smooth and a step's delayed series is the partner's own series on the same step, shifted by the delay:
-//! a fixed point that contracts by about (fastest rate · delay) with each iteration.
+//! A break is followed for the few delays in which its echoes matter. From then on the motion is smooth,
+//! and the delayed series of a step is the partner's own series shifted by the delay: a fixed-point
+//! iteration that contracts by about (fastest rate · delay).
 
 use std::collections::VecDeque;
 
@@ -14,10 +15,10 @@ use super::series::{
 };
 use super::{Problem, RunOutcome};
 
-/// Largest (fastest rate · step length).
+/// The largest product of fastest rate and step length.
 const REACH: f64 = 2.0;
 
-/// Memory of the method, kept from one simulation to the next.
+/// The memory of the method, reused between simulations.
 #[derive(Debug, Default)]
 pub(super) struct LongSteps {
     past: [VecDeque<Series>; 2],
@@ -26,11 +27,11 @@ pub(super) struct LongSteps {
     map: StepMap,
 }
 
-/// Most steps for which the map is used: its rounding is the same in every step and adds up.
+/// The maximum number of steps with the map: its rounding error is the same in every step and accumulates.
 const MAP_STEPS: f64 = 1e4;
 
-/// The full step as a linear map, built once: what position, velocity and constant force of each robot
-/// contribute to both series and both end states.
+/// The full step as a linear map, built once: the contributions of position, velocity and constant force of
+/// each robot to both series and both end states.
 #[derive(Debug, Default)]
 struct StepMap {
     columns: Vec<([Coefficients; 2], [State; 2])>,
@@ -39,6 +40,7 @@ struct StepMap {
 }
 
 impl StepMap {
+    /// Builds the columns of the step map from unit states and forces.
     fn build(&mut self, pair: &CoupledStep) -> Option<()> {
         self.columns.clear();
         (self.length, self.degree) = (pair.length, pair.degree);
@@ -59,11 +61,12 @@ impl StepMap {
         Some(())
     }
 
-    /// The force whose contribution is of the order of one.
+    /// A force whose contribution is about one.
     fn unit_force(pair: &CoupledStep, robot: usize) -> f64 {
         1.0 / (pair.rates[robot].force * pair.length * pair.length)
     }
 
+    /// Applies the step map to the states and forces of a step.
     fn apply(&self, pair: &CoupledStep, series: &mut [Coefficients; 2]) -> [State; 2] {
         let mut states = [State::default(); 2];
         for (column, (unit, end)) in self.columns.iter().enumerate() {
@@ -90,15 +93,16 @@ struct LongStepRun<'a> {
     memory: &'a mut LongSteps,
     states: [State; 2],
     clock: f64,
-    /// What rounding has left out of the clock.
+    /// The rounding error of the clock.
     clock_rest: f64,
-    /// From here on no echo of a break matters any more.
+    /// From this time on no echo of a break matters.
     quiet_from: f64,
     cursors: [usize; 2],
-    /// Terms beyond the usual degree, where the last attempt was not resolved.
+    /// Additional terms if the last attempt was not resolved.
     more_terms: usize,
 }
 
+/// Simulates with steps longer than the delay.
 pub(super) fn simulate_with_long_steps(
     problem: &Problem,
     memory: &mut LongSteps,
@@ -128,19 +132,19 @@ pub(super) fn simulate_with_long_steps(
     let mut cut = 1.0;
     while !writer.is_complete() {
         march.take_reached_breaks();
-        // the last step ends at the last output, or a little later where that is at 0
+        // The last step ends at the last output, or slightly later if that is at 0.
         let left = (limit - march.clock).max(problem.delay).max(f64::MIN_POSITIVE.max(1e-9 * limit));
         let room = march.time_to_next_event().min(left).min(longest);
         let room = cut * if room > 0.0 { room } else { 1e-9 };
         let explicit = march.clock < march.quiet_from;
         let next = march.clock + room;
-        // steps of one length go on exactly; all others end exactly at their event
+        // Steps of the full length continue exactly; all others end exactly at their event.
         let full = !explicit && room == longest && may_map;
         let gone = (next - march.clock) - march.clock_rest;
         let (length, rest) = if full { (room, room - gone) } else { (gone, 0.0) };
         let done = if explicit { march.explicit_step(length) } else { march.implicit_step(length, full) };
         let Some(states) = done else {
-            // a side that hardly moves yet needs more terms to resolve its own small motion
+            // A side that hardly moves needs more terms to resolve its small motion.
             if march.more_terms < STRIDE {
                 march.more_terms += 8;
                 continue;
@@ -179,7 +183,8 @@ impl LongStepRun<'_> {
         16.0 * f64::EPSILON * self.clock.abs().max(self.problem.delay)
     }
 
-    /// How many delays a break is followed: until a kink of its order over one delay is rounding.
+    /// The number of delays for which a break is followed, until a kink of its order over one delay is
+    /// rounding.
     fn echo_count(&self, order: usize) -> usize {
         let small = self.problem.fastest * self.problem.delay;
         let growth = if self.problem.rates[0].damper > 0.0 { 1 } else { 2 };
@@ -195,7 +200,7 @@ impl LongStepRun<'_> {
         echoes
     }
 
-    /// Adds a break at `clock` and its echoes to the events still to come.
+    /// Adds a break at `clock` and its echoes to the upcoming events.
     fn add_event(&mut self, clock: f64, order: usize) {
         let delay = self.problem.delay;
         let echoes = if delay > 0.0 { self.echo_count(order) } else { 0 };
@@ -210,7 +215,7 @@ impl LongStepRun<'_> {
         self.quiet_from = self.quiet_from.max(quiet);
     }
 
-    /// The steps before the start, from both histories.
+    /// Stores the steps before the start, from both histories.
     fn remember_history(&mut self) {
         for i in 0..2 {
             let (history, offset) = (&self.problem.histories[i], self.problem.offsets[i]);
@@ -238,7 +243,7 @@ impl LongStepRun<'_> {
             for (clock, order) in orders {
                 self.add_event(clock, order);
             }
-            // history and start are dealt with; the forces' breaks follow
+            // History and start are done; the breaks of the forces follow.
             self.cursors[i] = history.break_count() + 1;
         }
     }
@@ -257,7 +262,7 @@ impl LongStepRun<'_> {
         earliest
     }
 
-    /// Takes in the breaks that the clock has reached and forgets the events behind it.
+    /// Adds the breaks that the clock has reached and drops the events behind it.
     fn take_reached_breaks(&mut self) {
         let reached = self.clock + self.tolerance();
         while let Some((robot, clock, break_point)) = self.next_break() {
@@ -272,27 +277,30 @@ impl LongStepRun<'_> {
         }
     }
 
-    /// Time until the next event.
+    /// The time until the next event.
     fn time_to_next_event(&mut self) -> f64 {
         let next = self.next_break().map_or(f64::INFINITY, |(_, clock, _)| clock);
         self.memory.events.last().copied().unwrap_or(f64::INFINITY).min(next) - self.clock
     }
 
+    /// The current time on the clock of a robot.
     fn robot_time(&self, robot: usize) -> Instant {
         let mut local = Instant::new(1.0, self.clock, -self.problem.offsets[robot]);
         local.low += self.clock_rest;
         local
     }
 
+    /// Whether the clock of a robot has started.
     fn has_started(&self, robot: usize) -> bool {
         self.clock + self.tolerance() >= self.problem.offsets[robot]
     }
 
+    /// The degree of a Taylor series for a step length.
     fn series_degree(&self, length: f64) -> usize {
         (degree_for(self.problem.fastest * length) + 2 + self.more_terms).min(STRIDE - 1)
     }
 
-    /// A step not longer than the delay: what the partner did is known.
+    /// A step no longer than the delay: the delayed partner series is known.
     fn explicit_step(&mut self, length: f64) -> Option<Advanced> {
         let mut advanced = [None; 2];
         let mut steps = [None; 2];
@@ -326,7 +334,7 @@ impl LongStepRun<'_> {
         Some(advanced)
     }
 
-    /// Writes the series of a robot over a window of the past and returns how many coefficients it has.
+    /// Writes the series of a robot over a window in the past; returns the number of coefficients.
     fn window_series(&self, robot: usize, start: f64, length: f64, into: &mut Coefficients) -> usize {
         let mut best: Option<(f64, &Series)> = None;
         for step in self.memory.past[robot].iter().rev() {
@@ -343,7 +351,7 @@ impl LongStepRun<'_> {
         step.degree + 1
     }
 
-    /// A step of any length in a smooth stretch: both partners at once.
+    /// A step of any length in a smooth interval, both partners at once.
     fn implicit_step(&mut self, length: f64, full: bool) -> Option<Advanced> {
         let degree = self.series_degree(length);
         let locals = [self.robot_time(0), self.robot_time(1)];

@@ -1,8 +1,8 @@
-//! A robot's handle in the hand of a two-link arm under torque control.
+//! A robot with a two-link arm under torque control.
 //!
-//! The arm of Section IV-B of the paper: two actuated joints, a free bearing at the handle, the plane
-//! horizontal. The equations are those of the arm in the turning rates of its links, carried over to the
-//! handle, where the robot's own mass, damping and friction are: with Λ = J⁻ᵀ M J⁻¹,
+//! The arm of Section IV-B of the paper: two actuated joints and a free bearing at the handle, in a
+//! horizontal plane. The equations of the arm in the angular velocities of its links are transformed to the
+//! handle, where the robot's own mass, damping and friction act: with Λ = J⁻ᵀ M J⁻¹,
 //!
 //! (m + Λ) p″ = F_robot − b p′ − friction + J⁻ᵀ (τ − C θ′ − D θ′) + Λ J′ θ′.
 

@@ -1,28 +1,28 @@
-//! Motion over a span in which the forces are held: steps of the pair 5(4) of Dormand and Prince (1980),
-//! cut where an axis comes to rest or breaks loose.
+//! Time integration under held forces: Dormand–Prince 5(4) steps (1980), cut where an axis stops or breaks
+//! loose.
 
 use super::dynamics::{ArmDynamics, ForceBalance};
 use super::friction::{Contact, consistent_contacts, motion_under, sticking_excess};
 use super::{Halt, OutOfReach};
 
-/// Positions, m, then velocities, m/s.
+/// Positions, m, and velocities, m/s.
 pub(super) type State = [f64; 4];
 
-/// Error of one step, relative to the speed (at least `SLOW`) and in m; the whole motion is then good
-/// to about 1e-9, as the errors of a damped motion do not add up for long.
+/// Error of one step, relative to the speed (at least `SLOW`) and in m. The whole motion is then accurate
+/// to about 1e-9, since errors of a damped motion do not accumulate for long.
 const RELATIVE_TOLERANCE: f64 = 1e-11;
 const POSITION_TOLERANCE: f64 = 1e-13;
 const SLOW: f64 = 1e-2;
-/// A step below this part of the span is not cut further.
+/// A step is not cut below this fraction of the span.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Halvings that place an event: 1 ms to below 1e-16 s.
+/// Halvings that locate an event: from 1 ms to below 1e-16 s.
 const HALVINGS: usize = 44;
-/// Steps that a span is given, and more for each second of it. The arms of people and robots with their
-/// masses take a few for 1 ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
+/// The step limit per span, and per second of it. Arms and robots of realistic mass need a few steps per 1
+/// ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
 const MAX_STEPS: f64 = 300.0;
 const MAX_STEPS_PER_SECOND: f64 = 1e5;
-/// Events in one span after which the rest of it is run as it is: only rounding could bring about more,
-/// where an axis starts with next to no force left over.
+/// The event limit per span; the rest is then integrated without events. More events can come only from
+/// rounding, where an axis starts with almost no excess force.
 const MAX_EVENTS: usize = 64;
 
 /// The coefficients of E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I,
@@ -35,11 +35,11 @@ const STAGES: [&[f64]; 6] = [
     &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// The step less that of the embedded method of order 4.
+/// The step minus that of the embedded method of order 4.
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// What is held over a span.
+/// The forces held over a span.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HeldForces {
     pub torque: [f64; 2],
@@ -50,7 +50,7 @@ struct StepResult {
     state: State,
     derivative: State,
     balance: ForceBalance,
-    /// Estimated error over what is allowed.
+    /// The estimated error divided by the tolerance.
     error: f64,
 }
 
@@ -103,7 +103,7 @@ impl HeldSpan<'_> {
         Ok(StepResult { state, derivative: slopes[6], balance, error })
     }
 
-    /// Whether a contact no longer holds here.
+    /// Whether a contact is violated in a state.
     fn is_broken(&self, state: State, balance: &ForceBalance) -> bool {
         let level = self.rig.handle.coulomb;
         (0..2).any(|axis| match self.contact[axis] {
@@ -115,10 +115,10 @@ impl HeldSpan<'_> {
         })
     }
 
-    /// Cuts a step that ends with a broken contact: the part before it, and the trial that just passes it.
+    /// Locates the first contact violation within a step: the time, and the step that just passes it.
     ///
-    /// A contact that is broken and good again inside one step is not seen; steps are so short that this
-    /// moved the handle by less than 1e-10 m in each of 60 000 random spans of 0.1 s.
+    /// A contact violated and restored within one step is missed. Steps are short enough that this moved
+    /// the handle by less than 1e-10 m in each of 60 000 random spans of 0.1 s.
     fn first_event(
         &self,
         start: State,
@@ -143,9 +143,9 @@ impl HeldSpan<'_> {
     }
 }
 
-/// The state after `span`, s, or why there is none.
+/// Integrates robot and two-link arm over `span`, s.
 ///
-/// `guess` is the step that served last, for the next span to start with.
+/// `guess` is the last successful step, with which the next span starts.
 pub(super) fn advance_two_link(
     rig: &ArmDynamics,
     held: HeldForces,
@@ -164,7 +164,7 @@ pub(super) fn advance_two_link(
     let mut steps_left = MAX_STEPS + MAX_STEPS_PER_SECOND * span;
     while left > 0.0 {
         if work.contact == [Contact::Stuck; 2] {
-            // nothing moves, so nothing changes until other forces act
+            // Nothing moves, so nothing changes until other forces act.
             return Ok(());
         }
         steps_left -= 1.0;
@@ -180,7 +180,7 @@ pub(super) fn advance_two_link(
             }
             _ => return Err(OutOfReach { position: split_state(*state).0 }.into()),
         };
-        // order 5: the error of a step falls with the fifth power of its length
+        // Order 5: the error falls with the fifth power of the step.
         let change = (0.9 * trial.error.powf(-0.2)).clamp(0.2, 5.0);
         if trial.error > 1.0 && length > SMALLEST_STEP * span {
             *guess = length * change;
