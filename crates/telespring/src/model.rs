@@ -37,7 +37,7 @@ fn check_length(field: &str, got: usize, expected: usize, of: &str) -> Result<()
     Err(InvalidInput::new(
         field,
         format!("{got} value(s)"),
-        format!("one value per axis of {of} is needed, that is {expected}"),
+        format!("one value per axis of {of} is needed: {expected}"),
         "Give every list one value per axis.",
     ))
 }
@@ -78,7 +78,7 @@ impl Robot {
                 return Err(InvalidInput::new(
                     format!("axes[{i}]"),
                     format!("{name:?}"),
-                    "every axis needs a name of its own",
+                    "axis names must be distinct and not empty",
                     "Rename the axis.",
                 ));
             }
@@ -182,7 +182,7 @@ impl Dyad {
             return Err(InvalidInput::new(
                 "robot2.axes",
                 format!("{} axes", robot2.axes.len()),
-                format!("both robots need as many axes, and robot1 has {}", robot1.axes.len()),
+                format!("both robots need the same number of axes, and robot1 has {}", robot1.axes.len()),
                 "Give both robots one mass and one damping per axis.",
             ));
         }
@@ -191,7 +191,7 @@ impl Dyad {
                 "robot2.axes",
                 format!("{:?}", robot2.axes),
                 format!("both robots need the same axes in the same order, here {:?}", robot1.axes),
-                "Name the axes alike, or leave the names away.",
+                "Give both robots the same axis names, or omit them.",
             ));
         }
         let axes = robot1.axes.len();

@@ -118,7 +118,7 @@ pub(crate) fn positive_roots<const N: usize>(
         roots.length = 0;
         let mut fine = Roots::none();
         let resolved = isolate_roots(&precise(), 0, N, UncertainSign::Zero, &mut fine);
-        debug_assert!(resolved.is_some(), "only a refused uncertain ends a search early");
+        debug_assert!(resolved.is_some(), "only UncertainSign::GiveUp ends a search early");
         for root in fine.iter() {
             roots.push(root.at.to_f64(), root.slope);
         }

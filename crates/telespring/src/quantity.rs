@@ -35,7 +35,7 @@ pub const GROUND_STIFFNESS: Quantity = Quantity::new("an operator stiffness", "N
 /// A one-way delay in s.
 pub const DELAY: Quantity = Quantity::new("a delay", "s", 0.0, 100.0, Some(("ms", 1e-3)));
 /// A time span in s other than a network delay: jitter, gap, sample period.
-pub const SPAN: Quantity = Quantity::new("a span of time", "s", 0.0, 100.0, Some(("ms", 1e-3)));
+pub const SPAN: Quantity = Quantity::new("a time span", "s", 0.0, 100.0, Some(("ms", 1e-3)));
 /// The duration of a simulation in s.
 pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None);
 /// A sampling rate in Hz.
@@ -55,9 +55,9 @@ pub const PLACE: Quantity = Quantity::new("a position", "m", -10.0, 10.0, Some((
 /// The amplitude of a movement, m.
 pub const AMPLITUDE: Quantity = Quantity::new("an amplitude", "m", 0.0, 10.0, Some(("mm", 1e-3)));
 /// The length of a link, m.
-pub const LENGTH: Quantity = Quantity::new("a length of a link", "m", 1e-2, 10.0, Some(("mm", 1e-3)));
+pub const LENGTH: Quantity = Quantity::new("a link length", "m", 1e-2, 10.0, Some(("mm", 1e-3)));
 /// The mass of a link in kg.
-pub const LINK_MASS: Quantity = Quantity::new("a mass of a link", "kg", 0.0, 1e3, Some(("g", 1e-3)));
+pub const LINK_MASS: Quantity = Quantity::new("a link mass", "kg", 0.0, 1e3, Some(("g", 1e-3)));
 /// A distance along a link, m.
 pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
 /// The resolution of a position sensor in m.
@@ -69,7 +69,8 @@ pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/ra
 /// A torque limit in N·m; infinite if there is none.
 pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, f64::INFINITY, None);
 /// The standard deviation of a velocity in m/s.
-pub const SPEED: Quantity = Quantity::new("a spread of velocities", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
+pub const SPEED: Quantity =
+    Quantity::new("a standard deviation of velocity", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
 /// The lifetime of a spot in s.
 pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(("ms", 1e-3)));
 /// An angular frequency in rad/s.

@@ -184,7 +184,7 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
                 "decay rate times delay may be at most {FASTEST_DECAY}, that is {} 1/s here",
                 FASTEST_DECAY / delay
             ),
-            "Ask for a slower decay: a motion that crosses the network settles in several delays.",
+            "Choose a slower decay: a motion that crosses the network settles in several delays.",
         ));
     }
     // On the imaginary axis no root crosses below the critical stiffness.
@@ -193,8 +193,8 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
         return Err(InvalidInput::new(
             "decay_rate",
             decay_rate,
-            "a decay rate above 0 is needed where an undamped side makes every stiffness critical",
-            "Ask for a small decay rate, or for the maximum stiffness at this delay.",
+            "a decay rate above 0 is needed if an undamped side makes every stiffness critical",
+            "Choose a small decay rate, or use the maximum stiffness at this delay.",
         ));
     }
     let round_trip = 2.0 * delay;

@@ -70,7 +70,7 @@ pub fn frequency_grid(
             "high",
             high,
             format!("must be above low = {low} rad/s"),
-            "Exchange them or widen the range.",
+            "Swap them or widen the range.",
         ));
     }
     if !(1e-3..=1.0).contains(&resolution) {

@@ -313,7 +313,7 @@ fn pole_error(field: &str, place: impl ToString) -> InvalidInput {
         field,
         place,
         "the response is infinite there",
-        "Ask for a point beside it; for free handles the velocities are finite at s = 0.",
+        "Choose a nearby point; for free handles the velocities are finite at s = 0.",
     )
 }
 

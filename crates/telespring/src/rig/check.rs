@@ -84,7 +84,7 @@ impl Laboratory {
                 return Err(InvalidInput::new(
                     format!("agent{}.spot_lifetime", index + 1),
                     spots.lifetime,
-                    format!("a spot lives for one sample period at least, here {period} s"),
+                    format!("a spot must live for at least one sample period, here {period} s"),
                     "Give a lifetime in s, such as 0.2.",
                 ));
             }
@@ -160,7 +160,7 @@ impl Spots {
                 "spots",
                 self.count,
                 format!("a cloud has 1 to {} spots", Self::MAX_COUNT),
-                "Give a whole number; for a single target that is not blurred choose kind = \"skilled\".",
+                "Give a whole number; for a single sharp target choose kind = \"skilled\".",
             ));
         }
         quantity::SPEED.check("spot_velocity", self.velocity)?;
@@ -224,7 +224,7 @@ impl Controller {
                     Self::FINEST_RESOLUTION,
                     quantity::RESOLUTION.maximum()
                 ),
-                "Write 0 for a sensor without steps.",
+                "Write 0 for a sensor without quantisation.",
             ));
         }
         Ok(())

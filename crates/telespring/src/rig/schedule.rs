@@ -38,7 +38,10 @@ impl Schedule {
                 "record_rate",
                 record_rate,
                 format!("the record rate must divide the controllers' rate, {} Hz", 1.0 / sample_period),
-                format!("Write {}, or another such part of it.", 1.0 / (sample_period * stride.max(1.0))),
+                format!(
+                    "Write {}, or another integer fraction of it.",
+                    1.0 / (sample_period * stride.max(1.0))
+                ),
             ));
         }
         // At 1 kHz 0.29 s has 290 ticks, although the quotient rounds to 289.999….

@@ -244,7 +244,7 @@ impl Trial<'_> {
                 "record",
                 format!("{} row(s)", record.len()),
                 format!("every array needs {rows} rows"),
-                "Ask Schedule::rows for the length.",
+                "Schedule::rows gives the length.",
             );
             return Err(refusal.into());
         }
@@ -326,7 +326,7 @@ fn missing_agent(side: usize) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),
         "none",
-        format!("agent {} is a program of the caller's and has to be given", side + 1),
+        format!("agent {} is external and must be given", side + 1),
         "Give a function of time, position, velocity and target that returns the force.",
     )
 }

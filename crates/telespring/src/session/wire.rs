@@ -67,7 +67,7 @@ pub struct Packet {
 #[non_exhaustive]
 pub enum PacketError {
     /// Too short or too long.
-    #[error("a packet has {LENGTH} bytes; these are {length}: it was cut, or comes from something else")]
+    #[error("a packet has {LENGTH} bytes, not {length}: it is truncated or comes from another program")]
     Length {
         /// The number of bytes received.
         length: usize,
@@ -93,7 +93,7 @@ pub enum PacketError {
         found: u8,
     },
     /// An impossible position or velocity.
-    #[error("the motion holds {value}, which no handle has: values are finite and at most {MAX_VALUE}")]
+    #[error("the motion contains {value}: values must be finite and at most {MAX_VALUE}")]
     Value {
         /// The first such value.
         value: f64,

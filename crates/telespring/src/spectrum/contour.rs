@@ -44,9 +44,9 @@ pub enum ContourError {
 impl std::fmt::Display for ContourError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NearZero { at } => write!(f, "the contour passes a root too closely near {at}"),
+            Self::NearZero { at } => write!(f, "the contour passes too close to a root near {at}"),
             Self::StepsExhausted { at } => {
-                write!(f, "the contour needs more steps than allowed, halted at {at}")
+                write!(f, "the contour needs more steps than allowed; it stopped at {at}")
             }
         }
     }

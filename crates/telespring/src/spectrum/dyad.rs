@@ -53,7 +53,7 @@ pub(super) fn rightmost_roots(chi: &Characteristic, count: usize) -> RightmostRo
     }
     let line = search.line_with_roots_right_of(count);
     let Some(counted) = line.count else {
-        let reason = "no line free of roots was found to count on".to_owned();
+        let reason = "no vertical line without roots on it was found".to_owned();
         search.start_along_line(&line);
         return search.certified_roots(count, line.sigma, Certificate::NotCounted { reason });
     };

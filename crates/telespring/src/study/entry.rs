@@ -62,7 +62,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
             DeValue::String(text) if text.contains('\0') => Err(self.reject(
-                "a text without the character U+0000 is needed, which no dataset can hold",
+                "a text without the character U+0000 is needed, which datasets cannot hold",
                 "Remove \\u0000.",
             )),
             DeValue::String(text) => Ok(text.clone().into_owned()),
@@ -80,7 +80,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         words.iter().find(|word| **word == given).copied().ok_or_else(|| {
             let remedy = nearest_word(given, words)
                 .map_or_else(|| "Choose one of them.".to_owned(), |word| format!("Did you mean \"{word}\"?"));
-            self.reject(format!("this is one of {listed}"), remedy)
+            self.reject(format!("it must be one of {listed}"), remedy)
         })
     }
 
@@ -100,7 +100,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                 Ok(value) if (least..=most).contains(&value) => return Ok(value),
                 _ => "Choose a number in that range.",
             },
-            _ => "Write it without a decimal point, quotes and units.",
+            _ => "Write it without decimal point, quotes or unit.",
         };
         Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
@@ -116,7 +116,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// The members of a table with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
-            return Err(self.reject("names with values are needed", "Write it such as {gain = 2.0}."));
+            return Err(self.reject("names with values are needed", "Write, for example, {gain = 2.0}."));
         };
         let member = |(key, value): (&Spanned<std::borrow::Cow<'a, str>>, &'r Spanned<DeValue<'a>>)| {
             let key = key.get_ref().as_ref();
@@ -143,7 +143,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                     } else {
                         "a list of two numbers is needed"
                     },
-                    "Write it such as [1.0, 2.0].",
+                    "Write, for example, [1.0, 2.0].",
                 ));
             }
         }
@@ -155,7 +155,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(
-                self.reject("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
+                self.reject("a list of texts is needed, one per axis", "Write, for example, [\"x\", \"y\"].")
             );
         };
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
@@ -178,7 +178,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                     key: word,
                     position: key.span().start,
                     section: Some(""),
-                    allowed: format!("this has the keys {} and {}", keys[0], keys[1]),
+                    allowed: format!("its keys are {} and {}", keys[0], keys[1]),
                     keys: &keys,
                 };
                 return Err(self.source.reject_unknown_key(unknown, value));
@@ -213,7 +213,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => None,
         };
         let Some(value) = value else {
-            return Err(self.reject(format!("{kinds} is needed"), "Write numbers without quotes and units."));
+            return Err(self.reject(format!("{kinds} is needed"), "Write numbers without quotes or units."));
         };
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
@@ -223,7 +223,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
-                return Err(self.reject("min must not exceed max", "Exchange the two."));
+                return Err(self.reject("min must not exceed max", "Swap the two."));
             }
             return Ok(Span { low: from, high: to });
         }

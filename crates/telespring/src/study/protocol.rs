@@ -108,12 +108,12 @@ impl ProtocolChoice {
         let [duration, discard] = [self.duration.unwrap_or(spans[0]), self.discard.unwrap_or(spans[1])];
         quantity::TRIAL_DURATION.check("protocol.duration", duration)?;
         if discard >= duration {
-            let unless_given = if self.discard.is_none() { " (unless given)" } else { "" };
+            let default = if self.discard.is_none() { " (by default)" } else { "" };
             return Err(InvalidInput::new(
                 "protocol.discard",
-                format!("{discard:?}{unless_given}"),
-                format!("what is left out must be shorter than the trial of {duration:?} s"),
-                "Name a longer duration, or a shorter part to discard.",
+                format!("{discard:?}{default}"),
+                format!("the discarded part must be shorter than the trial of {duration:?} s"),
+                "Give a longer duration, or a shorter part to discard.",
             ));
         }
         // The rate of the controllers or an integer fraction of it: about 100 Hz by default.
@@ -123,15 +123,15 @@ impl ProtocolChoice {
         // With the fraction of a sample that the analysis allows for rounding.
         let first = (discard / schedule.time(1, sample_period) - 1e-6).ceil().max(0.0);
         if schedule.rows() as f64 - first < 2.0 {
-            let unless_given = if self.duration.is_none() { " (unless given)" } else { "" };
+            let default = if self.duration.is_none() { " (by default)" } else { "" };
             return Err(InvalidInput::new(
                 "protocol.duration",
-                format!("{duration:?}{unless_given}"),
+                format!("{duration:?}{default}"),
                 format!(
-                    "of a trial two samples or more must be left to judge after the first {discard:?} s, and \
-                     {record_rate:?} are kept per second"
+                    "at least two samples must remain after the first {discard:?} s, with {record_rate:?} recorded \
+                     per second"
                 ),
-                "Name a longer duration, a shorter part to discard or a higher record_rate.",
+                "Give a longer duration, a shorter part to discard or a higher record_rate.",
             ));
         }
         let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
@@ -140,11 +140,11 @@ impl ProtocolChoice {
                 "protocol.trials",
                 self.trials,
                 format!(
-                    "all trials together keep at most {MAX_ROWS:.0} samples, and {} conditions of {duration:?} s \
-                     at {record_rate:?} Hz make {rows:.0}",
+                    "all trials together record at most {MAX_ROWS:.0} samples, but {} conditions of {duration:?} s \
+                     at {record_rate:?} Hz give {rows:.0}",
                     conditions.len()
                 ),
-                "Run fewer or shorter trials, or keep fewer samples per second.",
+                "Run fewer or shorter trials, or record fewer samples per second.",
             ));
         }
         Ok(Protocol {
@@ -172,7 +172,7 @@ fn check_condition_count(count: usize) -> Result<()> {
         "protocol.conditions",
         format!("{count} conditions"),
         format!("a protocol has 1 to {MAX_CONDITIONS} conditions, the unconnected one included"),
-        if count == 0 { "Name a condition, or write unconnected = true." } else { "Name fewer." },
+        if count == 0 { "Give a condition, or write unconnected = true." } else { "Give fewer." },
     ))
 }
 
@@ -241,8 +241,8 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     };
     if stiffness.is_some() || delay.is_some() {
         return Err(entry.reject(
-            "a protocol names either its conditions one by one or lists of stiffness and delay",
-            "Remove the one or the other.",
+            "a protocol has either a list of conditions or lists of stiffness and delay",
+            "Remove one of them.",
         ));
     }
     let mut listed: Vec<(f64, f64)> = Vec::new();
@@ -250,7 +250,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
         let Some([stiffness, delay]) = item.pair(["stiffness", "delay"], "")? else {
             return Err(item.reject(
                 "a condition has a stiffness and a delay",
-                "Write it such as {stiffness = 71.0, delay = 0.05} (N/m and s).",
+                "Write, for example, {stiffness = 71.0, delay = 0.05} (N/m and s).",
             ));
         };
         let condition = (
@@ -259,7 +259,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
         );
         if listed.contains(&condition) {
             return Err(
-                item.reject("every condition is named once", "Remove it, or run more trials of each.")
+                item.reject("every condition must be distinct", "Remove it, or run more trials of each.")
             );
         }
         listed.push(condition);
@@ -278,7 +278,7 @@ fn read_number_list(
     let items = entry.items("numbers")?;
     if items.is_empty() {
         return Err(entry.reject(
-            "a list of one number or more is needed",
+            "a list of at least one number is needed",
             "Write conditions = [] to run the unconnected condition only.",
         ));
     }
@@ -286,7 +286,7 @@ fn read_number_list(
     for item in items {
         let value = item.number(quantity, "a number")? + 0.0;
         if values.contains(&value) {
-            return Err(item.reject("every value is named once", "Remove it."));
+            return Err(item.reject("every value must be distinct", "Remove it."));
         }
         values.push(value);
         check_condition_count(values.len())?;

@@ -54,8 +54,8 @@ pub(super) fn read_python_object(
     });
     if !well_formed {
         return Err(entry.reject(
-            "a module and a name in it are needed, with a colon between them",
-            format!("Write it such as \"{like}\"."),
+            "a module and a name in it are needed, separated by a colon",
+            format!("Write, for example, \"{like}\"."),
         ));
     }
     let mut options = BTreeMap::new();
@@ -63,8 +63,8 @@ pub(super) fn read_python_object(
         for (name, value) in entry.members()? {
             if !is_identifier(&name) {
                 return Err(value.reject(
-                    "an option's name is made of letters, digits and _, and begins with no digit",
-                    "Rename it as the Python code calls it.",
+                    "the name of an option consists of letters, digits and _, and does not begin with a digit",
+                    "Use the name of a Python argument.",
                 ));
             }
             options.insert(name, read_option(&value)?);
@@ -95,6 +95,6 @@ fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
             let items = entry.items("values")?;
             Ok(OptionValue::List(items.iter().map(read_option).collect::<Result<_>>()?))
         }
-        _ => Err(refused("Write the name with one value.")),
+        _ => Err(refused("Give the option a single value.")),
     }
 }

@@ -37,11 +37,8 @@ impl<'a> Reader<'a> {
             InvalidInput::new(
                 "study",
                 format!("{:?}", content.chars().take(60).collect::<String>()),
-                format!(
-                    "a study is TOML text, and this is not: {}",
-                    error.message().trim().replace('\n', ", ")
-                ),
-                format!("Mend line {line}."),
+                format!("a study must be valid TOML: {}", error.message().trim().replace('\n', ", ")),
+                format!("Correct line {line}."),
             )
         })?;
         let reader = Self { source, table: table.into_inner() };
@@ -114,7 +111,7 @@ impl<'a> Reader<'a> {
             let mut refusal = self.source.reject_unknown_key(unknown, value);
             if let Some(other) = keys.kind_with_key(word) {
                 refusal.remedy =
-                    format!("It belongs to kind = \"{other}\": name that kind, or remove the key.");
+                    format!("It belongs to kind = \"{other}\": set that kind, or remove the key.");
                 refusal = self.source.with_line(refusal, position);
             }
             return Err(refusal);

@@ -40,8 +40,8 @@ impl Study {
             Some(period) if of_controller > 0.0 && period != of_controller => Err(InvalidInput::new(
                 "laboratory.sample_period",
                 format!("{period:?}"),
-                format!("[controller] says {of_controller:?} s, and both mean the same controllers"),
-                "Name it once, or alike.",
+                format!("[controller] gives {of_controller:?} s for the same controllers"),
+                "Give it once, or the same value twice.",
             )),
             Some(period) => Ok(period),
             None if of_controller > 0.0 => {
@@ -143,7 +143,7 @@ impl Study {
             return Err(reader.reject_section(
                 section,
                 format!(
-                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have {:?}",
+                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", but these have {:?}",
                     self.dyad.axis_names()
                 ),
                 "Remove the section, or give both robots these axes.",

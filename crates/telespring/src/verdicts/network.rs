@@ -88,7 +88,7 @@ impl Network {
                 if jitter > max_gap { "jitter" } else { "max_gap" },
                 if jitter > max_gap { jitter } else { max_gap },
                 format!(
-                    "delay, jitter and longest gap together must not exceed {LONGEST_DELAY} s, and are {longest} s"
+                    "delay, jitter and longest gap together must not exceed {LONGEST_DELAY} s, but are {longest} s"
                 ),
                 "Check the unit: s is expected.",
             ));
@@ -108,7 +108,7 @@ impl Network {
                 "computing_time",
                 computing_time,
                 format!("a computing time must fit into the sample period of {sample_period} s"),
-                "Shorten it, or state the sample period at which the controller really runs.",
+                "Shorten it, or give the actual sample period of the controller.",
             ));
         }
         Ok(Self { delay, jitter, max_gap, sample_period, computing_time })

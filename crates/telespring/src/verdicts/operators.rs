@@ -52,7 +52,7 @@ impl OperatorRange {
                         format!("{name}[{i}]"),
                         format!("{from} to {to}"),
                         "the lower end of a range must not exceed the upper",
-                        "Exchange the two.",
+                        "Swap the two.",
                     ));
                 }
             }

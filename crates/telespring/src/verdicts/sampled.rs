@@ -40,7 +40,7 @@ pub fn sampled_spectral_radius(
             "network.sample_period",
             0.0,
             "a sampled verdict needs a sample period above 0",
-            "State the period of the controllers, such as 0.001, or use the continuous verdict.",
+            "Give the period of the controllers, such as 0.001, or use the continuous verdict.",
         ));
     }
     let characteristic = SampledCharacteristic::new(axis, stiffness, network);

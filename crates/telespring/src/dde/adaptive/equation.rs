@@ -198,7 +198,7 @@ pub(super) fn check_constant_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()
             return Err(InvalidInput::new(
                 format!("delays[{j}]"),
                 value,
-                "a delay must be a finite number not below zero",
+                "a delay must be a finite number of 0 or more",
                 "Check the sign: y(t - delay) looks back for a positive delay.",
             ));
         }

@@ -116,7 +116,7 @@ where
             "span",
             format!("({start}, {end})"),
             "the span must be two finite times, the second after the first",
-            "Give the start and the end in this order.",
+            "Give the start first, then the end.",
         ));
     }
     check_initial(dimension, initial)?;
@@ -145,8 +145,8 @@ fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
         return Err(InvalidInput::new(
             "initial",
             format!("{} value(s)", values.len()),
-            format!("one value per component is needed, that is {dimension}"),
-            "Give the state at the start, or leave it out to take the history's.",
+            format!("{dimension} values are needed, one per component"),
+            "Give the state at the start, or omit it to use the history.",
         ));
     }
     match values.iter().position(|v| !v.is_finite()) {

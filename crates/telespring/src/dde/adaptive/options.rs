@@ -35,7 +35,7 @@ impl Tolerance {
             return Err(InvalidInput::new(
                 field,
                 format!("{} value(s)", values.len()),
-                format!("one value per component is needed, that is {dimension}"),
+                format!("{dimension} values are needed, one per component"),
                 "Give one number for all components or one for each.",
             ));
         }
@@ -48,7 +48,7 @@ impl Tolerance {
                 return Err(InvalidInput::new(
                     place,
                     value,
-                    format!("a tolerance here must be a finite number from {minimum:e} up"),
+                    format!("a tolerance must be a finite number of at least {minimum:e}"),
                     "Give a tolerance that double precision can reach.",
                 ));
             }
@@ -127,7 +127,7 @@ impl Options {
                     field,
                     step,
                     "a step must be a finite number above zero",
-                    "Leave it out to have it chosen.",
+                    "Omit it for an automatic choice.",
                 ));
             }
         }

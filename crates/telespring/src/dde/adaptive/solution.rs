@@ -54,13 +54,13 @@ impl std::fmt::Display for Status {
                 )
             }
             Self::TooManySteps { at } => {
-                write!(f, "the steps were used up at t = {at}: raise max_steps or loosen the tolerance")
+                write!(f, "the step limit was reached at t = {at}: raise max_steps or loosen the tolerance")
             }
             Self::NonFinite { at } => {
                 write!(f, "the solution or its derivative is not finite after t = {at}")
             }
             Self::InvalidDelay { at, delay, value } => {
-                write!(f, "delay {delay} is {value} at t = {at}: a delay must be a number not below zero")
+                write!(f, "delay {delay} is {value} at t = {at}: a delay must be a number of 0 or more")
             }
             Self::Stopped { at } => write!(f, "a callback failed after t = {at}"),
         }
@@ -166,7 +166,7 @@ impl<E> Solution<E> {
                 "t",
                 t,
                 format!("the solution is known from {} to {}", self.start(), self.end()),
-                "Ask for a time in that span, and look at the status for why it ends there.",
+                "Choose a time in that span; the status says why it ends there.",
             ));
         }
         if length != expected {
@@ -174,7 +174,7 @@ impl<E> Solution<E> {
                 "out",
                 format!("{length} value(s)"),
                 format!("{expected} are needed"),
-                "Give room for one value per component and time.",
+                "Give an array with one value per component and time.",
             ));
         }
         Ok(())
@@ -208,8 +208,8 @@ impl<E> Solution<E> {
             return Err(InvalidInput::new(
                 "t",
                 t,
-                "the derivative is known once a step was kept",
-                "Look at the status for why none was.",
+                "the derivative is known only after an accepted step",
+                "The status gives the reason.",
             ));
         }
         let (coefficients, start, width) = self.mesh.step(self.mesh.locate(t, 0));

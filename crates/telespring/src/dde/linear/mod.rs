@@ -254,7 +254,7 @@ impl Simulation<'_> {
                 "position",
                 format!("{} value(s)", shortest.unwrap_or(0)),
                 format!("every output array needs {count} values"),
-                "Ask output_count for the length.",
+                "output_count gives the length.",
             ));
         }
         let problem = self.problem(count)?;
@@ -386,9 +386,7 @@ fn too_stiff_error(what: &str, rate: f64) -> InvalidInput {
     InvalidInput::new(
         "axis",
         format!("fastest rate {rate} 1/s"),
-        format!(
-            "{what}: the step follows the fastest rate of either side or force, beside duration and delay"
-        ),
+        format!("{what}: their number follows from the fastest rate, the duration and the delay"),
         "Lower damping, stiffness or frequency, raise the mass, or shorten the simulation.",
     )
 }

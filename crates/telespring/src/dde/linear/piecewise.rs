@@ -62,7 +62,7 @@ impl PiecewisePolynomial {
                     field,
                     format!("{} coefficient(s)", list.len()),
                     format!("a piece has 1 to {} coefficients", MAX_PIECE_DEGREE + 1),
-                    "Cut the piece into shorter ones of lower degree.",
+                    "Split the piece into shorter ones of lower degree.",
                 ));
             }
             let half = 0.5 * (edges[i + 1] - edges[i]);
@@ -186,7 +186,7 @@ impl Fit<'_> {
                 format!("function({time})"),
                 value,
                 format!("a function of time must return finite numbers up to {:e}", super::MAGNITUDE_LIMIT),
-                "Look at the function near this time.",
+                "Check the function near this time.",
             ));
         }
         self.scale = self.scale.max(value.abs());

@@ -82,7 +82,7 @@ impl Plant {
                     InvalidInput::new(
                         "base",
                         format!("{:?}", arm.base),
-                        format!("{outside} where the handle starts"),
+                        format!("{outside}, where the handle starts"),
                         "Move the base so that its distance from there is between the difference and the sum of \
                          the links' lengths, with room to both.",
                     )
