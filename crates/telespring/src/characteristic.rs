@@ -39,7 +39,7 @@ pub(crate) struct DelayExponential {
 }
 
 impl DelayExponential {
-    /// The delay factors at `s` for a round-trip delay (s).
+    /// The delay factors e^(−T s) and 1 − e^(−T s) at `s` for a round-trip delay (s).
     pub fn at(s: Complex64, round_trip: f64) -> Self {
         let less_one = exp_m1(-s * round_trip);
         Self { complement: -less_one, decay: less_one + 1.0 }
@@ -77,10 +77,12 @@ pub(crate) struct SideFactor {
 }
 
 impl SideFactor {
+    /// The value of Pᵢ(s).
     pub fn value(&self, s: Complex64) -> Complex64 {
         (s * self.mass + self.damping) * s + self.stiffness
     }
 
+    /// The derivative of Pᵢ(s).
     pub fn slope(&self, s: Complex64) -> Complex64 {
         s * (2.0 * self.mass) + self.damping
     }
@@ -113,6 +115,7 @@ pub(crate) struct Characteristic {
 }
 
 impl Characteristic {
+    /// The characteristic function of an axis at a stiffness (N/m) and a round-trip delay (s).
     pub fn new(axis: &DyadAxis, stiffness: f64, round_trip: f64) -> Self {
         let (k, c) = (stiffness, axis.coupling_damping);
         let [m1, m2] = axis.sides.map(|side| side.mass);
@@ -156,7 +159,7 @@ impl Characteristic {
         }
     }
 
-    /// χ itself, with the rigid-body root.
+    /// The characteristic function χ itself, with the rigid-body root.
     pub fn with_rigid_body(self) -> Self {
         Self { rigid_body: false, ..self }
     }
@@ -171,7 +174,7 @@ impl Characteristic {
         &self.remainder[usize::from(self.rigid_body)..]
     }
 
-    /// The value of N(s), by remainder.
+    /// The value of the characteristic function N(s), by remainder.
     pub fn value(&self, s: Complex64) -> Complex64 {
         let exponential = DelayExponential::at(s, self.round_trip);
         let lag = if self.rigid_body {
@@ -184,7 +187,7 @@ impl Characteristic {
         polynomial + coupling * coupling * lag
     }
 
-    /// N(s) and its derivative, by remainder.
+    /// The characteristic function N(s) and its derivative, by remainder.
     pub fn jet_by_remainder(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let lag = if self.rigid_body {
             exponential.integral(s, self.round_trip)
@@ -205,7 +208,7 @@ impl Characteristic {
         }
     }
 
-    /// N(s) and its derivative, by sides.
+    /// The characteristic function N(s) and its derivative, by sides.
     pub fn jet_by_sides(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let [one, two] = self.sides;
         let (p1, p2, q) = (one.value(s), two.value(s), self.coupling(s));

@@ -47,7 +47,7 @@ impl InvalidInput {
         Self { field: field.into(), value: String::new(), allowed: unit.into(), remedy: remedy.into() }
     }
 
-    /// True if the value is missing.
+    /// True if the input value is missing.
     pub fn is_missing(&self) -> bool {
         self.value.is_empty()
     }
@@ -62,7 +62,7 @@ impl InvalidInput {
         }
     }
 
-    /// The same error with `prefix` and a dot before the field.
+    /// The same input error with `prefix` and a dot before the field.
     #[must_use]
     pub fn within(mut self, prefix: &str) -> Self {
         self.field = format!("{prefix}.{}", self.field);

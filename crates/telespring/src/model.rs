@@ -86,17 +86,17 @@ impl Robot {
         Ok(Self { axes, mass, damping })
     }
 
-    /// The names of the axes.
+    /// The names of the robot's axes.
     pub fn axes(&self) -> &[String] {
         &self.axes
     }
 
-    /// The mass of each axis, kg.
+    /// The mass of the robot on each axis, kg.
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// The viscous damping of each axis, N·s/m.
+    /// The viscous damping of the robot on each axis, N·s/m.
     pub fn damping(&self) -> &[f64] {
         &self.damping
     }
@@ -140,17 +140,17 @@ impl Operator {
         Self { mass: zero.clone(), damping: zero.clone(), stiffness: zero }
     }
 
-    /// The mass of each axis, kg.
+    /// The mass of the operator on each axis, kg.
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// The damping of each axis, N·s/m.
+    /// The damping of the operator on each axis, N·s/m.
     pub fn damping(&self) -> &[f64] {
         &self.damping
     }
 
-    /// The stiffness to ground of each axis, N/m.
+    /// The stiffness of the operator to ground on each axis, N/m.
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }
@@ -203,22 +203,22 @@ impl Dyad {
         Ok(Self { robots: [robot1, robot2], operators, coupling_damping })
     }
 
-    /// The two robots.
+    /// The two robots of the dyad.
     pub fn robots(&self) -> &[Robot; 2] {
         &self.robots
     }
 
-    /// The two operators.
+    /// The two operators of the dyad.
     pub fn operators(&self) -> &[Operator; 2] {
         &self.operators
     }
 
-    /// The coupling damping, in parallel with the spring, N·s/m.
+    /// The coupling damping of the dyad, in parallel with the spring, N·s/m.
     pub fn coupling_damping(&self) -> f64 {
         self.coupling_damping
     }
 
-    /// The names of the axes.
+    /// The names of the dyad's axes.
     pub fn axis_names(&self) -> &[String] {
         &self.robots[0].axes
     }

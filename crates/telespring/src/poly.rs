@@ -73,10 +73,12 @@ pub(crate) struct Roots<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Roots<R, N> {
+    /// An empty list of roots.
     fn none() -> Self {
         Self { items: [Root { at: R::from(0.0), slope: 0 }; N], length: 0 }
     }
 
+    /// Appends a root of the polynomial.
     fn push(&mut self, at: R, slope: i8) {
         self.items[self.length] = Root { at, slope };
         self.length += 1;
@@ -140,6 +142,7 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
+    /// The sign of the polynomial at `x`, 0 if uncertain.
     fn sign_at(&self, low: usize, high: usize, x: R) -> i8 {
         let (value, bound) = self.value(low, high, x);
         if bound.is_finite() { sign_of(value, bound) } else { self.sign_at_large(low, high, x) }
@@ -158,10 +161,12 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         sign_of(value, 16.0 * R::EPSILON * magnitude)
     }
 
+    /// The sign of a coefficient of the polynomial, 0 if uncertain.
     fn coefficient_sign(&self, i: usize) -> i8 {
         sign_of(self.coefficient[i], 16.0 * R::EPSILON * self.magnitude[i])
     }
 
+    /// The derivative of the polynomial with coefficients `low..high`.
     fn derivative(&self, low: usize, high: usize) -> Self {
         let mut derivative = *self;
         for i in low + 1..high {

@@ -100,12 +100,12 @@ impl Quantity {
         Self { name, unit, minimum, maximum, slip }
     }
 
-    /// The unit; empty for a dimensionless quantity.
+    /// The unit of the quantity; empty if it is dimensionless.
     pub const fn unit(&self) -> &'static str {
         self.unit
     }
 
-    /// The largest allowed value.
+    /// The largest allowed value of the quantity.
     pub const fn maximum(&self) -> f64 {
         self.maximum
     }
@@ -115,7 +115,7 @@ impl Quantity {
         value >= self.minimum && value <= self.maximum
     }
 
-    /// Returns `value` if it is finite and within range.
+    /// Checks that `value` is finite and within the range of the quantity, and returns it.
     ///
     /// # Errors
     ///

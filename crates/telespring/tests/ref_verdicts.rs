@@ -228,6 +228,6 @@ fn ref_a_network_is_checked_at_the_door() {
     );
     assert!(message(-1.0, 0.0, 0.0, 0.0).starts_with("jitter = -1: a time span must be"));
     assert!(message(0.0, f64::NAN, 0.0, 0.0).starts_with("max_gap = NaN"));
-    assert!(message(60.0, 60.0, 0.0, 0.0).contains("together must not exceed 100 s, and are 120.1 s"));
+    assert!(message(60.0, 60.0, 0.0, 0.0).contains("together must not exceed 100 s, but are 120.1 s"));
     assert!(message(0.0, 0.0, 1e-9, 0.0).starts_with("sample_period = 0.000000001"));
 }

@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 /// The value and first derivatives of a characteristic function on the line.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Jet {
+pub(super) struct LineJet {
     pub value: Complex64,
     pub by_frequency: Complex64,
     pub by_parameter: Complex64,
@@ -28,7 +28,9 @@ pub(super) struct Curvature {
 
 /// A characteristic function on a vertical line, as a function of frequency and parameter.
 pub(super) trait LineFunction {
-    fn jet(&self, frequency: f64, parameter: f64) -> Jet;
+    /// The value and derivatives on the line at a frequency and a parameter.
+    fn jet(&self, frequency: f64, parameter: f64) -> LineJet;
+    /// Bounds on the second derivatives over a box of frequencies and parameters.
     fn curvature(&self, region: &Region) -> Curvature;
     /// Whether the magnitudes of the two terms alone exclude a zero in the box, for any phase of the delay.
     fn magnitudes_differ(&self, region: &Region) -> bool;
@@ -119,11 +121,12 @@ pub(super) fn crossing_parameters(function: &impl LineFunction, region: Region, 
     parameters
 }
 
+/// Whether two solutions of the box search agree to a relative 1e-9.
 fn nearly_equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-/// Halves a box along its frequency or its parameter.
+/// Halves a box of the search along its frequency or its parameter.
 fn split_region(region: &Region, frequency: bool) -> [Region; 2] {
     let halve = |(low, high): (f64, f64)| {
         let middle = 0.5 * (low + high);

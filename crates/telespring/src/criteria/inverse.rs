@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::branch_and_bound::{Curvature, Jet, LineFunction, Region, Wanted, crossing_parameters};
+use super::branch_and_bound::{Curvature, LineFunction, LineJet, Region, Wanted, crossing_parameters};
 use super::critical::critical_stiffness;
 use super::crossings::all_crossings;
 use super::intervals::{is_stable_without_delay, unstable_roots};
@@ -386,7 +386,7 @@ struct StiffnessLine<'a> {
 }
 
 impl LineFunction for StiffnessLine<'_> {
-    fn jet(&self, frequency: f64, stiffness: f64) -> Jet {
+    fn jet(&self, frequency: f64, stiffness: f64) -> LineJet {
         let s = Complex64::new(-self.decay_rate, frequency);
         let chi = Characteristic::new(self.axis, stiffness, self.round_trip);
         let exponential = DelayExponential::at(s, self.round_trip);
@@ -400,7 +400,7 @@ impl LineFunction for StiffnessLine<'_> {
         } else {
             chi.sides[0].value(s) + chi.sides[1].value(s) - spring * exponential.decay * 2.0
         };
-        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
+        LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {
@@ -449,7 +449,7 @@ impl DampingLine<'_> {
 }
 
 impl LineFunction for DampingLine<'_> {
-    fn jet(&self, frequency: f64, added: f64) -> Jet {
+    fn jet(&self, frequency: f64, added: f64) -> LineJet {
         let s = Complex64::new(0.0, frequency);
         let chi = self.characteristic(added);
         let jet = characteristic_jet(&chi, s, &DelayExponential::at(s, self.round_trip));
@@ -459,7 +459,7 @@ impl LineFunction for DampingLine<'_> {
         } else {
             (one.value(s) + two.value(s)) * s
         };
-        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
+        LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {

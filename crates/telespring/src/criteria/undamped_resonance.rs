@@ -64,7 +64,7 @@ pub(super) fn crossing_free_stiffness(axis: &DyadAxis, round_trip: f64) -> f64 {
 }
 
 impl Resonance<'_> {
-    /// The partner's factor P₂(jω) at a frequency and stiffness.
+    /// The partner's factor P₂(jω) at the frequency of an undamped resonance.
     fn partner_factor(axis: &DyadAxis, side: usize, frequency: f64, stiffness: f64) -> Complex64 {
         let other = &axis.sides[1 - side];
         let elastic = stiffness + other.ground_stiffness - other.mass * frequency * frequency;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use super::matrix::CharacteristicMatrix;
 
-/// The indices of the states with a delayed term.
+/// The indices of the states of a delay system with a delayed term.
 pub(super) fn delayed_states(system: &CharacteristicMatrix) -> Vec<usize> {
     (0..system.size())
         .filter(|&column| system.delayed.iter().any(|(_, matrix)| matrix.column(column).amax() > 0.0))
@@ -20,9 +20,9 @@ pub(super) fn delayed_states(system: &CharacteristicMatrix) -> Vec<usize> {
 /// `None` if the eigenvalue iteration does not converge.
 pub(super) fn collocation_eigenvalues(system: &CharacteristicMatrix, nodes: usize) -> Option<Vec<Complex64>> {
     let generator = collocation_matrix(system, nodes);
-    let most_iterations = 60 * generator.nrows();
+    let max_iterations = 60 * generator.nrows();
     // These eigenvalues only start Newton's method, so a coarser tolerance than rounding is enough.
-    let schur = Schur::try_new(generator, 1e-13, most_iterations)?;
+    let schur = Schur::try_new(generator, 1e-13, max_iterations)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 

@@ -24,7 +24,7 @@ impl KnownRoot {
     }
 }
 
-/// The root s = 0 with its multiplicity, if it is a root.
+/// The root s = 0 of a delay system with its multiplicity, if it is a root.
 pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
     match zero::multiplicity_at_zero(matrix) {
         0 => Vec::new(),
@@ -32,7 +32,7 @@ pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
     }
 }
 
-/// Sorts roots by descending real part.
+/// Sorts the known roots by descending real part.
 pub(super) fn sort_by_real_part(known: &mut [KnownRoot]) {
     known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
 }

@@ -30,7 +30,7 @@ impl CharacteristicMatrix {
             .rebalanced(sigma)
     }
 
-    /// The same matrix, balanced for another vertical line.
+    /// The characteristic matrix balanced for another vertical line.
     pub(super) fn rebalanced(&self, sigma: f64) -> Self {
         let mut instantaneous = self.instantaneous.clone();
         let mut delayed = self.delayed.clone();
@@ -70,11 +70,12 @@ impl CharacteristicMatrix {
         Self { instantaneous, delayed }
     }
 
+    /// The number of states.
     pub(super) fn size(&self) -> usize {
         self.instantaneous.nrows()
     }
 
-    /// The longest delay, 0 if there is none.
+    /// The longest delay of the characteristic matrix, 0 if there is none.
     pub(super) fn longest_delay(&self) -> f64 {
         self.delayed.last().map_or(0.0, |(delay, _)| *delay)
     }
@@ -112,7 +113,7 @@ impl CharacteristicMatrix {
         entries
     }
 
-    /// Δ⁻¹ Δ′ at `s`, by rows.
+    /// The logarithmic derivative Δ⁻¹ Δ′ of the characteristic matrix at `s`, by rows.
     fn logarithmic_derivative(&self, s: Complex64, inverse: &[Complex64]) -> Vec<Complex64> {
         let size = self.size();
         let mut product = inverse.to_vec();
@@ -172,6 +173,7 @@ impl CharacteristicMatrix {
 }
 
 impl Winding for CharacteristicMatrix {
+    /// Certifies a step of the determinant by the norm of Δ⁻¹ Δ′.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
         let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else {
             return Probe { value: Complex64::ZERO, step: 0.0 };

@@ -44,7 +44,7 @@ pub struct DelaySystem {
 }
 
 impl DelaySystem {
-    /// Creates a system from A₀ and the pairs (τⱼ, Aⱼ).
+    /// Creates a delay system from A₀ and the pairs (τⱼ, Aⱼ).
     ///
     /// Terms with equal delay are added, those of delay 0 to A₀; the rest is sorted by delay.
     ///
@@ -81,17 +81,17 @@ impl DelaySystem {
         Ok(Self { instantaneous, delayed: kept })
     }
 
-    /// A₀, including the terms of delay 0.
+    /// The matrix A₀ of the delay system, including the terms of delay 0.
     pub fn instantaneous(&self) -> &DMatrix<f64> {
         &self.instantaneous
     }
 
-    /// The pairs (τⱼ in s, Aⱼ), sorted by delay.
+    /// The delayed terms as pairs (τⱼ in s, Aⱼ), sorted by delay.
     pub fn delayed(&self) -> &[(f64, DMatrix<f64>)] {
         &self.delayed
     }
 
-    /// The number of states.
+    /// The number of states of the delay system.
     pub fn size(&self) -> usize {
         self.instantaneous.nrows()
     }
@@ -121,7 +121,7 @@ impl DelaySystem {
     /// let system = hman().axis(0)?.delay_system(71.2, &Delay::new(0.1, 0.2)?)?;
     /// let spectrum = system.characteristic_roots(5)?;
     /// assert!(spectrum.certificate.is_complete());
-    /// assert!(spectrum.roots.iter().any(|root| root.norm() == 0.0)); // both carried off together
+    /// assert!(spectrum.roots.iter().any(|root| root.norm() == 0.0)); // the rigid-body root
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn characteristic_roots(&self, count: usize) -> Result<Spectrum> {
@@ -182,7 +182,7 @@ impl DelaySystem {
 /// Larger entries are rejected, so that no determinant overflows.
 const LARGEST_ENTRY: f64 = 1e12;
 
-/// Checks the shape and the entries of a matrix.
+/// Checks the shape and the entries of a matrix of a delay system.
 fn check_matrix(field: &str, matrix: &DMatrix<f64>, size: usize) -> Result<()> {
     if matrix.shape() != (size, size) {
         return Err(InvalidInput::new(

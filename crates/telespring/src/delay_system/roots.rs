@@ -22,8 +22,8 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     if states == 0 || matrix.longest_delay() == 0.0 {
         return roots_without_delay(&matrix, count);
     }
-    let most_nodes = ((LARGEST_ORDER.max(4 * size) - size) / states).max(8);
-    let mut nodes = (12 + count / states).min(most_nodes);
+    let max_nodes = ((LARGEST_ORDER.max(4 * size) - size) / states).max(8);
+    let mut nodes = (12 + count / states).min(max_nodes);
     let mut known = root_at_zero(&matrix);
     let mut searched = false;
     loop {
@@ -40,7 +40,7 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
             }
         }
         sort_by_real_part(&mut known);
-        let last = nodes >= most_nodes;
+        let last = nodes >= max_nodes;
         // A missing root more often needs more nodes than it is a multiple root.
         let mut outcome = certify_by_count(&matrix, &mut known, count, last || nodes > 60);
         let complete = matches!(outcome, Some((_, Certificate::Complete)));
@@ -59,7 +59,7 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
                 let reason = format!("fewer than {count} roots were found with {nodes} nodes");
                 return spectrum_of(&known, count, depth, Certificate::NotCounted { reason });
             }
-            _ => nodes = (2 * nodes).min(most_nodes),
+            _ => nodes = (2 * nodes).min(max_nodes),
         }
     }
 }

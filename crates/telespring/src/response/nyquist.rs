@@ -178,7 +178,7 @@ fn critical_point_distance(open_loop: &OpenLoop, frequency: f64) -> f64 {
     open_loop.return_difference(Complex64::new(0.0, frequency)).norm()
 }
 
-/// The smallest distance of the locus from −1.
+/// The smallest distance of the Nyquist locus from −1.
 fn minimum_distance(open_loop: &OpenLoop, frequency: &[f64]) -> Margin {
     let sampled: Vec<f64> = frequency.iter().map(|&w| critical_point_distance(open_loop, w)).collect();
     let mut least = Margin { value: 1.0, frequency: f64::INFINITY };

@@ -32,6 +32,7 @@ pub(super) struct FollowedArgument {
 }
 
 impl OpenLoop {
+    /// The open loop of a checked axis and stiffness.
     pub fn new(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Self> {
         let k = quantity::STIFFNESS.check("stiffness", stiffness)?;
         axis.check()?;
@@ -55,7 +56,7 @@ impl OpenLoop {
         Ok(Self { chi, delay: *delay, excess: excess_of(-1.0), excess_size: excess_of(1.0) })
     }
 
-    /// The degree of N at infinity.
+    /// The degree of N at infinity: 3 for free handles, else 4.
     pub fn degree(&self) -> usize {
         self.chi.deflated_remainder().len() - 1
     }
@@ -66,7 +67,7 @@ impl OpenLoop {
         (&self.excess[first..], &self.excess_size[first..])
     }
 
-    /// s if N = χ/s, else 1.
+    /// The rigid-body factor χ/N: s for free handles, else 1.
     pub fn rigid_body_factor(&self, s: Complex64) -> Complex64 {
         if self.chi.rigid_body { s } else { Complex64::ONE }
     }
@@ -91,7 +92,7 @@ impl OpenLoop {
             - frequency * self.chi.round_trip
     }
 
-    /// The argument of (k + cjω)², from 0 to π.
+    /// The phase of the coupling term (k + cjω)², from 0 to π.
     fn coupling_phase(&self, frequency: f64) -> f64 {
         2.0 * (self.chi.coupling_damping * frequency).atan2(self.chi.stiffness)
     }

@@ -272,7 +272,7 @@ pub fn partner_response(
     })
 }
 
-/// The side whose P stands in each diagonal entry.
+/// The sides whose factors P stand on the diagonal of the transfer matrix.
 fn diagonal_sides(convention: Convention) -> [usize; 2] {
     match convention {
         Convention::Exact => [1, 0],
@@ -308,6 +308,7 @@ fn check_finite(
     }
 }
 
+/// The error for a frequency response at a pole.
 fn pole_error(field: &str, place: impl ToString) -> InvalidInput {
     InvalidInput::new(
         field,
@@ -335,6 +336,7 @@ fn response_curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Re
     Ok(ResponseCurve { frequency: frequency.to_vec(), value, magnitude, phase })
 }
 
+/// Checks the index of a robot.
 fn check_robot(field: &str, robot: usize) -> Result<usize> {
     if robot < 2 {
         return Ok(robot);

@@ -46,6 +46,7 @@ pub(crate) struct SpotCloud {
 }
 
 impl SpotCloud {
+    /// A cloud of spots at the start of a trial.
     fn new(scale: Spots, random: ChaCha8Rng) -> Self {
         let mut cloud =
             Self { scale, random, spots: Vec::with_capacity(scale.count), renewals: 0, mean: [[0.0; 2]; 2] };
@@ -58,7 +59,7 @@ impl SpotCloud {
         cloud
     }
 
-    /// Draws the random velocity of a spot.
+    /// Draws the random velocity of a spot relative to the target.
     fn draw_spot_velocity(&mut self) -> [f64; 2] {
         [(); 2].map(|()| {
             let normal: f64 = StandardNormal.sample(&mut self.random);
@@ -113,6 +114,7 @@ pub(crate) enum AgentState {
 }
 
 impl AgentState {
+    /// The state of an agent at the start of a trial.
     pub(crate) fn new(agent: &Agent, seed: u64, side: usize) -> Self {
         match *agent {
             Agent::Skilled { stiffness, damping } => Self::Skilled { stiffness, damping },

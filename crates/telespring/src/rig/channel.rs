@@ -35,12 +35,12 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// Creates a channel whose packets take at least `delay`.
+    /// Creates a network channel whose packets take at least `delay`.
     pub(crate) fn new(network: &NetworkImpairments, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
         Self { delay, jitter: network.jitter, loss: network.loss, random, travelling: VecDeque::new() }
     }
 
-    /// Sends a packet at time `now`.
+    /// Sends a packet into the network at time `now`.
     pub(crate) fn send(&mut self, now: Nanoseconds, packet: [u8; LENGTH]) {
         // Drawn in pairs, so that changing one impairment leaves the other's numbers unchanged.
         let (mut lateness, mut fate) = (0.0, 1.0);
@@ -60,7 +60,7 @@ impl Channel {
         self.travelling.insert(place, (arrival, packet));
     }
 
-    /// The next packet that has arrived by `now`.
+    /// The next packet that the network has delivered by `now`.
     pub(crate) fn deliver(&mut self, now: Nanoseconds) -> Option<[u8; LENGTH]> {
         if self.travelling.front()?.0 > now {
             return None;
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn law_the_haptic_delay_is_exact_for_any_fraction_of_a_period() {
-        // a straight movement is interpolated without error, so that the force tells the delay
+        // a straight movement is interpolated without error, so the force reveals the delay
         let (speed, stiffness) = (0.25, 80.0);
         for delay in [0.0, 0.0004, 0.001, 0.00173, 0.0835955, 0.334] {
             let mut side = Endpoint::new(Law { stiffness, damping: 0.0 }, Nanoseconds::from_seconds(delay));

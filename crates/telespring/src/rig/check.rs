@@ -4,7 +4,7 @@ use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spot
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
-/// Checks the x and y values of a quantity.
+/// Checks the x and y values of a quantity of the laboratory.
 fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
     for (index, value) in values.into_iter().enumerate() {
         quantity.check(&format!("{field}[{index}]"), value)?;
@@ -94,7 +94,7 @@ impl Laboratory {
 }
 
 impl Handle {
-    /// Checks that mass, damping and friction are in range.
+    /// Checks that mass, damping and friction of the handle are in range.
     ///
     /// # Errors
     ///
@@ -232,7 +232,7 @@ impl Controller {
 }
 
 impl NetworkImpairments {
-    /// Checks that jitter and loss are in range.
+    /// Checks that jitter and loss of the network are in range.
     ///
     /// # Errors
     ///

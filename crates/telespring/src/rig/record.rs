@@ -23,7 +23,7 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// The number of rows that fit into all arrays.
+    /// The number of rows that fit into all arrays of the record.
     pub(super) fn len(&self) -> usize {
         [
             self.target.len(),
@@ -94,6 +94,7 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// A recording with this number of empty rows.
     pub(super) fn new(rows: usize) -> Self {
         let empty = || vec![Row::default(); rows];
         Self {
@@ -108,7 +109,7 @@ impl Recording {
         }
     }
 
-    /// The arrays of the recording as slots to write to.
+    /// The arrays of the recording as a record to write to.
     pub(super) fn slots(&mut self) -> Record<'_> {
         Record {
             target: &mut self.target,

@@ -33,7 +33,7 @@ pub struct ConnectedMode {
 }
 
 impl ConnectedMode {
-    /// Checks that stiffness and damping are in range.
+    /// Checks that stiffness and damping of the connected mode are in range.
     ///
     /// # Errors
     ///
@@ -128,7 +128,7 @@ impl RunningStation {
         ActingForces { command, robot, hand }
     }
 
-    /// Moves the plant over one sample period.
+    /// Moves the plant of one side over one sample period.
     fn advance_plant(
         &mut self,
         acting: &ActingForces,
@@ -322,6 +322,7 @@ impl Trial<'_> {
     }
 }
 
+/// The error for a missing external agent.
 fn missing_agent(side: usize) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),

@@ -52,7 +52,7 @@ impl Endpoint {
         Ok(packet.encode())
     }
 
-    /// Receives bytes that arrived at `now`.
+    /// Receives the bytes of a packet that arrived at `now`.
     ///
     /// # Errors
     ///

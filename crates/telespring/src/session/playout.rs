@@ -39,12 +39,12 @@ impl Playout {
         self.delay
     }
 
-    /// The number of stored samples.
+    /// The number of samples in the playout buffer.
     pub fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// True before the first sample.
+    /// True before the first sample has arrived.
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }

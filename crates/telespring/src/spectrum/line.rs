@@ -53,7 +53,7 @@ struct Moduli {
 }
 
 impl Moduli {
-    /// |p₁ p₂| at w = y².
+    /// The modulus |p₁ p₂| of both sides on the line at w = y².
     fn sides_modulus(&self, w: f64) -> f64 {
         let square = |i: usize| {
             let real = self.value[i] - w;
@@ -67,12 +67,12 @@ impl Moduli {
         self.growth * (self.q0 * self.q0 + self.g1 * self.g1 * w)
     }
 
-    /// |p₁ p₂| − |q² e^(−Ts)|.
+    /// The excess |p₁ p₂| − |q² e^(−Ts)| of the sides over the coupling on the line.
     fn excess(&self, w: f64) -> f64 {
         self.sides_modulus(w) - self.coupling_modulus(w)
     }
 
-    /// The derivative of the excess with respect to w.
+    /// The derivative of the excess on the line with respect to w = y².
     fn excess_slope(&self, w: f64) -> f64 {
         let term = |i: usize| {
             let real = self.value[i] - w;

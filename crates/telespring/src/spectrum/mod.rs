@@ -158,7 +158,7 @@ pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Resu
     })
 }
 
-/// Checks the requested number of roots.
+/// Checks the requested number of characteristic roots.
 pub(crate) fn check_root_count(count: usize) -> Result<()> {
     if (1..=MAX_ROOTS).contains(&count) {
         return Ok(());

@@ -124,6 +124,7 @@ impl Characteristic {
 
 /// Follows χ with the rigid-body root.
 impl Winding for Characteristic {
+    /// A safe step for χ from bounds on its second derivative.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
         let ([value, slope, _], _) = self.value_and_derivatives(s);
         let step = taylor_step(

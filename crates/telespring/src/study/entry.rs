@@ -48,17 +48,17 @@ pub(super) struct Entry<'r, 'a> {
 }
 
 impl<'r, 'a> Entry<'r, 'a> {
-    /// The error for this value.
+    /// The error for this value of the study file.
     pub fn reject(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
         self.source.reject(&self.field, self.value, allowed, remedy)
     }
 
-    /// Adds the line of this value to an error.
+    /// Adds the line of this value in the study file to an error.
     pub fn place(&self, error: InvalidInput) -> InvalidInput {
         self.source.with_line(error, self.value.span().start)
     }
 
-    /// Reads a string.
+    /// Reads a string of the study file.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
             DeValue::String(text) if text.contains('\0') => Err(self.reject(
@@ -70,7 +70,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         }
     }
 
-    /// Reads one of several words.
+    /// Reads one of several words of the study file.
     pub fn choice<'w>(&self, words: &[&'w str]) -> Result<&'w str> {
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
         let given = match self.value.get_ref() {
@@ -84,7 +84,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         })
     }
 
-    /// Reads true or false.
+    /// Reads a boolean of the study file.
     pub fn boolean(&self) -> Result<bool> {
         self.value
             .get_ref()
@@ -92,7 +92,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             .ok_or_else(|| self.reject("true or false is needed", "Write it without quotes."))
     }
 
-    /// Reads a whole number within a range.
+    /// Reads a whole number of the study file within a range.
     pub fn whole_number(&self, what: &str, least: i64, most: i64) -> Result<i64> {
         let remedy = match self.value.get_ref() {
             // A number beyond 64 bits is out of range too.
@@ -105,7 +105,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
 
-    /// The items of a list.
+    /// The items of a list in the study file.
     pub fn items(&self, what: &str) -> Result<Vec<Self>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(self.reject(format!("a list of {what} is needed"), "Put it in square brackets."));
@@ -113,7 +113,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
 
-    /// The members of a table with their keys.
+    /// The members of a table in the study file with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
             return Err(self.reject("names with values are needed", "Write, for example, {gain = 2.0}."));
@@ -151,7 +151,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok([values[0].low, values[1].low])
     }
 
-    /// Reads a list of strings.
+    /// Reads a list of strings in the study file.
     pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(
@@ -161,7 +161,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
-    /// An item or member of this value, with its own field.
+    /// An item or member of this value of the study file, with its own field.
     fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
         Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
@@ -199,7 +199,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Some([part(keys[0])?, part(keys[1])?]))
     }
 
-    /// Reads a number within the range of a quantity.
+    /// Reads a number of the study file within the range of a quantity.
     pub fn number(&self, quantity: Quantity, kinds: &str) -> Result<f64> {
         let value = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -218,7 +218,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
 
-    /// Reads a number, or with `ranges` also {min = …, max = …}.
+    /// Reads a number of the study file, or with `ranges` also {min = …, max = …}.
     fn number_or_range(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);

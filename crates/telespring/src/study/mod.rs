@@ -16,11 +16,11 @@
 //!
 //! [coupling]
 //! stiffness = 71.2              # N/m, the virtual spring
-//! damping = 0                   # N·s/m, a damper beside it, default 0
+//! damping = 0                   # N·s/m, a damper in parallel, default 0
 //!
 //! [network]
 //! delay = 0.05                  # s, one way; or {forward = 0.04, backward = 0.06}
-//! jitter = 0.01                 # s, the most that a packet may be later, default 0
+//! jitter = 0.01                 # s, the maximum additional delay of a packet, default 0
 //! max_gap = 0.02                # s, the longest wait for a newer sample, default 0
 //!
 //! [controller]

@@ -159,11 +159,12 @@ impl ProtocolChoice {
     }
 }
 
-/// Every stiffness with every delay.
+/// The conditions of every stiffness with every delay.
 fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
     stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
 }
 
+/// Checks the number of conditions of a protocol.
 fn check_condition_count(count: usize) -> Result<()> {
     if (1..=MAX_CONDITIONS).contains(&count) {
         return Ok(());
@@ -268,7 +269,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     Ok(Conditions::Listed(listed))
 }
 
-/// Reads a list of distinct numbers.
+/// Reads a list of distinct numbers of the protocol.
 fn read_number_list(
     reader: &Reader<'_>,
     key: &str,

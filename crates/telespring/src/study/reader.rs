@@ -119,12 +119,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Whether the study has a section.
+    /// Whether the study file has a section.
     pub fn has(&self, section: &str) -> bool {
         self.table.contains_key(section)
     }
 
-    /// The kind of a section; the first kind by default.
+    /// The kind of a section of the study file; the first kind by default.
     pub fn kind(&self, section: &str) -> Result<&'static str> {
         let kinds = SECTIONS.iter().find(|(name, _)| *name == section).map(|(_, keys)| keys.kinds());
         let kinds = kinds.unwrap_or_default();
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The error for a whole section.
+    /// The error for a whole section of the study file.
     pub fn reject_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
         let position = self.table.get(section).map_or(0, |value| value.span().start);
         self.source.with_line(InvalidInput::new(section, "a section", allowed, remedy), position)
@@ -161,16 +161,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The name of the study, if given.
+    /// The name of the study, if given in the file.
     pub fn name(&self) -> Result<Option<String>> {
         self.table.get("name").map(|value| self.entry("name".to_owned(), value).text()).transpose()
     }
 
+    /// A value of the study file with its dotted field.
     fn entry<'r>(&'r self, field: String, value: &'r Spanned<DeValue<'a>>) -> Entry<'r, 'a> {
         Entry { source: self.source, field, value }
     }
 
-    /// The value of a key in a section, if given.
+    /// The value of a key in a section of the study file, if given.
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_, 'a>> {
         let value = self.table.get(section)?.get_ref().as_table()?.get(key)?;
         Some(self.entry(format!("{section}.{key}"), value))

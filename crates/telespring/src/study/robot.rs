@@ -99,7 +99,7 @@ fn read_uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<
     Ok((!certain).then_some(Uncertainty { mass_sd, damping_sd, correlation }))
 }
 
-/// The lower ends of the values on all axes.
+/// The lower ends of a robot's values on all axes.
 fn lower_ends(values: &PerAxis, count: usize) -> Vec<f64> {
     values.spread(count).iter().map(|span| span.low).collect()
 }

@@ -27,7 +27,7 @@ pub(super) struct UnknownKey<'k> {
 }
 
 impl Source<'_> {
-    /// The line of a byte position, counted from 1.
+    /// The line in the study file of a byte position, counted from 1.
     pub fn line(&self, position: usize) -> usize {
         1 + self.0.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
     }
@@ -60,7 +60,7 @@ impl Source<'_> {
         self.with_line(refusal, value.span().start)
     }
 
-    /// Adds the line of a byte position to an error.
+    /// Adds the line in the study file of a byte position to an error.
     pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
         refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
         refusal

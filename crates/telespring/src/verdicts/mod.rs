@@ -163,7 +163,7 @@ pub struct AxisVerdict {
     pub tiers: [AxisTier; 4],
     /// The paper's critical stiffness (Eq. 5), N/m.
     pub paper_critical_stiffness: f64,
-    /// The paper's maximum delay (Eq. 6), s; 0 where its Eq. 9 fails.
+    /// The paper's maximum delay (Eq. 6), s; 0 if its Eq. 9 fails.
     pub paper_maximum_delay: f64,
     /// The end of the first stable delay interval, s; the smallest over the operators examined.
     pub maximum_delay: f64,

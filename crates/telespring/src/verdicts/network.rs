@@ -119,7 +119,7 @@ impl Network {
         Self { delay, jitter: 0.0, max_gap: 0.0, sample_period: 0.0, computing_time: 0.0 }
     }
 
-    /// The constant part of the one-way delays.
+    /// The constant part of the network's one-way delays.
     pub fn delay(&self) -> Delay {
         self.delay
     }

@@ -60,12 +60,12 @@ impl OperatorRange {
         Ok(Self { low, high })
     }
 
-    /// The lower end.
+    /// The lower end of the operator range.
     pub fn low(&self) -> &Operator {
         &self.low
     }
 
-    /// The upper end.
+    /// The upper end of the operator range.
     pub fn high(&self) -> &Operator {
         &self.high
     }
@@ -139,7 +139,7 @@ impl OperatorBox {
         }
     }
 
-    /// The axis with these operators.
+    /// The axis of the dyad held by these operators.
     pub fn axis(&self, at: &OperatorPair) -> DyadAxis {
         let side = |i: usize| Side {
             mass: self.robots[i].mass + at[3 * i],
@@ -169,7 +169,7 @@ impl OperatorBox {
         points
     }
 
-    /// The corners of the box.
+    /// The corners of the box of operators.
     pub fn corners(&self) -> Vec<OperatorPair> {
         self.grid(2)
     }
@@ -182,7 +182,7 @@ impl OperatorBox {
     }
 }
 
-/// The six numbers of a pair as two operators.
+/// Converts the six numbers of an operator pair to two operators.
 pub(super) fn operator_points(at: &OperatorPair) -> [OperatorPoint; 2] {
     [0, 3].map(|i| OperatorPoint { mass: at[i], damping: at[i + 1], stiffness: at[i + 2] })
 }
@@ -254,7 +254,7 @@ fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier
     }
 }
 
-/// Tier 2: exact at the smallest damping.
+/// Tier 2 over a range of operators: exact at the smallest damping.
 fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let worst = region.weakest_corner();
     let damping = region.axis(&worst).sides.map(|side| side.damping);
@@ -357,7 +357,7 @@ fn constant_delay_tier(
     Ok((verdict, worst.0, count))
 }
 
-/// Evaluates all four tiers on one axis.
+/// Evaluates all four tiers on one axis over a range of operators.
 pub(super) fn examine_tiers(region: &OperatorBox, network: &Network, k: f64) -> Result<ExaminedTiers> {
     let delay = network.buffered_mean();
     let (third, _, third_count) = constant_delay_tier(region, Tier::AnyConstantDelay, delay, k)?;

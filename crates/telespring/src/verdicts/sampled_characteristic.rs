@@ -47,6 +47,7 @@ fn evaluate_polynomial(polynomial: &[f64], w: Complex64) -> (Complex64, Complex6
 }
 
 impl SampledCharacteristic {
+    /// The characteristic function of a sampled axis at a stiffness (N/m) over a network.
     pub fn new(axis: &DyadAxis, stiffness: f64, network: &Network) -> Self {
         let [q, n]: [Vec<Vec<f64>>; 2] = {
             let sides = axis

@@ -93,6 +93,7 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
 /// A matrix of the sampled local loop on (position, velocity, previous force).
 type Loop = [[f64; 3]; 3];
 
+/// The product of two matrices of the sampled local loop.
 fn loop_product(a: &Loop, b: &Loop) -> Loop {
     a.map(|row| {
         let mut out = [0.0; 3];
@@ -105,6 +106,7 @@ fn loop_product(a: &Loop, b: &Loop) -> Loop {
     })
 }
 
+/// The row-sum norm of a matrix of the sampled local loop.
 fn row_sum_norm(a: &Loop) -> f64 {
     a.iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max)
 }

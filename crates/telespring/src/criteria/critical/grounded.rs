@@ -14,8 +14,8 @@ type Tensor = [[f64; 4]; 5];
 pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
     let bound = stable_stiffness_bound(axis);
     // An undamped side still has the coupling damper: only the limit of a soft spring is left to check.
-    let softest = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
-    let Some(lowest) = bound.or(softest) else { return 0.0 };
+    let soft_spring = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
+    let Some(lowest) = bound.or(soft_spring) else { return 0.0 };
     let mut best = scan_frequencies(axis, lowest);
     // Each round either proves F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
     for _ in 0..64 {
@@ -71,6 +71,7 @@ fn scan_frequencies(axis: &DyadAxis, lowest: f64) -> CurvePoint {
     descend_along_curve(axis, best.squared_frequency, best)
 }
 
+/// The curve point with the smaller stiffness.
 fn lower_stiffness(best: CurvePoint, candidate: Option<CurvePoint>) -> CurvePoint {
     candidate.filter(|point| point.stiffness < best.stiffness).unwrap_or(best)
 }
@@ -87,7 +88,7 @@ fn least_stiffness_at(axis: &DyadAxis, squared_frequency: f64) -> Option<CurvePo
     Some(CurvePoint { squared_frequency, stiffness })
 }
 
-/// F at a fixed frequency, as a polynomial in k.
+/// The crossing polynomial F at a fixed frequency, as a polynomial in the stiffness k.
 fn polynomial_in_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Polynomial<R, 4> {
     let xi = R::from(squared_frequency);
     let mut coefficient = [R::from(0.0); 4];
@@ -155,7 +156,7 @@ fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint
     lower_stiffness(best, Some(middle))
 }
 
-/// The coefficients of F(ξ, k), in the requested arithmetic.
+/// The coefficients of the crossing polynomial F(ξ, k), in the requested arithmetic.
 fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     let number = R::from;
     let two = number(2.0);
@@ -271,7 +272,7 @@ fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     spread
 }
 
-/// De Casteljau subdivision along the frequency (rows).
+/// De Casteljau subdivision of the Bernstein coefficients along the frequency (rows).
 fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for j in 0..4 {
@@ -287,7 +288,7 @@ fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     (low, high)
 }
 
-/// De Casteljau subdivision along the stiffness (columns).
+/// De Casteljau subdivision of the Bernstein coefficients along the stiffness (columns).
 fn halve_stiffness_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for i in 0..5 {

@@ -83,7 +83,7 @@ where
         Ok(first.filter(|crossing| crossing.time > window.start + resolution(window.start)))
     }
 
-    /// The delayed argument at `t` in the window.
+    /// The delayed argument t − τ at `t` in the window of a step.
     fn argument_in(
         &mut self,
         index: usize,

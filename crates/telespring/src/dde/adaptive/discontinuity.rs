@@ -32,12 +32,12 @@ pub struct Discontinuity {
 }
 
 impl Discontinuity {
-    /// A jump of the first derivative: a force that switches on.
+    /// A break point where the first derivative jumps: a force that switches on.
     pub fn kink(time: f64) -> Self {
         Self { time, order: 1 }
     }
 
-    /// A jump of the value, possible only in a history.
+    /// A break point where the value jumps, possible only in a history.
     pub fn jump(time: f64) -> Self {
         Self { time, order: 0 }
     }
@@ -90,7 +90,7 @@ impl Discontinuities {
         }
     }
 
-    /// The next known break ahead.
+    /// The next known break point ahead.
     pub(super) fn next_pending(&self) -> Option<Discontinuity> {
         self.pending.first().copied()
     }
@@ -117,7 +117,7 @@ impl Discontinuities {
         self.reached[from..].iter().take_while(move |d| d.time <= high).copied().filter(|d| d.order < ORDER)
     }
 
-    /// The times at which the value jumps.
+    /// The times of the break points at which the value jumps.
     pub(super) fn jumps(&self) -> Vec<f64> {
         self.reached.iter().filter(|d| d.order == 0).map(|d| d.time).collect()
     }
@@ -127,7 +127,7 @@ impl Discontinuities {
         self.reached.last().is_some_and(|d| d.time == time)
     }
 
-    /// All breaks reached at or after `start`.
+    /// All break points reached at or after `start`.
     pub(super) fn since(&self, start: f64) -> Vec<Discontinuity> {
         self.reached.iter().copied().filter(|d| d.time >= start).collect()
     }

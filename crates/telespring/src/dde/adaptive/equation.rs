@@ -117,7 +117,7 @@ where
         check_finite(out)
     }
 
-    /// The history at `t`.
+    /// The history of the equation at `t`.
     pub(super) fn history_at(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
         (self.history)(t, out).map_err(Interrupt::Callback)?;
         check_finite(out)
@@ -184,7 +184,7 @@ where
     }
 }
 
-/// Checks that all values of a callback are finite.
+/// Checks that a callback returned finite values.
 fn check_finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
     if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }
 }

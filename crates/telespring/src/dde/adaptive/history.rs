@@ -23,6 +23,7 @@ pub(super) struct Predictor {
 }
 
 impl Predictor {
+    /// The predicted state at `t` within the current step.
     pub(super) fn evaluate(&self, t: f64, out: &mut [f64]) {
         interpolant::evaluate_polynomial(&self.coefficients, (t - self.origin) / self.width, out);
     }
@@ -54,6 +55,7 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
+    /// An empty solution history at the start.
     pub(super) fn new(equation: Equation<'a, E, F, H>, start: f64, initial: Vec<f64>) -> Self {
         let (delays, dimension) = (equation.delays.len(), equation.dimension);
         Self {
@@ -117,7 +119,7 @@ where
         result
     }
 
-    /// Fills one row per delay with the delayed state.
+    /// Fills one row per delay with the delayed state from the solution history.
     fn gather_delayed_states(
         &mut self,
         nominal: f64,

@@ -131,6 +131,7 @@ where
     Ok(solver::Solver::new(equation, state, first_break, end, checked).run())
 }
 
+/// Checks the dimension and the initial state of a delay differential equation.
 fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
     if dimension == 0 {
         return Err(InvalidInput::new(

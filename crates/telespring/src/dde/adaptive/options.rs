@@ -25,7 +25,7 @@ impl From<Vec<f64>> for Tolerance {
 }
 
 impl Tolerance {
-    /// One checked tolerance per component.
+    /// Expands a tolerance to one checked value per component.
     fn expand(&self, field: &str, dimension: usize, minimum: f64) -> Result<Vec<f64>> {
         let values = match self {
             Self::Uniform(value) => vec![*value; dimension],
@@ -116,6 +116,7 @@ pub(super) struct CheckedOptions {
 }
 
 impl Options {
+    /// Checks the options of the adaptive solver.
     pub(super) fn check(&self, dimension: usize, start: f64) -> Result<CheckedOptions> {
         let rtol = self.rtol.expand("rtol", dimension, 1e-13)?;
         let atol = self.atol.expand("atol", dimension, f64::MIN_POSITIVE)?;

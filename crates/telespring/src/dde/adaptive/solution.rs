@@ -76,20 +76,23 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
+    /// A mesh without steps.
     pub(super) fn new(start: f64, dimension: usize) -> Self {
         Self { dimension, knots: vec![start], coefficients: Vec::new() }
     }
 
+    /// Appends the polynomial of a step to the mesh.
     pub(super) fn push(&mut self, end: f64, coefficients: &[f64]) {
         self.knots.push(end);
         self.coefficients.extend_from_slice(coefficients);
     }
 
+    /// The number of steps in the mesh.
     pub(super) fn steps(&self) -> usize {
         self.knots.len() - 1
     }
 
-    /// The polynomial of step `index`, its start and its width.
+    /// The polynomial of step `index` of the mesh, its start and its width.
     pub(super) fn step(&self, index: usize) -> (&[f64], f64, f64) {
         let length = COEFFICIENTS * self.dimension;
         let (start, end) = (self.knots[index], self.knots[index + 1]);
@@ -139,7 +142,7 @@ pub struct Solution<E> {
 }
 
 impl<E> Solution<E> {
-    /// The number of components.
+    /// The number of components of the solution.
     pub fn dimension(&self) -> usize {
         self.initial.len()
     }
@@ -155,11 +158,12 @@ impl<E> Solution<E> {
         *self.mesh.knots.last().unwrap_or(&f64::NAN)
     }
 
-    /// The times at which steps start and end.
+    /// The knots of the solution: the times at which steps start and end.
     pub fn knots(&self) -> &[f64] {
         &self.mesh.knots
     }
 
+    /// Checks that a time lies within the solution and an output array has the right length.
     fn check(&self, t: f64, length: usize, expected: usize) -> Result<()> {
         if !(self.start()..=self.end()).contains(&t) {
             return Err(InvalidInput::new(

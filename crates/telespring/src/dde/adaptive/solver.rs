@@ -54,6 +54,7 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
+    /// A solver at the start of the span.
     pub(super) fn new(
         equation: Equation<'a, E, F, H>,
         initial: Vec<f64>,
@@ -197,7 +198,7 @@ where
         }
     }
 
-    /// The smallest step that changes time and solution.
+    /// The smallest step width that changes time and solution.
     fn smallest_step(&self, here: f64) -> f64 {
         0.5 * resolution(here.abs().max(1e-4 * (self.end - self.history.start)))
     }
@@ -306,7 +307,7 @@ where
         Ok(first)
     }
 
-    /// Accepts the attempted step.
+    /// Accepts the attempted step: extends the mesh and reaches the break at its end.
     fn accept_step(&mut self, target: StepEnd) {
         self.history.mesh.push(target.end, &self.attempt.coefficients);
         self.history.here = target.end;

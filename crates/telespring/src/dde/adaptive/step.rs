@@ -28,6 +28,7 @@ pub(super) struct StepInterval {
 }
 
 impl StepInterval {
+    /// The width of the step.
     pub(super) fn width(&self) -> f64 {
         self.end - self.start
     }
@@ -77,6 +78,7 @@ pub(super) enum Outcome {
 }
 
 impl StepAttempt {
+    /// Memory for attempted steps of a system with this dimension.
     pub(super) fn new(dimension: usize) -> Self {
         let room = || vec![0.0; dimension];
         Self {

@@ -57,6 +57,7 @@ impl SampledForce {
         Ok(Self { values, rate, hold })
     }
 
+    /// The sample of the force at an index, held after the last.
     fn value(&self, index: usize) -> f64 {
         self.values[index.min(self.values.len() - 1)]
     }
@@ -142,6 +143,7 @@ impl Force {
         }
     }
 
+    /// Checks the amplitudes, frequencies and phases of a force.
     pub(super) fn check(&self, field: &str) -> Result<()> {
         match self {
             Self::Step(value) => check_magnitude(field, *value, "N"),

@@ -33,6 +33,7 @@ struct StepTrack {
 }
 
 impl StepTrack {
+    /// Appends a Taylor step to the track of a robot.
     fn push_step(&mut self, start: f64, length: f64) -> &mut Series {
         if self.count == self.steps.len() {
             self.steps.push(Series { start, length, degree: 0, coefficients: [0.0; STRIDE] });
@@ -91,7 +92,7 @@ struct RobotState {
     force: Coefficients,
 }
 
-/// Simulates with `cells` steps per delay.
+/// Simulates the linear dyad with steps that divide the delay, `cells` per delay.
 pub(super) fn simulate_on_grid(
     problem: &Problem,
     cells: usize,

@@ -83,7 +83,7 @@ impl History {
         Self::polynomial(PiecewisePolynomial::from_function(function, breakpoints, -span, 0.0)?)
     }
 
-    /// The same positions with this velocity (m/s) at t = 0.
+    /// The same history with this velocity (m/s) at t = 0.
     ///
     /// # Errors
     ///
@@ -99,7 +99,7 @@ impl History {
         self.pieces().map_or(0.0, PiecewisePolynomial::error)
     }
 
-    /// Position and velocity at t = 0.
+    /// Position and velocity of the robot at t = 0.
     pub(super) fn start(&self) -> State {
         let x = match &self.position {
             PastPosition::Constant(position) => *position,
@@ -108,6 +108,7 @@ impl History {
         State { x, v: self.velocity }
     }
 
+    /// The pieces of the history; `None` for a robot at rest.
     fn pieces(&self) -> Option<&PiecewisePolynomial> {
         match &self.position {
             PastPosition::Constant(_) => None,
@@ -115,12 +116,12 @@ impl History {
         }
     }
 
-    /// The number of break points before 0.
+    /// The number of break points of the history before 0.
     pub(super) fn break_count(&self) -> usize {
         self.pieces().map_or(0, |pieces| pieces.edges().len() - 1)
     }
 
-    /// One of the break points, in ascending order.
+    /// A break point of the history, in ascending order.
     pub(super) fn break_at(&self, index: usize) -> Option<Break> {
         let pieces = self.pieces().filter(|_| index < self.break_count())?;
         let effect = if pieces.is_break(index) { 1.0 } else { SMOOTH_EDGE };

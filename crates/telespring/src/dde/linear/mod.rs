@@ -108,12 +108,12 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// The time of output `index`, s.
+    /// The time of output `index` of the simulation, s.
     pub fn time(&self, index: usize) -> f64 {
         index as f64 / self.rate
     }
 
-    /// The number of outputs.
+    /// The number of outputs of the simulation.
     pub fn len(&self) -> usize {
         self.position[0].len()
     }
@@ -347,7 +347,7 @@ impl Problem<'_> {
         break_point
     }
 
-    /// Chooses the method and the number of steps, and runs it.
+    /// Solves the problem: chooses steps that divide the delay or longer ones, and their number.
     fn solve(&self, workspace: &mut Workspace, writer: &mut OutputWriter) -> Result<RunOutcome> {
         let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
         let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };
@@ -382,6 +382,7 @@ impl Problem<'_> {
     }
 }
 
+/// The error for a simulation that needs too many steps.
 fn too_stiff_error(what: &str, rate: f64) -> InvalidInput {
     InvalidInput::new(
         "axis",
@@ -391,7 +392,7 @@ fn too_stiff_error(what: &str, rate: f64) -> InvalidInput {
     )
 }
 
-/// Checks the axis of a simulation.
+/// Checks the values of the axis of a simulation.
 fn check_axis(axis: &DyadAxis) -> Result<()> {
     let check = |field: String, value: f64, positive: bool| {
         if value.is_finite() && (value > 0.0 || (!positive && value == 0.0)) {

@@ -3,7 +3,7 @@
 use super::MAGNITUDE_LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
-/// True beyond [`MAGNITUDE_LIMIT`] and for NaN.
+/// True for positions beyond [`MAGNITUDE_LIMIT`] and for NaN.
 fn is_beyond(value: f64) -> bool {
     value.is_nan() || value.abs() > MAGNITUDE_LIMIT
 }
@@ -18,6 +18,7 @@ pub(super) struct OutputWriter<'a> {
 }
 
 impl<'a> OutputWriter<'a> {
+    /// A writer for `count` outputs at `rate` (Hz) into the caller's arrays.
     pub(super) fn new(
         rate: f64,
         count: usize,
@@ -27,7 +28,7 @@ impl<'a> OutputWriter<'a> {
         Self { rate, count, next: [0; 2], position, velocity }
     }
 
-    /// Restarts from the first output.
+    /// Restarts writing from the first output.
     pub(super) fn restart(&mut self) {
         self.next = [0; 2];
     }

@@ -121,7 +121,7 @@ impl PiecewisePolynomial {
         self.error
     }
 
-    /// The value at `time` (s).
+    /// The value of the piecewise polynomial at `time` (s).
     pub fn value(&self, time: f64) -> f64 {
         let mut local = [0.0; super::series::STRIDE];
         self.series(time, 0.0, time, &mut local);
@@ -133,12 +133,12 @@ impl PiecewisePolynomial {
         &self.edges
     }
 
-    /// False if the function is smooth at an edge.
+    /// False if the piecewise polynomial is smooth at an edge.
     pub(super) fn is_break(&self, edge: usize) -> bool {
         self.breaks[edge]
     }
 
-    /// The slope just before the last edge.
+    /// The slope of the piecewise polynomial just before the last edge.
     pub(super) fn final_slope(&self) -> f64 {
         let piece = self.pieces.len() - 1;
         let half = 0.5 * (self.edges[piece + 1] - self.edges[piece]);
@@ -259,6 +259,7 @@ fn chebyshev_interpolant<const N: usize>(values: &[f64; N]) -> [f64; N] {
     powers
 }
 
+/// Checks that a number of a piecewise polynomial is finite and not too large.
 fn check_value(field: &str, value: f64) -> Result<()> {
     if value.abs() <= super::MAGNITUDE_LIMIT {
         return Ok(());
@@ -271,6 +272,7 @@ fn check_value(field: &str, value: f64) -> Result<()> {
     ))
 }
 
+/// Checks that the edges of the pieces ascend.
 fn check_edges(field: &str, edges: &[f64]) -> Result<()> {
     for (i, &edge) in edges.iter().enumerate() {
         check_value(&format!("{field}[{i}]"), edge)?;

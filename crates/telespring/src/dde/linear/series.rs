@@ -23,7 +23,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// The coefficients up to the degree of the series.
+    /// The coefficients of the Taylor series up to its degree.
     pub(super) fn used_coefficients(&self) -> &[f64] {
         &self.coefficients[..=self.degree]
     }
@@ -136,6 +136,7 @@ pub(super) fn advance(
     with_or_without_fma!(advance_with(rates, memory, from, length, degree, delayed, force, series))
 }
 
+/// [`advance`] with or without fused multiply-add.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "private and hot; a struct would only rename them")]
 fn advance_with<const FMA: bool>(
@@ -254,6 +255,7 @@ pub(super) fn advance_both(pair: &CoupledStep, series: &mut [Coefficients; 2]) -
     with_or_without_fma!(advance_both_with(pair, series))
 }
 
+/// [`advance_both`] with or without fused multiply-add.
 #[inline(always)]
 fn advance_both_with<const FMA: bool>(
     pair: &CoupledStep,
@@ -445,6 +447,7 @@ pub(super) fn evaluate(series: &[f64], first: f64, spacing: f64, out: &mut [f64]
     with_or_without_fma!(evaluate_with(series, first, spacing, out))
 }
 
+/// [`evaluate`] with or without fused multiply-add.
 #[inline(always)]
 fn evaluate_with<const FMA: bool>(series: &[f64], first: f64, spacing: f64, out: &mut [f64]) {
     let mut done = 0;

@@ -61,7 +61,7 @@ impl StepMap {
         Some(())
     }
 
-    /// A force whose contribution is about one.
+    /// A force whose contribution to the step map is about one.
     fn unit_force(pair: &CoupledStep, robot: usize) -> f64 {
         1.0 / (pair.rates[robot].force * pair.length * pair.length)
     }
@@ -179,6 +179,7 @@ pub(super) fn simulate_with_long_steps(
 type Advanced = [Option<(Instant, State)>; 2];
 
 impl LongStepRun<'_> {
+    /// The distance within which two times on the common clock coincide, s.
     fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.clock.abs().max(self.problem.delay)
     }
@@ -215,7 +216,7 @@ impl LongStepRun<'_> {
         self.quiet_from = self.quiet_from.max(quiet);
     }
 
-    /// Stores the steps before the start, from both histories.
+    /// Stores the history of both robots as steps before the start.
     fn remember_history(&mut self) {
         for i in 0..2 {
             let (history, offset) = (&self.problem.histories[i], self.problem.offsets[i]);
@@ -277,7 +278,7 @@ impl LongStepRun<'_> {
         }
     }
 
-    /// The time until the next event.
+    /// The time until the next break or echo of a break.
     fn time_to_next_event(&mut self) -> f64 {
         let next = self.next_break().map_or(f64::INFINITY, |(_, clock, _)| clock);
         self.memory.events.last().copied().unwrap_or(f64::INFINITY).min(next) - self.clock

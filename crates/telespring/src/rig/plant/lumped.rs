@@ -36,7 +36,7 @@ struct SpanMap {
     push: f64,
 }
 
-/// φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z, z ≥ 0.
+/// The averages φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z of an exponential, z ≥ 0.
 pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
     if z > 0.5 {
         let first = -(-z).exp_m1() / z;
@@ -52,6 +52,7 @@ pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
 }
 
 impl SpanMap {
+    /// The exact map of an axis with this mass (kg) and damping (N·s/m) over a span (s).
     fn new(mass: f64, damping: f64, span: f64) -> Self {
         let z = damping / mass * span;
         let (first, second) = exponential_averages(z);
@@ -162,7 +163,7 @@ impl Axis {
         }
     }
 
-    /// The force of the arm on the handle on one axis, N.
+    /// The force of the lumped arm on the handle on one axis, N.
     fn handle_force(&self, robot_force: f64, hand_force: f64) -> f64 {
         let force = robot_force + hand_force;
         let acceleration = (force - self.damping * self.velocity - self.friction_force(force)) / self.mass;
@@ -207,12 +208,12 @@ impl LumpedPlant {
         self
     }
 
-    /// The position of the handle, m.
+    /// The position of the handle with the lumped arm, m.
     pub fn position(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.position)
     }
 
-    /// The velocity of the handle, m/s.
+    /// The velocity of the handle with the lumped arm, m/s.
     pub fn velocity(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.velocity)
     }

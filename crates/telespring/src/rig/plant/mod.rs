@@ -44,13 +44,13 @@ pub struct RelaxingForce {
 }
 
 impl RelaxingForce {
-    /// The force after `span` s, N per axis.
+    /// The relaxing force after `span` s, N per axis.
     pub fn after(&self, span: f64) -> [f64; 2] {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
 
-    /// The mean force over `span` s, N per axis, with the same impulse.
+    /// The mean of the relaxing force over `span` s, N per axis, with the same impulse.
     pub fn mean(&self, span: f64) -> [f64; 2] {
         let (rest, _) = lumped::exponential_averages(span / self.time_constant);
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))

@@ -33,7 +33,7 @@ impl TwoLinkArm {
         torque_limit: [20.0, 20.0],
     };
 
-    /// The same arm if every value is in range.
+    /// The same two-link arm if every value is in range.
     ///
     /// # Errors
     ///

@@ -38,6 +38,7 @@ impl ForceBalance {
 }
 
 impl ArmDynamics {
+    /// The pose-independent inertias of robot and arm.
     pub fn new(handle: Handle, arm: TwoLinkArm) -> Self {
         let TwoLinkArm { link_length, link_mass, link_centre, link_inertia, rotor_inertia, .. } = arm;
         Self {

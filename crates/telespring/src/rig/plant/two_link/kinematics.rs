@@ -20,6 +20,7 @@ pub(super) struct Pose {
     pub rate: [[f64; 2]; 2],
 }
 
+/// The scalar product of two plane vectors.
 #[inline]
 pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
@@ -32,7 +33,7 @@ fn quarter_turn(a: [f64; 2]) -> [f64; 2] {
 }
 
 impl Pose {
-    /// The pose that holds the handle at `position`, m.
+    /// The pose of the arm that holds the handle at `position`, m.
     #[inline]
     pub fn at(arm: &TwoLinkArm, position: [f64; 2]) -> Result<Self, OutOfReach> {
         let [upper, lower] = arm.link_length;

@@ -60,24 +60,28 @@ struct HeldSpan<'a> {
     contact: [Contact; 2],
 }
 
+/// Position and velocity of a state.
 #[inline]
 fn split_state([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
     ([px, py], [vx, vy])
 }
 
 impl HeldSpan<'_> {
+    /// The force balance of robot and arm in a state under the held forces.
     #[inline]
     fn force_balance(&self, state: State) -> Result<ForceBalance, OutOfReach> {
         let (position, velocity) = split_state(state);
         self.rig.force_balance(position, velocity, self.held.torque, self.held.robot_force)
     }
 
+    /// The time derivative of a state under the present contacts.
     #[inline]
     fn derivative(&self, state: State, balance: &ForceBalance) -> State {
         let [ax, ay] = motion_under(balance, self.contact, self.rig.handle.coulomb).acceleration;
         [state[2], state[3], ax, ay]
     }
 
+    /// One Dormand–Prince step of robot and arm with its error estimate.
     #[inline]
     fn runge_kutta_step(&self, start: State, slope: State, length: f64) -> Result<StepResult, OutOfReach> {
         let mut slopes = [slope; 7];
@@ -103,7 +107,7 @@ impl HeldSpan<'_> {
         Ok(StepResult { state, derivative: slopes[6], balance, error })
     }
 
-    /// Whether a contact is violated in a state.
+    /// Whether a sticking or slipping contact is violated in a state.
     fn is_broken(&self, state: State, balance: &ForceBalance) -> bool {
         let level = self.rig.handle.coulomb;
         (0..2).any(|axis| match self.contact[axis] {
