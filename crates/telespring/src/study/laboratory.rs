@@ -1,4 +1,4 @@
-//! The sections [arm1], [arm2], [agent1], [agent2], [task] and [laboratory] of a study file.
+//! The sections `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]` and `[laboratory]` of a study file.
 
 use super::python::{PythonObject, read_python_object};
 use super::reader::Reader;
@@ -50,7 +50,7 @@ pub struct Setup {
     pub agents: [AgentChoice; 2],
     /// The task.
     pub task: Task,
-    /// Sample period of the laboratory's controllers, s, if given in [laboratory].
+    /// Sample period of the laboratory's controllers, s, if given in `[laboratory]`.
     pub sample_period: Option<f64>,
     /// True if a force acts one period after the sample from which it was computed.
     pub computing_tick: bool,
@@ -125,7 +125,7 @@ fn number_or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, 
     reader.get(section, key).map_or(Ok(default), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
-/// Reads a section [arm1] or [arm2].
+/// Reads a section `[arm1]` or `[arm2]`.
 fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
         reader
@@ -161,7 +161,7 @@ fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     }
 }
 
-/// Reads a section [agent1] or [agent2].
+/// Reads a section `[agent1]` or `[agent2]`.
 fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
@@ -186,7 +186,7 @@ fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Resul
     })
 }
 
-/// Reads the section [task].
+/// Reads the section `[task]`.
 fn read_task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {

@@ -28,9 +28,9 @@
 //! computing_time = 0.0002       # s, default 0
 //! ```
 //!
-//! All other keys describe the rehearsal and default to the paper's experiment: [robot1] and [robot2] may
+//! All other keys describe the rehearsal and default to the paper's experiment: `[robot1]` and `[robot2]` may
 //! add `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`, and there are the sections
-//! [arm1], [arm2], [agent1], [agent2], [task], [laboratory] and [protocol]. `docs/study-file.md` lists
+//! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]` and `[protocol]`. `docs/study-file.md` lists
 //! every key with its meaning, unit, range and default.
 
 mod entry;
@@ -121,7 +121,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if the text is not TOML, a key is unknown or missing, a value has the wrong type or
+    /// [`InvalidInput`](crate::InvalidInput) if the text is not TOML, a key is unknown or missing, a value has the wrong type or
     /// is out of range, or axes do not match. It gives the dotted field, the value, the allowed values, the
     /// nearest remedy and the line. No text causes a panic.
     ///

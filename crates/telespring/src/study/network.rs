@@ -1,4 +1,4 @@
-//! The sections [network] and [controller].
+//! The sections `[network]` and `[controller]`.
 
 use super::reader::Reader;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! The sections [operator1] and [operator2].
+//! The sections `[operator1]` and `[operator2]`.
 
 use super::entry::Span;
 use super::reader::Reader;

@@ -1,4 +1,4 @@
-//! The section [protocol]: conditions, number and duration of trials.
+//! The section `[protocol]`: conditions, number and duration of trials.
 
 use std::f64::consts::TAU;
 
@@ -207,7 +207,7 @@ fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     ))
 }
 
-/// Reads the section [protocol].
+/// Reads the section `[protocol]`.
 pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     const HERE: &str = "protocol";
     let paper = ProtocolChoice::paper();
@@ -233,7 +233,7 @@ pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     })
 }
 
-/// Reads the conditions of the section [protocol].
+/// Reads the conditions of the section `[protocol]`.
 fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     let stiffness = read_number_list(reader, "stiffness", quantity::STIFFNESS)?;
     let delay = read_number_list(reader, "delay", quantity::DELAY)?;

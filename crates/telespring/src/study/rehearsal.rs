@@ -27,12 +27,12 @@ impl Study {
         self.dyad.axis_names() == PLANE
     }
 
-    /// The sample period of the laboratory's controllers, s: from [laboratory], else from [controller],
+    /// The sample period of the laboratory's controllers, s: from `[laboratory]`, else from `[controller]`,
     /// else 1 ms.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if both sections give different values, or the value of [controller] is out of
+    /// [`InvalidInput`] if both sections give different values, or the value of `[controller]` is out of
     /// range for the laboratory.
     pub fn sample_period(&self) -> Result<f64> {
         let of_controller = self.network.sample_period();

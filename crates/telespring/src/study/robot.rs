@@ -1,4 +1,4 @@
-//! The sections [robot1] and [robot2].
+//! The sections `[robot1]` and `[robot2]`.
 
 use super::entry::{Entry, PerAxis};
 use super::reader::Reader;

@@ -183,7 +183,7 @@ impl TomlText {
         }
     }
 
-    /// Writes the section [protocol] if it differs from the paper's.
+    /// Writes the section `[protocol]` if it differs from the paper's.
     fn write_protocol(&mut self, protocol: &ProtocolChoice) {
         if *protocol == ProtocolChoice::paper() {
             return;
