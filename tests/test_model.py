@@ -83,7 +83,7 @@ def test_law_operators_are_added_to_the_robots(hman: ts.Dyad) -> None:
         (
             lambda: ts.Dyad(ts.Robot(1.0, 1.0), ts.Robot([1.0, 1.0], [1.0, 1.0])),
             "robot2.axes",
-            "as many axes",
+            "the same number of axes",
         ),
         (
             lambda: ts.Dyad(*ts.hman().robots, operators=(None, ts.Operator(stiffness=[1.0, 2.0, 3.0]))),

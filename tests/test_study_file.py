@@ -143,5 +143,5 @@ def test_ref_bad_values_are_refused_at_the_door() -> None:
         ts.Coupling(0.0)
     with pytest.raises(ts.InvalidInput, match="sample_period"):
         ts.Network(0.1, sample_period=-1.0)
-    with pytest.raises(ts.InvalidInput, match="Exchange the two"):
+    with pytest.raises(ts.InvalidInput, match="Swap the two"):
         ts.OperatorRange(ts.Operator(stiffness=2.0), ts.Operator(stiffness=1.0))

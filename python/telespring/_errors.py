@@ -13,9 +13,9 @@ class InvalidInput(ValueError):
     field : str
         Where the value stands, such as ``robot1.mass[0]`` or ``k[2, 3]``.
     value : str
-        The value as given.
+        The value as given; empty where it is missing.
     allowed : str
-        What is allowed there, with its unit.
+        What is allowed there, with its unit; of a missing value only the unit.
     remedy : str
         The nearest way to mend it, a full sentence.
 
@@ -43,7 +43,14 @@ class InvalidInput(ValueError):
         self.remedy = remedy
 
     def __str__(self) -> str:
-        return f"{self.field} = {self.value}: {self.allowed}. {self.remedy}"
+        return f"{self.statement} {self.remedy}"
+
+    @property
+    def statement(self) -> str:
+        """The first sentence of the message: what is wrong, without the remedy."""
+        if self.value:
+            return f"{self.field} = {self.value}: {self.allowed}."
+        return f"Missing {self.field} ({self.allowed})." if self.allowed else f"Missing {self.field}."
 
     def at(self, field: str) -> Self:
         """Return the same refusal with another place."""

@@ -1,20 +1,20 @@
-//! The characteristic function of one axis, in pieces that lose no digits near s = 0.
+//! The characteristic function of one axis, evaluated without cancellation near s = 0.
 //!
-//! χ(s) = P₁(s) P₂(s) − q(s)² e^(−T s) with Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i and q = k + c s.
-//! With free handles χ(0) = 0 for every stiffness and delay (both robots carried off together), and
-//! N(s) = χ(s)/s is what is worked on; with an operator to the ground N = χ.
+//! χ(s) = P₁(s) P₂(s) − q(s)² e^(−T s) with Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i and q = k + c s. With
+//! free handles χ(0) = 0 for every stiffness and delay: the rigid-body root. The code works on N(s) =
+//! χ(s)/s in that case, and on N = χ if an operator is grounded.
 //!
 //! Two forms of N lose different digits:
 //!
-//! * by sides, P₁ P₂ − q² e^(−T s): exact near a resonance, where P₁ or P₂ is small;
-//! * by remainder, R + q² (1 − e^(−T s)) with R = P₁ P₂ − q², whose coefficients are sums of
-//!   nonnegative terms: exact near s = 0.
+//! * by sides, P₁ P₂ − q² e^(−T s): accurate near a resonance, where P₁ or P₂ is small;
+//! * by remainder, R + q² (1 − e^(−T s)) with R = P₁ P₂ − q², whose coefficients are sums of nonnegative
+//!   terms: accurate near s = 0.
 
 use num_complex::Complex64;
 
-use crate::DyadAxis;
+use crate::model::DyadAxis;
 
-/// A function value with its derivative.
+/// The value and derivative of an analytic function.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jet {
     pub value: Complex64,
@@ -29,23 +29,24 @@ pub(crate) fn exp_m1(z: Complex64) -> Complex64 {
     Complex64::new(grown * (1.0 - versine) - versine, (grown + 1.0) * 2.0 * sin * cos)
 }
 
-/// What the delay contributes at one point s.
+/// The delay factors e^(−T s) and 1 − e^(−T s) at one point s.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Exponential {
+pub(crate) struct DelayExponential {
     /// 1 − e^(−T s).
     pub complement: Complex64,
     /// e^(−T s).
     pub decay: Complex64,
 }
 
-impl Exponential {
+impl DelayExponential {
+    /// The delay factors e^(−T s) and 1 − e^(−T s) at `s` for a round-trip delay (s).
     pub fn at(s: Complex64, round_trip: f64) -> Self {
         let less_one = exp_m1(-s * round_trip);
         Self { complement: -less_one, decay: less_one + 1.0 }
     }
 
     /// (1 − e^(−T s))/s and its derivative by s, finite at s = 0.
-    pub fn held(&self, s: Complex64, round_trip: f64) -> Jet {
+    pub fn integral(&self, s: Complex64, round_trip: f64) -> Jet {
         let (t, z) = (round_trip, s * round_trip);
         if z.norm_sqr() < 1e-6 {
             let value = (((z / 120.0 - 1.0 / 24.0) * z + 1.0 / 6.0) * z - 0.5) * z + 1.0;
@@ -57,8 +58,8 @@ impl Exponential {
     }
 
     /// Bounds on |(1 − e^(−T s))/s|, the integral of e^(−u s) over 0 < u < T, and on its first two
-    /// derivatives, where |s| ≥ `least` and |e^(−u s)| ≤ `growth` for all those u.
-    pub fn held_bounds(least: f64, round_trip: f64, growth: f64) -> [f64; 3] {
+    /// derivatives, for |s| ≥ `least` and |e^(−u s)| ≤ `growth`.
+    pub fn integral_bounds(least: f64, round_trip: f64, growth: f64) -> [f64; 3] {
         let t = round_trip;
         let zeroth = (t * growth).min((1.0 + growth) / least);
         let first = (0.5 * t * t * growth).min((t * growth + zeroth) / least);
@@ -67,7 +68,7 @@ impl Exponential {
     }
 }
 
-/// Pᵢ(s) = `mass` s² + `damping` s + `stiffness`, everything on one side counted.
+/// Pᵢ(s) = `mass` s² + `damping` s + `stiffness`: robot, operator and coupling of one side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SideFactor {
     pub mass: f64,
@@ -76,26 +77,28 @@ pub(crate) struct SideFactor {
 }
 
 impl SideFactor {
+    /// The value of Pᵢ(s).
     pub fn value(&self, s: Complex64) -> Complex64 {
         (s * self.mass + self.damping) * s + self.stiffness
     }
 
+    /// The derivative of Pᵢ(s).
     pub fn slope(&self, s: Complex64) -> Complex64 {
         s * (2.0 * self.mass) + self.damping
     }
 
-    /// What |Pᵢ| and |Pᵢ′| do not exceed at this |s|.
+    /// Upper bounds on |Pᵢ| and |Pᵢ′| at this |s|.
     pub fn bounds(&self, size: f64) -> [f64; 2] {
         [(self.mass * size + self.damping) * size + self.stiffness, 2.0 * self.mass * size + self.damping]
     }
 
-    /// The argument at j `frequency`, from 0 at rest to π: the imaginary part never changes sign.
+    /// The argument of Pᵢ at j`frequency`, from 0 at rest to π: the imaginary part never changes sign.
     pub fn phase(&self, frequency: f64) -> f64 {
         (self.damping * frequency).atan2(self.stiffness - self.mass * frequency * frequency)
     }
 }
 
-/// The characteristic function of one axis at one stiffness and round trip.
+/// The characteristic function of one axis at one stiffness and round-trip delay.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Characteristic {
     pub sides: [SideFactor; 2],
@@ -105,13 +108,14 @@ pub(crate) struct Characteristic {
     pub coupling_damping: f64,
     /// Coefficients of R = P₁P₂ − q², constant first.
     pub remainder: [f64; 5],
-    /// T, both one-way delays together, s.
+    /// T, the round-trip delay, s.
     pub round_trip: f64,
-    /// Whether s = 0 is a root for every stiffness and delay, and is divided out.
+    /// True if s = 0 is a root for every stiffness and delay, and is divided out.
     pub rigid_body: bool,
 }
 
 impl Characteristic {
+    /// The characteristic function of an axis at a stiffness (N/m) and a round-trip delay (s).
     pub fn new(axis: &DyadAxis, stiffness: f64, round_trip: f64) -> Self {
         let (k, c) = (stiffness, axis.coupling_damping);
         let [m1, m2] = axis.sides.map(|side| side.mass);
@@ -137,7 +141,7 @@ impl Characteristic {
         }
     }
 
-    /// The same function over m₁ m₂: both masses become 1, and the roots stay.
+    /// The same function divided by m₁ m₂: both masses become 1, the roots stay the same.
     pub fn normalised(self) -> Self {
         let [m1, m2] = self.sides.map(|side| side.mass);
         let product = m1 * m2;
@@ -155,35 +159,38 @@ impl Characteristic {
         }
     }
 
-    /// χ itself, the rigid-body root left in.
-    pub fn whole(self) -> Self {
+    /// The characteristic function χ itself, with the rigid-body root.
+    pub fn with_rigid_body(self) -> Self {
         Self { rigid_body: false, ..self }
     }
 
-    /// q(s), what either side feels of the other.
+    /// The coupling impedance q(s) = k + c s.
     pub fn coupling(&self, s: Complex64) -> Complex64 {
         s * self.coupling_damping + self.stiffness
     }
 
-    /// Coefficients of R, constant first; of R/s where the rigid-body root is divided out.
+    /// Coefficients of R, constant term first; of R/s if the rigid-body root is divided out.
     pub fn deflated_remainder(&self) -> &[f64] {
         &self.remainder[usize::from(self.rigid_body)..]
     }
 
-    /// N(s) by remainder.
+    /// The value of the characteristic function N(s), by remainder.
     pub fn value(&self, s: Complex64) -> Complex64 {
-        let exponential = Exponential::at(s, self.round_trip);
-        let lag =
-            if self.rigid_body { exponential.held(s, self.round_trip).value } else { exponential.complement };
+        let exponential = DelayExponential::at(s, self.round_trip);
+        let lag = if self.rigid_body {
+            exponential.integral(s, self.round_trip).value
+        } else {
+            exponential.complement
+        };
         let polynomial = self.deflated_remainder().iter().rev().fold(Complex64::ZERO, |sum, &c| sum * s + c);
         let coupling = self.coupling(s);
         polynomial + coupling * coupling * lag
     }
 
-    /// N(s) with its derivative, by remainder.
-    pub fn jet_by_remainder(&self, s: Complex64, exponential: &Exponential) -> Jet {
+    /// The characteristic function N(s) and its derivative, by remainder.
+    pub fn jet_by_remainder(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let lag = if self.rigid_body {
-            exponential.held(s, self.round_trip)
+            exponential.integral(s, self.round_trip)
         } else {
             Jet { value: exponential.complement, slope: exponential.decay * self.round_trip }
         };
@@ -201,8 +208,8 @@ impl Characteristic {
         }
     }
 
-    /// N(s) with its derivative, by sides.
-    pub fn jet_by_sides(&self, s: Complex64, exponential: &Exponential) -> Jet {
+    /// The characteristic function N(s) and its derivative, by sides.
+    pub fn jet_by_sides(&self, s: Complex64, exponential: &DelayExponential) -> Jet {
         let [one, two] = self.sides;
         let (p1, p2, q) = (one.value(s), two.value(s), self.coupling(s));
         let returned = q * exponential.decay;
@@ -216,9 +223,9 @@ impl Characteristic {
         Jet { value, slope: (slope - value) / s }
     }
 
-    /// N(s) with its derivative, by the form that loses fewer digits there.
+    /// N(s) and its derivative, in the form that loses fewer digits at `s`.
     pub fn jet(&self, s: Complex64) -> Jet {
-        let exponential = Exponential::at(s, self.round_trip);
+        let exponential = DelayExponential::at(s, self.round_trip);
         let q2 = self.coupling(s).norm_sqr();
         let size = s.norm();
         let [one, two] = self.sides;
@@ -234,12 +241,12 @@ impl Characteristic {
         }
     }
 
-    /// A bound on |N″| where `least` ≤ |s| ≤ `most` and |e^(−u s)| ≤ `growth` for 0 ≤ u ≤ T.
+    /// An upper bound on |N″| for `least` ≤ |s| ≤ `most` and |e^(−u s)| ≤ `growth`, 0 ≤ u ≤ T.
     pub fn curvature(&self, least: f64, most: f64, growth: f64) -> f64 {
         let (t, c) = (self.round_trip, self.coupling_damping);
         let q = self.stiffness + c * most;
         if self.rigid_body {
-            let [held, first, second] = Exponential::held_bounds(least, t, growth);
+            let [held, first, second] = DelayExponential::integral_bounds(least, t, growth);
             return 6.0 * self.remainder[4] * most
                 + 2.0 * self.remainder[3]
                 + 2.0 * c * c * held

@@ -4,22 +4,23 @@
 //!
 //! | module | job |
 //! |---|---|
-//! | [`model`] | robots, operators, dyads; validated once, at the door |
-//! | [`study`] | the text of a study file to the model |
-//! | [`criteria`] | crossings, critical stiffness, stable delays, the four verdicts and their inverses |
+//! | [`model`] | robots, operators, dyads, with checked values |
+//! | [`study`] | reads and writes study files |
+//! | [`criteria`] | crossings, critical stiffness, stable delays and their inverses, for one axis |
+//! | [`verdicts`](mod@verdicts) | the four verdicts on a dyad over a network |
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
-//! | [`dde`] | the dyad in time: exact for the linear model, adaptive for any right-hand side |
-//! | [`session`] | one side of a live coupling: bytes and time in, force and bytes out |
-//! | [`rig`] | the virtual laboratory that drives two sessions in virtual time |
+//! | [`dde`] | time response: exact for the linear dyad, adaptive for any right-hand side |
+//! | [`session`] | one side of a live coupling: packets and time in, force and packets out |
+//! | [`rig`] | the virtual laboratory: two sessions, robots, arms and a network in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
-//! | [`quantity`] | the quantities that enter, with their units and ranges |
-//! | [`error`] | what is refused at the door, and how it is told |
+//! | [`quantity`] | the physical quantities with their units and ranges |
+//! | [`error`] | the error type for invalid input |
 //!
-//! Everything is in SI units. With k the stiffness of the spring, c the damper beside it and T the sum of
-//! both one-way delays, one axis of a dyad has the characteristic function
-//! χ(s) = P₁(s) P₂(s) − (k + c s)² e^(−T s), Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i; its zeros, the
-//! characteristic roots, decide what is stable.
+//! All values are in SI units. Let k be the stiffness of the spring, c the damper parallel to it and T the
+//! sum of both one-way delays. One axis of a dyad then has the characteristic function χ(s) = P₁(s) P₂(s) −
+//! (k + c s)² e^(−T s) with Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i. Its zeros, the characteristic roots,
+//! decide stability.
 
 pub mod criteria;
 pub mod dde;
@@ -32,6 +33,7 @@ pub mod rig;
 pub mod session;
 pub mod spectrum;
 pub mod study;
+pub mod verdicts;
 
 mod characteristic;
 mod poly;
@@ -39,9 +41,9 @@ mod poly;
 #[cfg(feature = "fuzzing")]
 #[doc(hidden)]
 pub mod fuzzing {
-    //! Inner functions that the fuzzers call.
+    //! Internal functions exposed to the fuzzers.
 
-    /// The positive roots of a polynomial of degree up to 8, its coefficients from the constant on.
+    /// The positive roots of a polynomial of degree up to 8; coefficients start with the constant term.
     pub fn positive_roots(coefficients: &[f64]) -> Vec<f64> {
         use crate::poly::{Polynomial, positive_roots};
         let mut coefficient = [0.0; 9];

@@ -1,4 +1,4 @@
-//! Robots, the operators who hold them, and the two of them as a dyad; validated once, here.
+//! Robots, operators, dyads and delays, with checked values.
 
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
@@ -11,7 +11,7 @@ pub struct Robot {
     damping: Vec<f64>,
 }
 
-/// Names for axes that were given none: x, y, z, then axis4, axis5, …
+/// Default axis names: x, y, z, then axis4, axis5, …
 fn default_axes(count: usize) -> Vec<String> {
     ["x", "y", "z"]
         .iter()
@@ -21,6 +21,7 @@ fn default_axes(count: usize) -> Vec<String> {
         .collect()
 }
 
+/// Checks that every value of a list is in the range of its quantity.
 fn check_each(quantity: quantity::Quantity, field: &str, values: &[f64]) -> Result<()> {
     for (i, &value) in values.iter().enumerate() {
         quantity.check(&format!("{field}[{i}]"), value)?;
@@ -28,6 +29,7 @@ fn check_each(quantity: quantity::Quantity, field: &str, values: &[f64]) -> Resu
     Ok(())
 }
 
+/// Checks that a list has one value per axis.
 fn check_length(field: &str, got: usize, expected: usize, of: &str) -> Result<()> {
     if got == expected {
         return Ok(());
@@ -35,20 +37,20 @@ fn check_length(field: &str, got: usize, expected: usize, of: &str) -> Result<()
     Err(InvalidInput::new(
         field,
         format!("{got} value(s)"),
-        format!("one value per axis of {of} is needed, that is {expected}"),
+        format!("one value per axis of {of} is needed: {expected}"),
         "Give every list one value per axis.",
     ))
 }
 
 impl Robot {
-    /// A robot from one mass (kg) and one viscous damping (N·s/m) per axis.
+    /// Creates a robot from one mass (kg) and one viscous damping (N·s/m) per axis.
     ///
-    /// Without `axes` they are named x, y, z, axis4, ….
+    /// By default the axes are named x, y, z, axis4, ….
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a list is empty, lengths differ, an axis name repeats or is empty, a
-    /// mass is not in 1e-4 to 1e4 kg or a damping not in 0 to 1e6 N·s/m.
+    /// [`InvalidInput`] if a list is empty, lengths differ, an axis name is empty or repeated, a mass is
+    /// outside 1e-4 to 1e4 kg or a damping outside 0 to 1e6 N·s/m.
     ///
     /// # Examples
     ///
@@ -76,7 +78,7 @@ impl Robot {
                 return Err(InvalidInput::new(
                     format!("axes[{i}]"),
                     format!("{name:?}"),
-                    "every axis needs a name of its own",
+                    "axis names must be distinct and not empty",
                     "Rename the axis.",
                 ));
             }
@@ -84,24 +86,24 @@ impl Robot {
         Ok(Self { axes, mass, damping })
     }
 
-    /// The axes' names.
+    /// The names of the robot's axes.
     pub fn axes(&self) -> &[String] {
         &self.axes
     }
 
-    /// One mass per axis, kg.
+    /// The mass of the robot on each axis, kg.
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// One viscous damping per axis, N·s/m.
+    /// The viscous damping of the robot on each axis, N·s/m.
     pub fn damping(&self) -> &[f64] {
         &self.damping
     }
 }
 
-/// What holds a robot's handle (a hand, an arm, another robot): mass, damping and a stiffness to
-/// the ground, one of each per axis. All zero is a free handle.
+/// What holds a robot's handle (a hand, an arm, another robot): mass, damping and stiffness to ground of
+/// each axis. A free handle has all of them zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
     mass: Vec<f64>,
@@ -110,11 +112,11 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// An operator from one mass (kg), damping (N·s/m) and stiffness (N/m) per axis.
+    /// Creates an operator from mass (kg), damping (N·s/m) and stiffness (N/m) per axis.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where lengths differ or a value is negative, not finite or out of range.
+    /// [`InvalidInput`] if lengths differ or a value is negative, not finite or out of range.
     ///
     /// # Examples
     ///
@@ -132,29 +134,29 @@ impl Operator {
         Ok(Self { mass, damping, stiffness })
     }
 
-    /// A free handle on `axes` axes.
+    /// The operator of a free handle with `axes` axes: all values zero.
     pub fn free(axes: usize) -> Self {
         let zero = vec![0.0; axes];
         Self { mass: zero.clone(), damping: zero.clone(), stiffness: zero }
     }
 
-    /// One mass per axis, kg.
+    /// The mass of the operator on each axis, kg.
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// One damping per axis, N·s/m.
+    /// The damping of the operator on each axis, N·s/m.
     pub fn damping(&self) -> &[f64] {
         &self.damping
     }
 
-    /// One stiffness to the ground per axis, N/m.
+    /// The stiffness of the operator to ground on each axis, N/m.
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }
 }
 
-/// Two robots, what holds them, and the damper beside the virtual spring.
+/// Two robots, their operators and the coupling damper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dyad {
     robots: [Robot; 2],
@@ -163,13 +165,13 @@ pub struct Dyad {
 }
 
 impl Dyad {
-    /// Two robots with the same axes; without `operators` both handles are free.
+    /// Creates a dyad from two robots with the same axes; both handles are free by default.
     ///
-    /// `coupling_damping` (N·s/m) acts beside the spring, through the same delay.
+    /// `coupling_damping` (N·s/m) acts in parallel with the spring, through the same delay.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where axes do not match or the coupling damping is negative or not finite.
+    /// [`InvalidInput`] if the axes differ or the coupling damping is negative or not finite.
     pub fn new(
         robot1: Robot,
         robot2: Robot,
@@ -180,7 +182,7 @@ impl Dyad {
             return Err(InvalidInput::new(
                 "robot2.axes",
                 format!("{} axes", robot2.axes.len()),
-                format!("both robots need as many axes, and robot1 has {}", robot1.axes.len()),
+                format!("both robots need the same number of axes, and robot1 has {}", robot1.axes.len()),
                 "Give both robots one mass and one damping per axis.",
             ));
         }
@@ -189,7 +191,7 @@ impl Dyad {
                 "robot2.axes",
                 format!("{:?}", robot2.axes),
                 format!("both robots need the same axes in the same order, here {:?}", robot1.axes),
-                "Name the axes alike, or leave the names away.",
+                "Give both robots the same axis names, or omit them.",
             ));
         }
         let axes = robot1.axes.len();
@@ -201,27 +203,27 @@ impl Dyad {
         Ok(Self { robots: [robot1, robot2], operators, coupling_damping })
     }
 
-    /// The two robots.
+    /// The two robots of the dyad.
     pub fn robots(&self) -> &[Robot; 2] {
         &self.robots
     }
 
-    /// The two operators.
+    /// The two operators of the dyad.
     pub fn operators(&self) -> &[Operator; 2] {
         &self.operators
     }
 
-    /// The damper beside the spring, N·s/m.
+    /// The coupling damping of the dyad, in parallel with the spring, N·s/m.
     pub fn coupling_damping(&self) -> f64 {
         self.coupling_damping
     }
 
-    /// The axes' names.
+    /// The names of the dyad's axes.
     pub fn axis_names(&self) -> &[String] {
         &self.robots[0].axes
     }
 
-    /// Every axis, operators added to the robots.
+    /// All axes, each with the operators' values added to the robots'.
     pub fn axes(&self) -> impl Iterator<Item = DyadAxis> + '_ {
         (0..self.axis_names().len()).map(|axis| DyadAxis {
             sides: [0, 1].map(|i| Side {
@@ -233,11 +235,11 @@ impl Dyad {
         })
     }
 
-    /// One axis, operators added to the robots.
+    /// One axis, with the operators' values added to the robots'.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the dyad has no axis of that index.
+    /// [`InvalidInput`] if the dyad has no axis with that index.
     pub fn axis(&self, axis: usize) -> Result<DyadAxis> {
         self.axes().nth(axis).ok_or_else(|| {
             InvalidInput::new(
@@ -250,45 +252,44 @@ impl Dyad {
     }
 }
 
-/// One side of one axis: robot and operator together, without the coupling.
+/// One side of an axis: robot and operator together, without the coupling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Side {
-    /// Mass of robot and operator, kg.
+    /// Combined mass of robot and operator, kg.
     pub mass: f64,
-    /// Viscous damping of robot and operator, N·s/m.
+    /// Combined viscous damping of robot and operator, N·s/m.
     pub damping: f64,
-    /// Stiffness of the operator to the ground, N/m; 0 for a free handle.
+    /// Stiffness of the operator to ground, N/m; 0 for a free handle.
     pub ground_stiffness: f64,
 }
 
-/// One axis of a dyad: what every criterion, spectrum and simulation works on.
+/// One axis of a dyad: the input of every criterion, spectrum and simulation.
 ///
-/// With k the stiffness of the spring, c the coupling damping and T the sum of both one-way delays,
-/// its characteristic function is P₁(s) P₂(s) − (k + c s)² e^(−T s) with
-/// Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i.
+/// With spring stiffness k, coupling damping c and round-trip delay T, its characteristic function is P₁(s)
+/// P₂(s) − (k + c s)² e^(−T s) with Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DyadAxis {
     /// Both sides.
     pub sides: [Side; 2],
-    /// The damper beside the spring, N·s/m.
+    /// Coupling damping, in parallel with the spring, N·s/m.
     pub coupling_damping: f64,
 }
 
 impl DyadAxis {
-    /// One axis from two masses (kg) and dampings (N·s/m), free handles and no coupling damping.
+    /// Creates an axis with free handles and no coupling damping from masses (kg) and dampings (N·s/m).
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is out of its range.
+    /// [`InvalidInput`] if a value is out of range.
     pub fn new(m1: f64, b1: f64, m2: f64, b2: f64) -> Result<Self> {
         Self::with_operators(m1, b1, m2, b2, 0.0, 0.0, 0.0)
     }
 
-    /// As [`DyadAxis::new`], with both operators' stiffness (N/m) and a coupling damping (N·s/m).
+    /// As [`DyadAxis::new`], with the operators' stiffness (N/m) and a coupling damping (N·s/m).
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is out of its range.
+    /// [`InvalidInput`] if a value is out of range.
     #[inline]
     pub fn with_operators(m1: f64, b1: f64, m2: f64, b2: f64, kh1: f64, kh2: f64, c: f64) -> Result<Self> {
         Ok(Self {
@@ -308,7 +309,7 @@ impl DyadAxis {
         })
     }
 
-    /// Refuses what fields filled in by hand may hold, and no constructor lets through.
+    /// Checks the public fields, which may have been set without a constructor.
     pub(crate) fn check(&self) -> Result<()> {
         for (side, [mass, damping, ground]) in
             self.sides.iter().zip([["m1", "b1", "kh1"], ["m2", "b2", "kh2"]])
@@ -321,8 +322,8 @@ impl DyadAxis {
         Ok(())
     }
 
-    /// True where neither operator holds its handle to the ground: s = 0 is then a root for every
-    /// stiffness and delay (both robots carried off together).
+    /// True if neither operator has a stiffness to ground: s = 0 is then a root for every stiffness and
+    /// delay, the rigid-body motion of both robots.
     pub fn is_free(&self) -> bool {
         self.sides.iter().all(|side| side.ground_stiffness == 0.0)
     }
@@ -336,11 +337,11 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Unequal delays: `forward` from robot 1 to robot 2, `backward` from robot 2 to robot 1.
+    /// Creates unequal delays: `forward` from robot 1 to robot 2, `backward` from robot 2 to robot 1.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a delay is negative, not finite or longer than 100 s.
+    /// [`InvalidInput`] if a delay is negative, not finite or longer than 100 s.
     pub fn new(forward: f64, backward: f64) -> Result<Self> {
         Ok(Self {
             forward: quantity::DELAY.check("delay.forward", forward)?,
@@ -348,38 +349,38 @@ impl Delay {
         })
     }
 
-    /// The same delay each way.
+    /// Creates equal delays in both directions.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the delay is negative, not finite or longer than 100 s.
+    /// [`InvalidInput`] if the delay is negative, not finite or longer than 100 s.
     pub fn each_way(delay: f64) -> Result<Self> {
         quantity::DELAY.check("delay", delay)?;
         Ok(Self { forward: delay, backward: delay })
     }
 
-    /// From robot 1 to robot 2, s.
+    /// The delay from robot 1 to robot 2, s.
     pub fn forward(&self) -> f64 {
         self.forward
     }
 
-    /// From robot 2 to robot 1, s.
+    /// The delay from robot 2 to robot 1, s.
     pub fn backward(&self) -> f64 {
         self.backward
     }
 
-    /// Half of the round trip, s: all that stability depends on.
+    /// The mean one-way delay, s: half the round trip, the only delay that affects stability.
     pub fn mean(&self) -> f64 {
         0.5 * (self.forward + self.backward)
     }
 
-    /// The round trip, s.
+    /// The round-trip delay, s.
     pub fn round_trip(&self) -> f64 {
         self.forward + self.backward
     }
 }
 
-/// The two H-MANs of Du, Kulkarni, Kager and Campolo, Table III, as H-MAN₁ and H-MAN₂.
+/// The two H-MAN robots of Du, Kulkarni, Kager and Campolo, Table III.
 ///
 /// # Examples
 ///

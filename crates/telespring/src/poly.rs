@@ -1,15 +1,15 @@
-//! Real roots of polynomials of low degree: isolated, scaled, none missed.
+//! Positive real roots of polynomials of low degree; none is missed.
 //!
-//! Between two neighbouring roots of its derivative a polynomial is monotone, so the signs there
-//! decide how many roots lie between, and a bracketed Halley iteration finds each. A sign counts
-//! only where the value exceeds a bound on its rounding error; where one does not (next to a
-//! tangency), everything is repeated in double-double arithmetic.
+//! Between two neighbouring roots of its derivative a polynomial is monotone. The signs there decide
+//! whether a root lies between them, and a bracketed Halley iteration finds it. A sign counts only if the
+//! value exceeds a bound on its rounding error. Otherwise, as next to a tangency, the search is repeated in
+//! double-double arithmetic.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use twofloat::TwoFloat;
 
-/// The arithmetic a root search runs in.
+/// The arithmetic of a root search.
 pub(crate) trait Real:
     Copy
     + PartialOrd
@@ -22,7 +22,7 @@ pub(crate) trait Real:
 {
     /// Relative rounding error of one operation.
     const EPSILON: f64;
-    /// Relative step of Halley's iteration, which cubes the error, below which the next is below `EPSILON`.
+    /// Relative Halley step below which the next error is below `EPSILON`: the iteration is cubic.
     const SETTLED: f64;
     fn to_f64(self) -> f64;
     fn sqrt(self) -> Self;
@@ -50,16 +50,15 @@ impl Real for TwoFloat {
     }
 }
 
-/// A polynomial by its coefficients, constant first, each with the sum of the magnitudes of the
-/// terms that it was formed from: a coefficient is known to a few `EPSILON` of that sum.
+/// A polynomial by its coefficients, constant term first. `magnitude` is the sum of the absolute terms that
+/// formed each coefficient, which is known to a few `EPSILON` of that sum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Polynomial<R, const N: usize> {
     pub coefficient: [R; N],
     pub magnitude: [f64; N],
 }
 
-/// A positive real root; `slope` is the sign of the derivative there, 0 where the graph only
-/// touches the axis.
+/// A positive real root; `slope` is the sign of the derivative there, 0 at a tangency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Root<R> {
     pub at: R,
@@ -74,10 +73,12 @@ pub(crate) struct Roots<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Roots<R, N> {
+    /// An empty list of roots.
     fn none() -> Self {
         Self { items: [Root { at: R::from(0.0), slope: 0 }; N], length: 0 }
     }
 
+    /// Appends a root of the polynomial.
     fn push(&mut self, at: R, slope: i8) {
         self.items[self.length] = Root { at, slope };
         self.length += 1;
@@ -91,23 +92,23 @@ impl<R, const N: usize> std::ops::Deref for Roots<R, N> {
     }
 }
 
-/// What to do with a value that is smaller than its own rounding error.
+/// How to treat a value smaller than its rounding error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doubt {
-    /// Give up, so that the caller repeats in a finer arithmetic.
-    Refuse,
-    /// Take it for zero.
+enum UncertainSign {
+    /// Stop, so that the caller repeats the search in a finer arithmetic.
+    GiveUp,
+    /// Treat it as zero.
     Zero,
 }
 
-/// A simple root whose error bound (some 16 times the usual error) exceeds this, relative, is found again in
-/// double-double.
+/// A simple root is recomputed in double-double if its error bound, about 16 times the usual error, exceeds
+/// this relative value.
 const ROOT_ACCURACY: f64 = 2e-12;
 
-/// Stands for an upper end at infinity.
+/// An upper bracket end that stands for infinity.
 const FAR: f64 = 1e300;
 
-/// All positive roots, in f64 where every sign is certain and else in double-double.
+/// The positive roots of a polynomial: in f64 if every sign is certain, else in double-double.
 ///
 /// `precise` forms the same polynomial in double-double from the same data.
 pub(crate) fn positive_roots<const N: usize>(
@@ -115,11 +116,11 @@ pub(crate) fn positive_roots<const N: usize>(
     precise: impl FnOnce() -> Polynomial<TwoFloat, N>,
 ) -> Roots<f64, N> {
     let mut roots = Roots::none();
-    if search(polynomial, 0, N, Doubt::Refuse, &mut roots).is_none() {
+    if isolate_roots(polynomial, 0, N, UncertainSign::GiveUp, &mut roots).is_none() {
         roots.length = 0;
         let mut fine = Roots::none();
-        let resolved = search(&precise(), 0, N, Doubt::Zero, &mut fine);
-        debug_assert!(resolved.is_some(), "only a refused doubt ends a search early");
+        let resolved = isolate_roots(&precise(), 0, N, UncertainSign::Zero, &mut fine);
+        debug_assert!(resolved.is_some(), "only UncertainSign::GiveUp ends a search early");
         for root in fine.iter() {
             roots.push(root.at.to_f64(), root.slope);
         }
@@ -128,7 +129,7 @@ pub(crate) fn positive_roots<const N: usize>(
 }
 
 impl<R: Real, const N: usize> Polynomial<R, N> {
-    /// The value at `x` > 0 over the window `low..high` of coefficients, and a bound on its error.
+    /// The value at `x` > 0 of the polynomial with coefficients `low..high`, and a bound on its error.
     #[inline(always)]
     fn value(&self, low: usize, high: usize, x: R) -> (R, f64) {
         let at = x.to_f64();
@@ -141,14 +142,15 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         (value, 16.0 * R::EPSILON * magnitude)
     }
 
-    fn sign(&self, low: usize, high: usize, x: R) -> i8 {
+    /// The sign of the polynomial at `x`, 0 if uncertain.
+    fn sign_at(&self, low: usize, high: usize, x: R) -> i8 {
         let (value, bound) = self.value(low, high, x);
-        if bound.is_finite() { sign_of(value, bound) } else { self.sign_far_out(low, high, x) }
+        if bound.is_finite() { sign_of(value, bound) } else { self.sign_at_large(low, high, x) }
     }
 
-    /// The sign at an `x` whose powers overflow, from the value over the highest power.
+    /// The sign at an `x` whose powers overflow, from the value divided by the highest power.
     #[cold]
-    fn sign_far_out(&self, low: usize, high: usize, x: R) -> i8 {
+    fn sign_at_large(&self, low: usize, high: usize, x: R) -> i8 {
         let reciprocal = R::from(1.0) / x;
         let mut value = self.coefficient[low];
         let mut magnitude = self.magnitude[low];
@@ -159,10 +161,12 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
         sign_of(value, 16.0 * R::EPSILON * magnitude)
     }
 
+    /// The sign of a coefficient of the polynomial, 0 if uncertain.
     fn coefficient_sign(&self, i: usize) -> i8 {
         sign_of(self.coefficient[i], 16.0 * R::EPSILON * self.magnitude[i])
     }
 
+    /// The derivative of the polynomial with coefficients `low..high`.
     fn derivative(&self, low: usize, high: usize) -> Self {
         let mut derivative = *self;
         for i in low + 1..high {
@@ -174,24 +178,25 @@ impl<R: Real, const N: usize> Polynomial<R, N> {
     }
 }
 
-/// Adds to `roots` the positive roots of the polynomial with the coefficients `low..high`, the first of
-/// them its constant; None where a sign is in doubt and doubt is refused.
-fn search<R: Real, const N: usize>(
+/// Appends the positive roots of the polynomial with coefficients `low..high`, constant term first; `None`
+/// if a sign is uncertain and [`UncertainSign::GiveUp`] is set.
+fn isolate_roots<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     mut low: usize,
     mut high: usize,
-    doubt: Doubt,
+    uncertain: UncertainSign,
     roots: &mut Roots<R, N>,
 ) -> Option<()> {
-    // A zero constant is a root at 0, a zero leading coefficient one at infinity: neither is positive.
+    // A zero constant term is a root at 0, a zero leading coefficient a root at infinity: neither is
+    // positive.
     while low < high && p.coefficient_sign(low) == 0 {
-        if doubt == Doubt::Refuse && p.magnitude[low] != 0.0 {
+        if uncertain == UncertainSign::GiveUp && p.magnitude[low] != 0.0 {
             return None;
         }
         low += 1;
     }
     while low < high && p.coefficient_sign(high - 1) == 0 {
-        if doubt == Doubt::Refuse && p.magnitude[high - 1] != 0.0 {
+        if uncertain == UncertainSign::GiveUp && p.magnitude[high - 1] != 0.0 {
             return None;
         }
         high -= 1;
@@ -202,9 +207,9 @@ fn search<R: Real, const N: usize>(
     let first = p.coefficient_sign(low);
     let last = p.coefficient_sign(high - 1);
 
-    // Descartes' rule of signs: with no change of sign there is no positive root, with one there is one.
+    // Descartes' rule of signs: no sign change means no positive root, one sign change exactly one.
     let (changes, certain) = match (&p.coefficient[low..high], &p.magnitude[low..high]) {
-        // a length that is known when compiling unrolls the count
+        // A length known at compile time lets the compiler unroll the count.
         ([c0, c1, c2, c3], [m0, m1, m2, m3]) => sign_changes(&[*c0, *c1, *c2, *c3], &[*m0, *m1, *m2, *m3]),
         (coefficients, magnitudes) => sign_changes(coefficients, magnitudes),
     };
@@ -221,11 +226,11 @@ fn search<R: Real, const N: usize>(
         return Some(());
     }
     if high - low == 3
-        && let Some(certain) = quadratic(p, low, last)
+        && let Some(certain) = quadratic_roots(p, low, last)
     {
         let accurate = |root: &Root<R>| {
             let slope = quadratic_slope(&p.coefficient[low..high], root.at);
-            doubt == Doubt::Zero || is_accurate(p, low, high, root.at, slope)
+            uncertain == UncertainSign::Zero || is_accurate(p, low, high, root.at, slope)
         };
         if !certain.iter().all(accurate) {
             return None;
@@ -234,22 +239,22 @@ fn search<R: Real, const N: usize>(
         return Some(());
     }
     if one_root {
-        roots.push(bracketed(p, low, high, R::from(0.0), R::from(FAR), first, doubt)?, last);
+        roots.push(root_in_bracket(p, low, high, R::from(0.0), R::from(FAR), first, uncertain)?, last);
         return Some(());
     }
     let mut splits = Roots::none();
-    search(&p.derivative(low, high), low + 1, high, Doubt::Zero, &mut splits)?;
+    isolate_roots(&p.derivative(low, high), low + 1, high, UncertainSign::Zero, &mut splits)?;
 
-    // The last interval is open: its upper end is moved out until the leading term rules.
+    // The last interval is open: extend its upper end until the leading term dominates.
     let start = splits.last().map_or_else(|| typical_root(p, low, high), |s| s.at * R::from(2.0));
     let mut outer = start;
-    while p.sign(low, high, outer) != last {
+    while p.sign_at(low, high, outer) != last {
         let farther = outer * R::from(16.0);
         if !farther.to_f64().is_finite() {
-            if doubt == Doubt::Refuse {
+            if uncertain == UncertainSign::GiveUp {
                 return None;
             }
-            // What lies beyond every number is no root.
+            // A root beyond the largest number does not count.
             break;
         }
         outer = farther;
@@ -259,9 +264,9 @@ fn search<R: Real, const N: usize>(
     let mut left_sign = first;
     let mut touching: Option<R> = None;
     for split in splits.iter().map(|root| root.at).chain(std::iter::once(outer)) {
-        let sign = p.sign(low, high, split);
+        let sign = p.sign_at(low, high, split);
         if sign == 0 {
-            if doubt == Doubt::Refuse {
+            if uncertain == UncertainSign::GiveUp {
                 return None;
             }
             touching.get_or_insert(split);
@@ -270,7 +275,7 @@ fn search<R: Real, const N: usize>(
         match touching.take() {
             Some(at) => roots.push(at, if sign == left_sign { 0 } else { sign }),
             None if sign != left_sign => {
-                let at = bracketed(p, low, high, left, split, left_sign, doubt)?;
+                let at = root_in_bracket(p, low, high, left, split, left_sign, uncertain)?;
                 roots.push(at, sign);
             }
             None => {}
@@ -281,14 +286,14 @@ fn search<R: Real, const N: usize>(
     Some(())
 }
 
-/// The sign of a value with an error bound; 0 where the bound leaves it open.
+/// The sign of a value with an error bound; 0 if uncertain.
 #[inline(always)]
 fn sign_of<R: Real>(value: R, bound: f64) -> i8 {
     let value = value.to_f64();
     i8::from(value > bound) - i8::from(value < -bound)
 }
 
-/// How often the sign changes along the coefficients, and whether every sign is certain.
+/// The number of sign changes of the coefficients, and whether every sign is certain.
 #[inline(always)]
 fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) {
     let mut changes = 0;
@@ -303,7 +308,7 @@ fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) 
     (changes, certain)
 }
 
-/// A power of two near the geometric mean of the roots' magnitudes: a scale to start from.
+/// A starting scale: a power of two near the geometric mean of the root magnitudes.
 #[inline(always)]
 fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
     let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i64;
@@ -312,14 +317,18 @@ fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high:
     R::from(f64::from_bits(((1023 + power) as u64) << 52))
 }
 
-/// The positive roots of a quadratic in closed form; None where the sign of its discriminant is in doubt.
-fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8) -> Option<Roots<R, N>> {
+/// The positive roots of a quadratic in closed form; `None` if the sign of its discriminant is uncertain.
+fn quadratic_roots<R: Real, const N: usize>(
+    p: &Polynomial<R, N>,
+    low: usize,
+    last: i8,
+) -> Option<Roots<R, N>> {
     let [c, b, a] = [0, 1, 2].map(|i| p.coefficient[low + i]);
     let [c_size, b_size, a_size] = [0, 1, 2].map(|i| p.magnitude[low + i]);
     let discriminant = b * b - R::from(4.0) * a * c;
     let size = b_size * b_size + 4.0 * a_size * c_size;
     let sign = sign_of(discriminant, 64.0 * R::EPSILON * size);
-    // outside, products overflow or lose digits
+    // Beyond this range, products overflow or lose digits.
     if sign == 0 || !(1e-250..1e250).contains(&size) {
         return None;
     }
@@ -340,12 +349,12 @@ fn quadratic<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, last: i8
     Some(roots)
 }
 
-/// The derivative of a quadratic.
+/// The derivative of a quadratic polynomial.
 fn quadratic_slope<R: Real>(coefficients: &[R], x: R) -> f64 {
     coefficients[1].to_f64() + 2.0 * coefficients[2].to_f64() * x.to_f64()
 }
 
-/// Whether the rounding error of the value at a root moves it by less than [`ROOT_ACCURACY`].
+/// Whether the rounding error of the value displaces a root by less than [`ROOT_ACCURACY`].
 #[inline(always)]
 fn is_accurate<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
@@ -357,30 +366,30 @@ fn is_accurate<R: Real, const N: usize>(
     p.value(low, high, at).1 <= ROOT_ACCURACY * (slope * at.to_f64()).abs()
 }
 
-/// The one root between `left` (sign `left_sign`) and `right`, by Halley's iteration kept inside.
-fn bracketed<R: Real, const N: usize>(
+/// The root between `left` (sign `left_sign`) and `right`, by a bracketed Halley iteration.
+fn root_in_bracket<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
     high: usize,
     left: R,
     right: R,
     left_sign: i8,
-    doubt: Doubt,
+    uncertain: UncertainSign,
 ) -> Option<R> {
     let typical = typical_root(p, low, high);
-    let start = if typical > left && typical <= right { typical } else { inside(left, right) };
+    let start = if typical > left && typical <= right { typical } else { point_in_bracket(left, right) };
     let (at, slope) = match p.coefficient[low..high] {
-        // a length that is known when compiling unrolls the evaluation
+        // A length known at compile time lets the compiler unroll the evaluation.
         [c0, c1, c2, c3] => halley(&[c0, c1, c2, c3], left, right, left_sign, start),
         ref coefficients => halley(coefficients, left, right, left_sign, start),
     };
-    // an iteration that did not settle has no slope
-    let trusted = doubt == Doubt::Zero || is_accurate(p, low, high, at, slope);
+    // A slope of 0 means that the iteration did not converge.
+    let trusted = uncertain == UncertainSign::Zero || is_accurate(p, low, high, at, slope);
     trusted.then_some(at)
 }
 
-/// A point well inside a bracket; one over many decades is halved on the logarithmic scale.
-fn inside<R: Real>(left: R, right: R) -> R {
+/// A point well inside a bracket: the geometric mean if the bracket spans decades.
+fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     if right >= R::from(FAR) {
         left * R::from(16.0)
     } else if left <= R::from(0.0) {
@@ -392,12 +401,12 @@ fn inside<R: Real>(left: R, right: R) -> R {
     }
 }
 
-/// Halley's iteration from `x`: the root, and the derivative next to it (0 where it did not settle).
+/// Halley's iteration from `x`: the root and the derivative next to it, 0 if it did not converge.
 #[inline(always)]
 fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8, mut x: R) -> (R, f64) {
     let zero = R::from(0.0);
     let mut previous = f64::INFINITY;
-    // It at least halves the bracket every second step; the limit only guards the loop.
+    // Every second step at least halves the bracket; the limit only guards the loop.
     for _ in 0..2200 {
         let (mut value, mut slope, mut curvature) = (zero, zero, zero);
         for &coefficient in coefficients.iter().rev() {
@@ -421,7 +430,7 @@ fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8,
             return (next, slope.to_f64());
         }
         if !inner || size > 0.7 * previous {
-            next = inside(left, right);
+            next = point_in_bracket(left, right);
             previous = f64::INFINITY;
         } else {
             previous = size;

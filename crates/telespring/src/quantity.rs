@@ -1,48 +1,48 @@
-//! The physical quantities that enter, each with its unit and its range, checked once at the door.
+//! The physical quantities of the model, each with its unit and allowed range.
 //!
-//! The ranges are wide enough for every rehabilitation robot; inside them no computation overflows. They
-//! catch a slip of unit only where it leads outside: a delay above 100 is refused with the hint at
-//! milliseconds, a mass above 10 000 with the hint at grams. 20 for 20 ms, or 833.4 for 833.4 g, is
-//! a possible value and passes.
+//! The ranges cover every rehabilitation robot, and no computation overflows within them. They detect a
+//! wrong unit only if the value leaves the range: a delay above 100 is rejected with a hint at
+//! milliseconds, a mass above 10 000 with a hint at grams. A delay of 20 (meant as 20 ms) or a mass of
+//! 833.4 (meant as 833.4 g) is possible and passes.
 
 use crate::error::{InvalidInput, Result};
 
-/// One kind of physical quantity: its name, unit and allowed range.
+/// A physical quantity: name, unit and allowed range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
     name: &'static str,
     unit: &'static str,
     minimum: f64,
     maximum: f64,
-    /// The unit that is most often mistaken for `unit`, and the factor from it to `unit`.
+    /// The unit most often confused with `unit`, and the factor from it to `unit`.
     slip: Option<(&'static str, f64)>,
 }
 
 /// A mass in kg.
 pub const MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 1e4, Some(("g", 1e-3)));
-/// A mass in kg that may be absent (an operator's).
+/// An added mass in kg; 0 if absent (an operator's).
 pub const ADDED_MASS: Quantity = Quantity::new("an added mass", "kg", 0.0, 1e4, Some(("g", 1e-3)));
 /// A viscous damping in N·s/m.
 pub const DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 1e6, None);
-/// The mass of a robot and the operator who holds it together, in kg.
+/// The combined mass of a robot and its operator in kg.
 pub(crate) const SIDE_MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 2e4, Some(("g", 1e-3)));
-/// The viscous damping of a robot and the operator who holds it together, in N·s/m.
+/// The combined viscous damping of a robot and its operator in N·s/m.
 pub(crate) const SIDE_DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 2e6, None);
 /// The stiffness of the virtual spring in N/m.
 pub const STIFFNESS: Quantity = Quantity::new("a coupling stiffness", "N/m", 1e-6, 1e7, None);
-/// A stiffness in N/m that may be absent (an operator's).
+/// A stiffness to ground in N/m; 0 if absent (an operator's).
 pub const GROUND_STIFFNESS: Quantity = Quantity::new("an operator stiffness", "N/m", 0.0, 1e7, None);
 /// A one-way delay in s.
 pub const DELAY: Quantity = Quantity::new("a delay", "s", 0.0, 100.0, Some(("ms", 1e-3)));
-/// A span of time in s that is not a delay of the network: jitter, gap, sample period.
-pub const SPAN: Quantity = Quantity::new("a span of time", "s", 0.0, 100.0, Some(("ms", 1e-3)));
-/// A duration to simulate, in s.
+/// A time span in s other than a network delay: jitter, gap, sample period.
+pub const SPAN: Quantity = Quantity::new("a time span", "s", 0.0, 100.0, Some(("ms", 1e-3)));
+/// The duration of a simulation in s.
 pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None);
 /// A sampling rate in Hz.
 pub const RATE: Quantity = Quantity::new("a rate", "Hz", 1e-6, 1e9, Some(("kHz", 1e3)));
 /// A decay rate in 1/s.
 pub const DECAY_RATE: Quantity = Quantity::new("a decay rate", "1/s", 0.0, 1e6, None);
-/// The period of a controller, s.
+/// The sample period of a controller in s.
 pub const SAMPLE_PERIOD: Quantity = Quantity::new("a sample period", "s", 1e-6, 1.0, Some(("ms", 1e-3)));
 /// A Coulomb friction in N.
 pub const COULOMB: Quantity = Quantity::new("a Coulomb friction", "N", 0.0, 1e6, None);
@@ -50,41 +50,42 @@ pub const COULOMB: Quantity = Quantity::new("a Coulomb friction", "N", 0.0, 1e6,
 pub const FORCE: Quantity = Quantity::new("a force", "N", -1e9, 1e9, None);
 /// A velocity along an axis, m/s.
 pub const VELOCITY: Quantity = Quantity::new("a velocity", "m/s", -1e3, 1e3, Some(("mm/s", 1e-3)));
-/// A place on an axis, m.
+/// A position on an axis in m.
 pub const PLACE: Quantity = Quantity::new("a position", "m", -10.0, 10.0, Some(("mm", 1e-3)));
 /// The amplitude of a movement, m.
 pub const AMPLITUDE: Quantity = Quantity::new("an amplitude", "m", 0.0, 10.0, Some(("mm", 1e-3)));
 /// The length of a link, m.
-pub const LENGTH: Quantity = Quantity::new("a length of a link", "m", 1e-2, 10.0, Some(("mm", 1e-3)));
+pub const LENGTH: Quantity = Quantity::new("a link length", "m", 1e-2, 10.0, Some(("mm", 1e-3)));
 /// The mass of a link in kg.
-pub const LINK_MASS: Quantity = Quantity::new("a mass of a link", "kg", 0.0, 1e3, Some(("g", 1e-3)));
+pub const LINK_MASS: Quantity = Quantity::new("a link mass", "kg", 0.0, 1e3, Some(("g", 1e-3)));
 /// A distance along a link, m.
 pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
-/// A step of a position sensor, m.
+/// The resolution of a position sensor in m.
 pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0, 0.1, Some(("µm", 1e-6)));
 /// A moment of inertia in kg·m².
 pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e3, None);
 /// The viscous damping of a joint in N·m·s/rad.
 pub const JOINT_DAMPING: Quantity = Quantity::new("a joint damping", "N·m·s/rad", 0.0, 1e4, None);
-/// A largest torque in N·m, infinite where there is no limit.
+/// A torque limit in N·m; infinite if there is none.
 pub const TORQUE: Quantity = Quantity::new("a torque limit", "N·m", 1e-6, f64::INFINITY, None);
-/// A spread of velocities, m/s.
-pub const SPEED: Quantity = Quantity::new("a spread of velocities", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
-/// How long a spot lives, s.
+/// The standard deviation of a velocity in m/s.
+pub const SPEED: Quantity =
+    Quantity::new("a standard deviation of velocity", "m/s", 0.0, 100.0, Some(("mm/s", 1e-3)));
+/// The lifetime of a spot in s.
 pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(("ms", 1e-3)));
 /// An angular frequency in rad/s.
 pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
 /// A probability.
 pub const PROBABILITY: Quantity = Quantity::new("a probability", "", 0.0, 1.0, Some(("%", 1e-2)));
-/// A standard deviation of a mass in kg.
+/// The standard deviation of a mass in kg.
 pub const MASS_SD: Quantity = Quantity::new("a standard deviation of a mass", "kg", 0.0, 1e4, None);
-/// A standard deviation of a damping in N·s/m.
+/// The standard deviation of a damping in N·s/m.
 pub const DAMPING_SD: Quantity = Quantity::new("a standard deviation of a damping", "N·s/m", 0.0, 1e6, None);
-/// A correlation of two estimates.
+/// The correlation of two estimates.
 pub const CORRELATION: Quantity = Quantity::new("a correlation", "", -1.0, 1.0, None);
-/// A part of a trial in s, 0 for none.
+/// A part of a trial in s; 0 for none.
 pub const SPAN_OF_TRIAL: Quantity = Quantity::new("a part of a trial", "s", 0.0, 3600.0, Some(("ms", 1e-3)));
-/// The length of a trial in s.
+/// The duration of a trial in s.
 pub const TRIAL_DURATION: Quantity =
     Quantity::new("a trial's duration", "s", 1e-3, 3600.0, Some(("ms", 1e-3)));
 
@@ -99,7 +100,12 @@ impl Quantity {
         Self { name, unit, minimum, maximum, slip }
     }
 
-    /// The largest value that is accepted.
+    /// The unit of the quantity; empty if it is dimensionless.
+    pub const fn unit(&self) -> &'static str {
+        self.unit
+    }
+
+    /// The largest allowed value of the quantity.
     pub const fn maximum(&self) -> f64 {
         self.maximum
     }
@@ -109,17 +115,17 @@ impl Quantity {
         value >= self.minimum && value <= self.maximum
     }
 
-    /// Returns `value` where it is finite and in range.
+    /// Checks that `value` is finite and within the range of the quantity, and returns it.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] naming `field`, the value, the range with its unit and the likely slip.
+    /// [`InvalidInput`] with `field`, the value, the range with its unit, and the unit probably meant.
     #[inline]
     pub fn check(&self, field: &str, value: f64) -> Result<f64> {
         if self.contains(value) { Ok(value) } else { Err(self.refusal(field, value)) }
     }
 
-    /// Kept out of line: a check in a loop over a million axes is then two comparisons.
+    /// Not inlined: a check in a loop over a million axes then costs two comparisons.
     #[cold]
     #[inline(never)]
     fn refusal(&self, field: &str, value: f64) -> InvalidInput {

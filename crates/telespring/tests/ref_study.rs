@@ -125,46 +125,41 @@ fn ref_messages_verbatim() {
         ),
         (
             with("mass = [1.0, 2.0]", "mass = \"1 kg\""),
-            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is needed. \
-             Write numbers without quotes and units. See line 3.",
+            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is needed. Write \
+             numbers without quotes or units. See line 3.",
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]"),
-            "robot2.axes = 3 axes: both robots need as many axes, and robot1 has 2. \
-             Give both robots one mass and one damping per axis. See line 5.",
+            "robot2.axes = 3 axes: both robots need the same number of axes, and robot1 has 2. Give both \
+             robots one mass and one damping per axis. See line 5.",
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]\naxes = [\"x\", \"y\"]"),
-            "robot2.damping = [5.0, 6.0, 7.0]: one value per axis is needed, that is 2, and here are 3. \
-             Give one value per axis, or a single number for all of them. See line 7.",
+            "robot2.damping = [5.0, 6.0, 7.0]: one value per axis is needed: 2, not 3. Give one value \
+             per axis, or a single number for all of them. See line 7.",
         ),
-        (
-            String::new(),
-            "robot1.mass = nothing: this value is needed. Add the section [robot1] with mass = 1.0 (kg).",
-        ),
+        (String::new(), "Missing robot1.mass (kg). Add a section [robot1] with mass = 1.0."),
         (
             with("delay = 0.05", "jitter = 0.05"),
-            "network.delay = nothing: this value is needed. Add delay = 0.05 (s, one way) under [network]. \
-             See line 10.",
+            "Missing network.delay (s, one way). Add delay = 0.05 under [network]. See line 10.",
         ),
         (
             with("delay = 0.05", "delay = {forward = 0.05}"),
-            "network.delay = {forward = 0.05}: both forward and backward are needed. Add backward = …, or \
-             give one number. See line 11.",
+            "Missing network.delay.backward. Add backward = …, or give one number. See line 11.",
         ),
         (
             with("sample_period = 0.001", "sample_period = 0.001\ncomputing_time = 0.002"),
-            "controller.computing_time = 0.002: a computing time must fit into the sample period of 0.001 s. \
-             Shorten it, or state the sample period at which the controller really runs. See line 14.",
+            "controller.computing_time = 0.002: a computing time must fit into the sample period of 0.001 \
+             s. Shorten it, or give the actual sample period of the controller. See line 14.",
         ),
         (
             with("[network]", "[operator1]\nstiffness = {min = 300, max = 0}\n[network]"),
-            "operator1.stiffness = {min = 300, max = 0}: min must not exceed max. Exchange the two. \
-             See line 11.",
+            "operator1.stiffness = {min = 300, max = 0}: min must not exceed max. Swap the two. See line \
+             11.",
         ),
         (
             with("[controller]", "[task]\nkind = \"figure eight\"\n[controller]"),
-            "task.kind = \"figure eight\": this is one of \"figure-eight\", \"python\". Did you mean \
+            "task.kind = \"figure eight\": it must be one of \"figure-eight\", \"python\". Did you mean \
              \"figure-eight\"? See line 13.",
         ),
     ];
@@ -176,13 +171,10 @@ fn ref_messages_verbatim() {
 #[test]
 fn ref_text_that_is_not_toml_names_its_line() {
     let message = refusal(&with("delay = 0.05", "delay = 50 ms"));
-    assert!(
-        message.starts_with("study = \"delay = 50 ms\": a study is TOML text, and this is not: "),
-        "{message}"
-    );
-    assert!(message.ends_with("Mend line 11."), "{message}");
+    assert!(message.starts_with("study = \"delay = 50 ms\": a study must be valid TOML: "), "{message}");
+    assert!(message.ends_with("Correct line 11."), "{message}");
     let twice = refusal(&with("delay = 0.05", "delay = 0.05\ndelay = 0.06"));
-    assert!(twice.contains("duplicate key") && twice.ends_with("Mend line 12."), "{twice}");
+    assert!(twice.contains("duplicate key") && twice.ends_with("Correct line 12."), "{twice}");
 }
 
 #[test]

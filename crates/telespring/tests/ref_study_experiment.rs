@@ -45,7 +45,7 @@ fn ref_the_paper_experiment() {
 fn ref_the_example_with_two_link_arms() {
     let study = Study::from_toml(include_str!("../../../examples/two-link.toml")).unwrap();
     let laboratory = study.laboratory().unwrap();
-    let [Arm::TwoLink(first), Arm::TwoLink(second)] = laboratory.sides.map(|side| side.arm) else {
+    let [Arm::TwoLink(first), Arm::TwoLink(second)] = laboratory.stations.map(|side| side.arm) else {
         panic!("{laboratory:?}")
     };
     assert_eq!((first.elbow, second.elbow), (Elbow::Right, Elbow::Left));
@@ -53,9 +53,9 @@ fn ref_the_example_with_two_link_arms() {
     assert_eq!((first.link_centre, first.link_inertia), ([0.15, 0.15], [0.007, 0.0055]));
     assert_eq!((second.joint_damping, second.rotor_inertia), ([0.05, 0.05], [0.02, 0.01]));
     assert_eq!((first.torque_limit, second.torque_limit), ([20.0; 2], [f64::INFINITY; 2]));
-    assert_eq!(laboratory.sides[1].handle.coulomb, [0.5, 0.5]);
-    assert_eq!(laboratory.sides[0].agent, Agent::Skilled { stiffness: 150.0, damping: 5.0 });
-    let Agent::Blurred { stiffness: 100.0, spots } = laboratory.sides[1].agent else { panic!() };
+    assert_eq!(laboratory.stations[1].handle.coulomb, [0.5, 0.5]);
+    assert_eq!(laboratory.stations[0].agent, Agent::Skilled { stiffness: 150.0, damping: 5.0 });
+    let Agent::Blurred { stiffness: 100.0, spots } = laboratory.stations[1].agent else { panic!() };
     assert_eq!((spots.count, spots.velocity, spots.lifetime), (5, 0.2, 0.25));
     let figure = Target::FigureEight { amplitude: [0.08, 0.12], angular_frequency: 1.6 };
     assert_eq!(laboratory.target, figure);
@@ -96,7 +96,7 @@ fn ref_python_agents_and_targets_keep_their_text() {
     let Task::Python(task) = &study.setup().task else { panic!() };
     assert_eq!((task.path.as_str(), task.options.len()), ("targets:circle", 0));
     let laboratory = study.laboratory().unwrap();
-    assert_eq!(laboratory.sides[1].agent, Agent::External);
+    assert_eq!(laboratory.stations[1].agent, Agent::External);
     assert_eq!(laboratory.target, Target::Sampled(Vec::new()));
     // without a period known: 30 s, of which the first 5 are left out
     let protocol = study.protocol().unwrap();
@@ -146,8 +146,8 @@ fn ref_a_study_with_one_axis_has_no_experiment() {
     let refused = Study::from_toml(&format!("{text}\n[task]\nangular_frequency = 2")).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "task = a section: a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have \
-         [\"x\"]. Remove the section, or give both robots these axes. See line 11."
+        "task = a section: a rehearsal needs robots with exactly the two axes \"x\" and \"y\", but these \
+         have [\"x\"]. Remove the section, or give both robots these axes. See line 11."
     );
 }
 
@@ -168,13 +168,13 @@ fn ref_messages_verbatim() {
     let cases: &[(&str, &str)] = &[
         (
             "[agent1]\nspots = 5",
-            "agent1.spots = 5: [agent1] of kind \"skilled\" has the keys kind, stiffness, damping. It belongs to \
-             kind = \"blurred\": name that kind, or remove the key. See line 6.",
+            "agent1.spots = 5: [agent1] of kind \"skilled\" has the keys kind, stiffness, damping. It \
+             belongs to kind = \"blurred\": set that kind, or remove the key. See line 6.",
         ),
         (
             "[arm1]\nkind = \"two-links\"",
-            "arm1.kind = \"two-links\": this is one of \"massless\", \"lumped\", \"two-link\". Did you mean \
-             \"two-link\"? See line 6.",
+            "arm1.kind = \"two-links\": it must be one of \"massless\", \"lumped\", \"two-link\". Did you \
+             mean \"two-link\"? See line 6.",
         ),
         (
             "[arm1]\nkind = \"lumped\"\nmas = 1",
@@ -183,8 +183,8 @@ fn ref_messages_verbatim() {
         ),
         (
             "[arm2]\nkind = \"lumped\"\nmass = [1.0, 2.0, 3.0]",
-            "arm2.mass = [1.0, 2.0, 3.0]: one number or a list of two is needed. Write it such as [1.0, 2.0]. \
-             See line 7.",
+            "arm2.mass = [1.0, 2.0, 3.0]: one number or a list of two is needed. Write, for example, \
+             [1.0, 2.0]. See line 7.",
         ),
         (
             "[arm1]\nkind = \"two-link\"\nelbow = \"left\"\nbase = [0, -450]",
@@ -193,8 +193,8 @@ fn ref_messages_verbatim() {
         ),
         (
             "[agent2]\nkind = \"python\"\nclass = \"patients.py\"",
-            "agent2.class = \"patients.py\": a module and a name in it are needed, with a colon between them. \
-             Write it such as \"agents:Patient\". See line 7.",
+            "agent2.class = \"patients.py\": a module and a name in it are needed, separated by a colon. \
+             Write, for example, \"agents:Patient\". See line 7.",
         ),
         (
             "[agent2]\nkind = \"python\"\nclass = \"a:B\"\noptions = {gain = nan}",
@@ -203,8 +203,8 @@ fn ref_messages_verbatim() {
         ),
         (
             "[agent2]\nkind = \"python\"\nclass = \"a:B\"\noptions = {\"2nd\" = 1}",
-            "agent2.options.2nd = 1: an option's name is made of letters, digits and _, and begins with no digit. \
-             Rename it as the Python code calls it. See line 8.",
+            "agent2.options.2nd = 1: the name of an option consists of letters, digits and _, and does \
+             not begin with a digit. Use the name of a Python argument. See line 8.",
         ),
         (
             "[task]\namplitude = [50, 100]",
@@ -213,8 +213,8 @@ fn ref_messages_verbatim() {
         ),
         (
             "laboratory.sample_period = 0.01\n[agent2]\nspot_lifetime = 0.002",
-            "agent2.spot_lifetime = 0.002: a spot lives for one sample period at least, here 0.01 s. Give a \
-             lifetime in s, such as 0.2. See line 7.",
+            "agent2.spot_lifetime = 0.002: a spot must live for at least one sample period, here 0.01 s. \
+             Give a lifetime in s, such as 0.2. See line 7.",
         ),
         (
             "[laboratory]\nloss = 2",
@@ -227,37 +227,36 @@ fn ref_messages_verbatim() {
         ),
         (
             "controller.sample_period = 0.001\n[laboratory]\nsample_period = 0.002",
-            "laboratory.sample_period = 0.002: [controller] says 0.001 s, and both mean the same controllers. Name \
-             it once, or alike. See line 7.",
+            "laboratory.sample_period = 0.002: [controller] gives 0.001 s for the same controllers. Give \
+             it once, or the same value twice. See line 7.",
         ),
         (
             "[protocol]\nstiffness = [71, 71.0]",
-            "protocol.stiffness[1] = 71.0: every value is named once. Remove it. See line 6.",
+            "protocol.stiffness[1] = 71.0: every value must be distinct. Remove it. See line 6.",
         ),
         (
             "[protocol]\nstiffness = []",
-            "protocol.stiffness = []: a list of one number or more is needed. Write conditions = [] to run the \
-             unconnected condition only. See line 6.",
+            "protocol.stiffness = []: a list of at least one number is needed. Write conditions = [] to \
+             run the unconnected condition only. See line 6.",
         ),
         (
             "[protocol]\nconditions = [{stiffness = 71}]",
-            "protocol.conditions[0] = {stiffness = 71}: both stiffness and delay are needed. Add delay = …. \
-             See line 6.",
+            "Missing protocol.conditions[0].delay. Add delay = …. See line 6.",
         ),
         (
             "[protocol]\nconditions = []\ndelay = [0.1]",
-            "protocol.conditions = []: a protocol names either its conditions one by one or lists of stiffness \
-             and delay. Remove the one or the other. See line 6.",
+            "protocol.conditions = []: a protocol has either a list of conditions or lists of stiffness \
+             and delay. Remove one of them. See line 6.",
         ),
         (
             "[protocol]\nconditions = []\nunconnected = false",
             "protocol.conditions = 0 conditions: a protocol has 1 to 1000 conditions, the unconnected one \
-             included. Name a condition, or write unconnected = true. See line 6.",
+             included. Give a condition, or write unconnected = true. See line 6.",
         ),
         (
             "[protocol]\ntrials = 20.5",
-            "protocol.trials = 20.5: the number of trials must be a whole number from 1 to 10000. Write it without \
-             a decimal point, quotes and units. See line 6.",
+            "protocol.trials = 20.5: the number of trials must be a whole number from 1 to 10000. Write \
+             it without decimal point, quotes or unit. See line 6.",
         ),
         (
             "[protocol]\ntrials = 20000",
@@ -266,8 +265,8 @@ fn ref_messages_verbatim() {
         ),
         (
             "[protocol]\nduration = 4",
-            "protocol.discard = 4.852 (unless given): what is left out must be shorter than the trial of 4.0 s. \
-             Name a longer duration, or a shorter part to discard. See line 5.",
+            "protocol.discard = 4.852 (by default): the discarded part must be shorter than the trial \
+             of 4.0 s. Give a longer duration, or a shorter part to discard. See line 5.",
         ),
         (
             "[protocol]\nduration = 29111",
@@ -276,18 +275,19 @@ fn ref_messages_verbatim() {
         ),
         (
             "[protocol]\nrecord_rate = 300",
-            "protocol.record_rate = 300: the record rate must divide the controllers' rate, 1000 Hz. Write \
-             333.3333333333333, or another such part of it. See line 6.",
+            "protocol.record_rate = 300: the record rate must divide the controllers' rate, 1000 Hz. \
+             Write 333.3333333333333, or another integer fraction of it. See line 6.",
         ),
         (
             "[protocol]\nrecord_rate = 1000\ntrials = 500",
-            "protocol.trials = 500: all trials together keep at most 50000000 samples, and 17 conditions of 29.111 \
-             s at 1000.0 Hz make 247452000. Run fewer or shorter trials, or keep fewer samples per second. See \
-             line 7.",
+            "protocol.trials = 500: all trials together record at most 50000000 samples, but 17 \
+             conditions of 29.111 s at 1000.0 Hz give 247452000. Run fewer or shorter trials, or record \
+             fewer samples per second. See line 7.",
         ),
         (
             "[protocol]\norder = \"random\"",
-            "protocol.order = \"random\": this is one of \"blocks\", \"shuffled\". Choose one of them. See line 6.",
+            "protocol.order = \"random\": it must be one of \"blocks\", \"shuffled\". Choose one of them. \
+             See line 6.",
         ),
         (
             "[network2]\nloss = 0.1",
@@ -315,7 +315,7 @@ fn ref_uncertainty_is_whole_or_refused() {
     let outside = Study::from_toml(&robot("mass_sd = 1, damping_sd = 1, mass_damping_correlation = 1.5"));
     assert!(outside.unwrap_err().to_string().contains("a correlation must be a number from -1 to 1. Check"));
     let three = Study::from_toml(&robot("coulomb = [1, 2, 3]")).unwrap_err();
-    assert!(three.to_string().contains("that is 2, and here are 3"), "{three}");
+    assert!(three.to_string().contains("one value per axis is needed: 2, not 3"), "{three}");
 }
 
 #[test]
@@ -408,8 +408,8 @@ fn ref_a_protocol_keeps_something_to_judge() {
 }
 
 #[test]
-fn ref_a_seed_too_large_is_told_as_that() {
+fn ref_a_seed_too_large_is_reported_as_out_of_range() {
     let refused = refusal("[protocol]\nseed = 9223372036854775808");
     assert!(refused.contains("Choose a number in that range."), "{refused}");
-    assert!(refusal("[protocol]\nseed = 1.0").contains("without a decimal point"));
+    assert!(refusal("[protocol]\nseed = 1.0").contains("without decimal point"));
 }

@@ -1,6 +1,6 @@
 //! Verdicts against closed forms and the numbers of DESIGN section 2.
 
-use telespring::criteria::verdicts::{Allowed, Assumption, Network, Tier, Unavailable, verdicts};
+use telespring::verdicts::{Allowed, Assumption, Network, Tier, Unavailable, verdicts};
 use telespring::{Delay, Dyad, Operator, Robot, hman};
 
 fn constant(delay: f64) -> Network {
@@ -223,11 +223,11 @@ fn ref_a_network_is_checked_at_the_door() {
     let message = |j, g, s, c| Network::new(delay, j, g, s, c).unwrap_err().to_string();
     assert_eq!(
         message(0.0, 0.0, 1e-3, 2e-3),
-        "computing_time = 0.002: a computing time must fit into the sample period of 0.001 s. \
-         Shorten it, or state the sample period at which the controller really runs."
+        "computing_time = 0.002: a computing time must fit into the sample period of 0.001 s. Shorten it, \
+         or give the actual sample period of the controller."
     );
-    assert!(message(-1.0, 0.0, 0.0, 0.0).starts_with("jitter = -1: a span of time must be"));
+    assert!(message(-1.0, 0.0, 0.0, 0.0).starts_with("jitter = -1: a time span must be"));
     assert!(message(0.0, f64::NAN, 0.0, 0.0).starts_with("max_gap = NaN"));
-    assert!(message(60.0, 60.0, 0.0, 0.0).contains("together must not exceed 100 s, and are 120.1 s"));
+    assert!(message(60.0, 60.0, 0.0, 0.0).contains("together must not exceed 100 s, but are 120.1 s"));
     assert!(message(0.0, 0.0, 1e-9, 0.0).starts_with("sample_period = 0.000000001"));
 }

@@ -24,7 +24,7 @@ fn size(chi: &Characteristic, s: Complex64) -> f64 {
 #[test]
 fn law_both_forms_agree() {
     for (chi, s) in cases() {
-        let exponential = Exponential::at(s, chi.round_trip);
+        let exponential = DelayExponential::at(s, chi.round_trip);
         let (a, b) = (chi.jet_by_sides(s, &exponential), chi.jet_by_remainder(s, &exponential));
         let rounding = 1e-14 * size(&chi, s) * (1.0 + s.norm().recip());
         assert!((a.value - b.value).norm() < rounding, "{chi:?} {s}");
@@ -74,7 +74,7 @@ fn ref_the_held_exponential_has_its_taylor_series_about_rest() {
             term *= -s * round_trip / f64::from(n + 1);
             derived *= -s * round_trip * f64::from(n + 1) / (f64::from(n) * f64::from(n + 2));
         }
-        let held = Exponential::at(s, round_trip).held(s, round_trip);
+        let held = DelayExponential::at(s, round_trip).integral(s, round_trip);
         assert!((held.value - value).norm() < 1e-15, "{s}");
         // The closed form of the slope loses ε/|T s| to cancellation, at most 2e-13 here.
         assert!((held.slope - slope).norm() < 1e-12, "{s}");

@@ -1,4 +1,4 @@
-//! Where characteristic roots meet the imaginary axis.
+//! Crossings: where characteristic roots meet the imaginary axis.
 
 use std::f64::consts::TAU;
 use std::ops::Deref;
@@ -8,25 +8,25 @@ use crate::error::Result;
 use crate::model::DyadAxis;
 use crate::quantity;
 
-/// A frequency at which a pair of characteristic roots crosses the imaginary axis, and when.
+/// A frequency at which a pair of characteristic roots crosses the imaginary axis, and the delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// The smallest one-way delay at which it happens, s (the mean of both ways where they differ).
+    /// The smallest one-way delay of the crossing, s (the mean of both directions if they differ).
     pub delay: f64,
-    /// The angular frequency ω_c at which the pair meets the axis, rad/s.
+    /// The crossing frequency ω_c, rad/s.
     pub frequency: f64,
-    /// +1 where the pair leaves the stable half-plane as the delay grows, −1 where it returns,
-    /// 0 where it only touches the axis.
+    /// +1 if the pair leaves the stable half-plane as the delay grows, −1 if it returns, 0 if it only
+    /// touches the axis.
     pub direction: i8,
 }
 
 impl Crossing {
-    /// The crossing happens again after every such increase of the one-way delay, s.
+    /// The period of one-way delays after which the crossing recurs, s.
     pub fn period(&self) -> f64 {
         0.5 * TAU / self.frequency
     }
 
-    /// Every one-way delay at which it happens, s, ascending without end.
+    /// All one-way delays of the crossing, s, ascending without end.
     pub fn delays(&self) -> impl Iterator<Item = f64> + use<> {
         let Self { delay, .. } = *self;
         let period = self.period();
@@ -34,7 +34,7 @@ impl Crossing {
     }
 }
 
-/// Up to four crossings, by frequency from low to high; reads as a slice.
+/// Up to four crossings, ascending by frequency; dereferences to a slice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossings {
     items: [Crossing; 4],
@@ -48,15 +48,15 @@ impl Deref for Crossings {
     }
 }
 
-/// All frequencies at which roots cross the imaginary axis at some delay, by frequency.
+/// All frequencies at which roots cross the imaginary axis at some delay, ascending.
 ///
-/// Each recurs at `delay + n π / frequency`. No crossing means that no constant delay matters.
-/// The frequencies are the square roots of the positive roots of the paper's Eq. 8 (with operators
-/// and coupling damping added); the phase replaces Eq. 9, which breaks down where its B is zero.
+/// Each crossing recurs at `delay + n π / frequency`. Without a crossing no constant delay destabilises.
+/// The frequencies are the square roots of the positive roots of the paper's Eq. 8, with operators and
+/// coupling damping added. The phase replaces Eq. 9, which fails where its B is zero.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`](crate::InvalidInput) where the stiffness (N/m) is not in range.
+/// [`InvalidInput`](crate::InvalidInput) if the stiffness (N/m) is out of range.
 ///
 /// # Examples
 ///
@@ -72,20 +72,24 @@ pub fn crossings(axis: &DyadAxis, stiffness: f64) -> Result<Crossings> {
     Ok(all_crossings(axis, stiffness))
 }
 
+/// The crossings of an axis whose stiffness has been checked.
 pub(super) fn all_crossings(axis: &DyadAxis, stiffness: f64) -> Crossings {
-    let mut found =
+    let mut crossings =
         Crossings { items: [Crossing { delay: 0.0, frequency: 0.0, direction: 0 }; 4], length: 0 };
     for root in crossing_roots(axis, stiffness).iter() {
         let frequency = (root.at * stiffness).sqrt();
-        found.items[found.length] =
-            Crossing { delay: first_delay(axis, stiffness, frequency), frequency, direction: root.slope };
-        found.length += 1;
+        crossings.items[crossings.length] = Crossing {
+            delay: first_crossing_delay(axis, stiffness, frequency),
+            frequency,
+            direction: root.slope,
+        };
+        crossings.length += 1;
     }
-    found
+    crossings
 }
 
-/// The smallest one-way delay that closes the phase of the loop at a crossing frequency, s.
-fn first_delay(axis: &DyadAxis, stiffness: f64, frequency: f64) -> f64 {
+/// The smallest one-way delay with which the loop phase closes at a crossing frequency, s.
+fn first_crossing_delay(axis: &DyadAxis, stiffness: f64, frequency: f64) -> f64 {
     let c = axis.coupling_damping;
     let multiply = |a: (f64, f64), b: (f64, f64)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
     let [first, second] = axis.sides.map(|side| {
@@ -100,7 +104,7 @@ fn first_delay(axis: &DyadAxis, stiffness: f64, frequency: f64) -> f64 {
         product = multiply(product, multiply(conjugate, conjugate));
     }
     let turn = -product.1.atan2(product.0);
-    // An undamped dyad oscillates without delay: its phase is zero but for rounding.
+    // An undamped dyad oscillates without delay: its phase is zero up to rounding.
     let undamped = axis.sides.iter().all(|side| side.damping == 0.0);
     if undamped && turn.abs() < 1e-12 {
         return 0.0;

@@ -1,18 +1,18 @@
-//! Which constant delays are stable.
+//! Stable intervals of the constant delay.
 
 use super::crossings::{Crossing, all_crossings};
 use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
 use crate::quantity;
 
-/// The maximum delay δ_m, s: every shorter one-way delay is stable; infinite where no constant delay
-/// destabilises, and 0 where the undelayed dyad is not stable.
+/// The maximum delay δ_m, s: every shorter one-way delay is stable. Infinite if no constant delay
+/// destabilises, 0 if the undelayed dyad is unstable.
 ///
-/// Where the delays of both ways differ it bounds their mean. Replaces the paper's Eq. 6.
+/// If the delays of both directions differ, it bounds their mean. It replaces the paper's Eq. 6.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness (N/m) is not in range.
+/// [`InvalidInput`] if the stiffness (N/m) is out of range.
 ///
 /// # Examples
 ///
@@ -28,21 +28,20 @@ pub fn maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
     if !is_stable_without_delay(axis) {
         return Ok(0.0);
     }
-    let found = all_crossings(axis, stiffness);
-    Ok(found.iter().fold(f64::INFINITY, |first, crossing| first.min(crossing.delay)))
+    let crossings = all_crossings(axis, stiffness);
+    Ok(crossings.iter().fold(f64::INFINITY, |first, crossing| first.min(crossing.delay)))
 }
 
 /// All intervals of stable one-way delays from 0 to `horizon`, s, as `(start, end)`.
 ///
-/// An interval holds neither its end nor its start, except a start at 0 (a dyad that is stable at
-/// every short delay but not without delay, for lack of damping, starts at the smallest positive
-/// number). A delay at which a root only touches the imaginary axis ends one interval and starts the
-/// next; of such touches, which never end, the first million are listed. The `horizon` may be
-/// infinite: above some delay a dyad is always or never stable.
+/// Intervals are open, except for a start at 0. A dyad that is stable at every short delay but not without
+/// delay, for lack of damping, starts at the smallest positive number. A delay at which a root only touches
+/// the imaginary axis ends one interval and starts the next; at most a million such touches are listed. The
+/// `horizon` may be infinite: beyond some delay a dyad is always or never stable.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness (N/m) is not in range or the horizon (s) is not positive.
+/// [`InvalidInput`] if the stiffness (N/m) is out of range or the horizon (s) is not positive.
 ///
 /// # Examples
 ///
@@ -68,20 +67,20 @@ pub fn stable_delays(axis: &DyadAxis, stiffness: f64, horizon: f64) -> Result<Ve
 }
 
 /// The stable intervals up to the horizon, from the crossings.
-pub(super) fn stable_delays_within(axis: &DyadAxis, found: &[Crossing], horizon: f64) -> Vec<(f64, f64)> {
+pub(super) fn stable_delays_within(axis: &DyadAxis, crossings: &[Crossing], horizon: f64) -> Vec<(f64, f64)> {
     let mut stable = Vec::new();
     let mut start = if is_stable_without_delay(axis) { 0.0 } else { f64::MIN_POSITIVE };
-    let last = horizon.min(never_stable_after(found));
+    let last = horizon.min(permanent_instability_delay(crossings));
     let mut unstable = 0;
     let mut turns = [0u32; 4];
     loop {
-        let next = found
+        let next = crossings
             .iter()
             .zip(&mut turns)
             .map(|(crossing, turn)| (crossing.delay + f64::from(*turn) * crossing.period(), crossing, turn))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (delay, crossing, turn) = match next {
-            Some(event) if event.0 < last && *event.2 < MOST_TURNS => event,
+            Some(event) if event.0 < last && *event.2 < MAX_TURNS => event,
             _ => {
                 if unstable == 0 && start < last {
                     stable.push((start, last));
@@ -93,31 +92,31 @@ pub(super) fn stable_delays_within(axis: &DyadAxis, found: &[Crossing], horizon:
         if unstable == 0 && delay > start {
             stable.push((start, delay));
         }
-        unstable += pairs_moved(crossing, delay);
+        unstable += unstable_pair_change(crossing, delay);
         start = start.max(delay);
     }
 }
 
-/// How many pairs enter the unstable half-plane: one that is on the axis without delay was not
-/// unstable before, and its return frees nothing.
-fn pairs_moved(crossing: &Crossing, delay: f64) -> i32 {
+/// The change in the number of unstable pairs at a crossing. A pair on the axis without delay was not
+/// unstable before, so its return changes nothing.
+fn unstable_pair_change(crossing: &Crossing, delay: f64) -> i32 {
     i32::from(crossing.direction).max(if delay == 0.0 { 0 } else { -1 })
 }
 
-/// How many recurrences of one crossing are followed where no delay ends the search.
-const MOST_TURNS: u32 = 1_000_000;
+/// The maximum number of recurrences followed if no delay ends the search.
+const MAX_TURNS: u32 = 1_000_000;
 
-/// A delay after which some root is always unstable, s; infinite where there is none.
+/// A delay beyond which some root is always unstable, s; infinite if there is none.
 ///
-/// Pairs leave once per period of a leaving crossing and return once per period of a returning one;
-/// the highest frequency leaves, and the directions alternate, so that leaving wins in the long run.
-fn never_stable_after(found: &[Crossing]) -> f64 {
-    let net: f64 = found.iter().map(|c| f64::from(c.direction) * c.frequency).sum();
+/// Pairs leave once per period of a leaving crossing and return once per period of a returning one. The
+/// highest frequency leaves and the directions alternate, so that leaving prevails.
+fn permanent_instability_delay(crossings: &[Crossing]) -> f64 {
+    let net: f64 = crossings.iter().map(|c| f64::from(c.direction) * c.frequency).sum();
     if net <= 0.0 {
         return f64::INFINITY;
     }
-    // A series has crossed between ω(δ − δ₀)/π and one time more.
-    let offset: f64 = found
+    // A series has crossed ω(δ − δ₀)/π times, or once more.
+    let offset: f64 = crossings
         .iter()
         .map(|c| {
             let lag = f64::from(c.direction) * c.frequency * c.delay;
@@ -127,12 +126,12 @@ fn never_stable_after(found: &[Crossing]) -> f64 {
     (offset + std::f64::consts::PI) / net
 }
 
-/// The number of characteristic roots with positive real part at a one-way delay, s (the rigid-body
-/// root not counted).
+/// The number of characteristic roots with positive real part at a one-way delay (s), without the
+/// rigid-body root.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness (N/m) or the delay (s) is not in range.
+/// [`InvalidInput`] if the stiffness (N/m) or the delay (s) is out of range.
 ///
 /// # Examples
 ///
@@ -149,6 +148,7 @@ pub fn unstable_root_count(axis: &DyadAxis, stiffness: f64, delay: f64) -> Resul
     Ok(unstable_roots(axis, stiffness, delay))
 }
 
+/// The number of unstable roots of an axis whose stiffness and delay have been checked.
 pub(super) fn unstable_roots(axis: &DyadAxis, stiffness: f64, delay: f64) -> u32 {
     let pairs: f64 = all_crossings(axis, stiffness)
         .iter()
@@ -161,10 +161,10 @@ pub(super) fn unstable_roots(axis: &DyadAxis, stiffness: f64, delay: f64) -> u32
     2 * pairs.max(0.0) as u32
 }
 
-/// Whether the undelayed dyad is stable. Its coupling is passive, so that no root lies in the open
-/// right half-plane, and one on the imaginary axis needs a motion that meets no damping: with one
-/// damped side there is none, because the spring carries every motion to it; with undamped sides and a
-/// damper, both must move as one.
+/// Whether the undelayed dyad is stable. Its coupling is passive, so no root lies in the open right
+/// half-plane. A root on the imaginary axis needs an undamped motion: one damped side excludes it, since
+/// the spring carries every motion there; with two undamped sides and a coupling damper, both must move
+/// together.
 pub(super) fn is_stable_without_delay(axis: &DyadAxis) -> bool {
     let [first, second] = &axis.sides;
     let damped = first.damping > 0.0 || second.damping > 0.0;
@@ -172,11 +172,11 @@ pub(super) fn is_stable_without_delay(axis: &DyadAxis) -> bool {
     damped || axis.coupling_damping > 0.0 && !moves_as_one
 }
 
-/// For every stiffness and every one-way delay: is it stable? Row by row, one row per stiffness.
+/// The stability of every pair of stiffness and one-way delay, row by row, one row per stiffness.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where a stiffness (N/m) or a delay (s) is not in range.
+/// [`InvalidInput`] if a stiffness (N/m) or a delay (s) is out of range.
 ///
 /// # Examples
 ///
@@ -196,14 +196,14 @@ pub fn stability_map(axis: &DyadAxis, stiffness: &[f64], delay: &[f64]) -> Resul
     let longest = delay.iter().fold(0.0f64, |longest, &value| longest.max(value));
     let mut stable = Vec::with_capacity(stiffness.len() * delay.len());
     for &k in stiffness {
-        let found = all_crossings(axis, k);
-        let intervals = stable_delays_within(axis, &found, longest + 1.0);
-        stable.extend(delay.iter().map(|&delay| contains(&intervals, delay)));
+        let crossings = all_crossings(axis, k);
+        let intervals = stable_delays_within(axis, &crossings, longest + 1.0);
+        stable.extend(delay.iter().map(|&delay| is_in_any(&intervals, delay)));
     }
     Ok(stable)
 }
 
-/// Whether a delay lies inside one of the stable intervals.
-pub(super) fn contains(intervals: &[(f64, f64)], delay: f64) -> bool {
+/// Whether a delay lies in one of the stable intervals.
+pub(crate) fn is_in_any(intervals: &[(f64, f64)], delay: f64) -> bool {
     intervals.iter().any(|&(start, end)| delay < end && (delay > start || delay == 0.0 && start == 0.0))
 }

@@ -1,26 +1,26 @@
-//! The criteria solved for what an engineer may choose: the stiffness or the damping.
+//! Inverse criteria: the maximum stiffness or minimum damping for a delay.
 
 use num_complex::Complex64;
 
+use super::branch_and_bound::{Curvature, LineFunction, LineJet, Region, Wanted, crossing_parameters};
 use super::critical::critical_stiffness;
 use super::crossings::all_crossings;
-use super::curve::{Curvature, Jet, LineFunction, Region, Wanted, solve};
 use super::intervals::{is_stable_without_delay, unstable_roots};
-use super::softest::{crossings_above, undamped_resonances};
-use crate::characteristic::{self, Characteristic, Exponential};
+use super::undamped_resonance::{crossing_free_stiffness, undamped_resonances};
+use crate::characteristic::{self, Characteristic, DelayExponential};
 use crate::error::{InvalidInput, Result};
 use crate::model::{DyadAxis, Side};
 use crate::quantity;
 
-/// The stiffness K at this one-way delay (s): every k with 0 < k < K is stable, N/m.
+/// The maximum stiffness K at a one-way delay (s): every k with 0 < k < K is stable, N/m.
 ///
-/// Infinite without delay, 0 where the softest spring is already unstable. Some dyads are stable again
-/// at a larger stiffness; that does not count. K is the least stiffness on the curve of crossings, all
-/// of which are enclosed, not the outcome of a search on stable and unstable.
+/// Infinite without delay, 0 if even a soft spring is unstable. Some dyads become stable again at a larger
+/// stiffness, which does not count. K is the smallest stiffness on the curve of crossings, all of which are
+/// enclosed; it does not come from a bisection on stability.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay (s) is not in range.
+/// [`InvalidInput`] if the delay (s) is out of range.
 ///
 /// # Examples
 ///
@@ -41,59 +41,68 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
     let line = StiffnessLine { axis, round_trip, decay_rate: 0.0 };
     if critical > 0.0 {
         let low = critical * (1.0 - 1e-9);
-        return Ok(first_crossing(&line, low, 1e-3 * low));
+        return Ok(first_crossing_stiffness(&line, low, 1e-3 * low));
     }
     let scale = stiffness_scale(axis, round_trip);
     let (resonances, coincident) = undamped_resonances(axis, round_trip);
     if resonances.is_empty() {
         let mut low = 1e-9 * scale;
         if coincident {
-            // Both roots move by a part k here: a count of roots still tells them apart.
+            // Both roots move in proportion to k here, so a count of roots still separates them.
             low = axis.sides.iter().fold(f64::INFINITY, |low, side| {
                 let frequency = (side.ground_stiffness / side.mass).sqrt();
                 low.min(1e-4 * side.ground_stiffness).min(0.1 * side.mass * frequency / round_trip)
             });
         } else if !axis.is_free() && axis.coupling_damping == 0.0 {
-            low = low.max(crossings_above(axis, round_trip));
+            low = low.max(crossing_free_stiffness(axis, round_trip));
         }
         if axis.is_free() && unstable_roots(axis, low, delay) > 0 {
             return Ok(0.0);
         }
-        let stiffness = first_crossing(&line, low, low);
-        // No root crosses between, so that one stiffness speaks for all.
+        let stiffness = first_crossing_stiffness(&line, low, low);
+        // No root crosses in between, so one stiffness represents all.
         return Ok(if unstable_roots(axis, 0.5 * stiffness, delay) > 0 { 0.0 } else { stiffness });
     }
 
     let soft = resonances.iter().map(|resonance| resonance.valid).fold(f64::INFINITY, f64::min);
-    let mut first =
-        resonances.iter().filter_map(|resonance| resonance.first_loss(soft)).fold(f64::INFINITY, f64::min);
-    // All other roots are stable with the softest spring; they are searched for beside the resonances.
-    let mut bands: Vec<(f64, f64)> = resonances.iter().map(|resonance| resonance.band(soft)).collect();
+    let mut first = resonances
+        .iter()
+        .filter_map(|resonance| resonance.first_unstable_stiffness(soft))
+        .fold(f64::INFINITY, f64::min);
+    // All other roots are stable with a soft spring; the search covers the frequencies between the
+    // resonances.
+    let mut bands: Vec<(f64, f64)> =
+        resonances.iter().map(|resonance| resonance.frequency_band(soft)).collect();
     bands.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut from = 0.0;
-    let end = highest_frequency(axis, soft).max(bands[bands.len() - 1].1);
-    let softest = crossings_above(axis, round_trip).min(soft);
+    let end = crossing_frequency_bound(axis, soft).max(bands[bands.len() - 1].1);
+    let lowest_crossing = crossing_free_stiffness(axis, round_trip).min(soft);
     for (start, next) in bands.into_iter().chain(std::iter::once((end, end))) {
         let high = soft.min(first);
-        if start > from && softest < high {
-            let region = Region { frequency: (from, start), parameter: (softest, high) };
-            first = solve(&line, region, Wanted::Least).first().copied().unwrap_or(first).min(first);
+        if start > from && lowest_crossing < high {
+            let region = Region { frequency: (from, start), parameter: (lowest_crossing, high) };
+            first = crossing_parameters(&line, region, Wanted::Least)
+                .first()
+                .copied()
+                .unwrap_or(first)
+                .min(first);
         }
         from = from.max(next);
     }
-    Ok(if first.is_finite() { first } else { first_crossing(&line, soft, soft) })
+    Ok(if first.is_finite() { first } else { first_crossing_stiffness(&line, soft, soft) })
 }
 
-/// The least stiffness above `low` at which a root crosses, N/m.
+/// The smallest stiffness above `low` at which a root crosses, N/m.
 ///
-/// Every large stiffness is unstable at a positive delay, so that some window holds a crossing; the
-/// windows widen because at a long delay the first crossing lies close above the critical stiffness.
-fn first_crossing(line: &StiffnessLine, mut low: f64, mut width: f64) -> f64 {
+/// With a positive delay every large stiffness is unstable, so some window holds a crossing. The windows
+/// widen because at a long delay the first crossing lies just above the critical stiffness.
+fn first_crossing_stiffness(line: &StiffnessLine, mut low: f64, mut width: f64) -> f64 {
     while low.is_finite() {
         let high = low + width;
         width *= 2.0;
-        let region = Region { frequency: (0.0, highest_frequency(line.axis, high)), parameter: (low, high) };
-        if let Some(&stiffness) = solve(line, region, Wanted::Least).first() {
+        let region =
+            Region { frequency: (0.0, crossing_frequency_bound(line.axis, high)), parameter: (low, high) };
+        if let Some(&stiffness) = crossing_parameters(line, region, Wanted::Least).first() {
             return stiffness;
         }
         low = high;
@@ -101,12 +110,12 @@ fn first_crossing(line: &StiffnessLine, mut low: f64, mut width: f64) -> f64 {
     f64::INFINITY
 }
 
-/// The smallest damping d, N·s/m, added equally to both robots, above which every larger addition is
-/// stable at this stiffness (N/m) and one-way delay (s); 0 where every addition is, however small.
+/// The smallest damping d, N·s/m, added to both robots, such that every larger addition is stable at this
+/// stiffness (N/m) and one-way delay (s); 0 if every addition is stable.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness or the delay is not in range.
+/// [`InvalidInput`] if the stiffness or the delay is out of range.
 ///
 /// # Examples
 ///
@@ -136,24 +145,24 @@ pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f6
     }
     let line = DampingLine { axis, stiffness, round_trip: 2.0 * delay };
     let region = Region {
-        frequency: (0.0, highest_frequency(axis, stiffness)),
+        frequency: (0.0, crossing_frequency_bound(axis, stiffness)),
         parameter: (0.0, enough * (1.0 + 1e-9)),
     };
-    Ok(solve(&line, region, Wanted::Greatest).first().copied().unwrap_or(0.0))
+    Ok(crossing_parameters(&line, region, Wanted::Greatest).first().copied().unwrap_or(0.0))
 }
 
-/// The largest decay rate times delay that is searched for: the search grows with its exponential.
+/// The largest product of decay rate and delay: the cost of the search grows exponentially with it.
 const FASTEST_DECAY: f64 = 5.0;
 
-/// The stiffnesses, as intervals `(low, high)` in N/m, with which every characteristic root but the
-/// rigid-body one lies left of −`decay_rate` (1/s) at this one-way delay (s): a softer spring is slow,
-/// a stiffer one rings. Empty where no stiffness decays that fast; searched up to 1e7 N/m, and `high` may
-/// be infinite without delay.
+/// The stiffness intervals `(low, high)`, N/m, with which every characteristic root but the rigid-body one
+/// lies left of −`decay_rate` (1/s) at a one-way delay (s). A softer spring is slow, a stiffer one
+/// oscillates. Empty if no stiffness decays that fast. The search ends at 1e7 N/m; without delay `high` may
+/// be infinite.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the delay or the decay rate is not in range, their product exceeds 5, or the
-/// rate is 0 and an undamped side makes the critical stiffness 0.
+/// [`InvalidInput`] if the delay or the decay rate is out of range, their product exceeds 5, or the rate is
+/// 0 and an undamped side makes the critical stiffness 0.
 ///
 /// # Examples
 ///
@@ -175,35 +184,37 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
                 "decay rate times delay may be at most {FASTEST_DECAY}, that is {} 1/s here",
                 FASTEST_DECAY / delay
             ),
-            "Ask for a slower decay: a motion that crosses the network settles in several delays.",
+            "Choose a slower decay: a motion that crosses the network settles in several delays.",
         ));
     }
-    // On the imaginary axis itself nothing crosses below the critical stiffness.
+    // On the imaginary axis no root crosses below the critical stiffness.
     let lowest = if decay_rate > 0.0 { 0.0 } else { critical_stiffness(axis) * (1.0 - 1e-9) };
     if decay_rate == 0.0 && lowest == 0.0 {
         return Err(InvalidInput::new(
             "decay_rate",
             decay_rate,
-            "a decay rate above 0 is needed where an undamped side makes every stiffness critical",
-            "Ask for a small decay rate, or for the maximum stiffness at this delay.",
+            "a decay rate above 0 is needed if an undamped side makes every stiffness critical",
+            "Choose a small decay rate, or use the maximum stiffness at this delay.",
         ));
     }
     let round_trip = 2.0 * delay;
-    let bound = stiffness_limit(axis, delay, decay_rate).max(2.0 * lowest);
+    let bound = unstable_stiffness_bound(axis, delay, decay_rate).max(2.0 * lowest);
     let limit = bound.min(quantity::STIFFNESS.maximum());
     let line = StiffnessLine { axis, round_trip, decay_rate };
-    let highest = frequency_bound(axis, limit, round_trip, decay_rate);
+    let highest = root_magnitude_bound(axis, limit, round_trip, decay_rate);
     let region =
         Region { frequency: (1e-9 * highest, highest), parameter: (lowest.max(1e-12 * limit), limit) };
-    let mut changes = solve(&line, region, Wanted::All);
-    changes.extend(real_changes(axis, round_trip, decay_rate).into_iter().filter(|&k| k > 0.0 && k < limit));
+    let mut changes = crossing_parameters(&line, region, Wanted::All);
+    changes.extend(
+        real_root_stiffnesses(axis, round_trip, decay_rate).into_iter().filter(|&k| k > 0.0 && k < limit),
+    );
     changes.sort_by(f64::total_cmp);
 
     let mut ranges: Vec<(f64, f64)> = Vec::new();
     let mut low = 0.0;
     for high in changes.into_iter().chain(std::iter::once(limit)) {
         let middle = if low == 0.0 { 0.5 * high } else { (low * high).sqrt() };
-        if high > low && decays(axis, middle, delay, decay_rate)? {
+        if high > low && decays_faster_than(axis, middle, delay, decay_rate)? {
             let unbounded = high == limit && delay == 0.0;
             let end = if unbounded { f64::INFINITY } else { high };
             match ranges.last_mut() {
@@ -217,12 +228,12 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
 }
 
 /// Whether every root but the rigid-body one lies left of −`decay_rate`.
-fn decays(axis: &DyadAxis, stiffness: f64, delay: f64, decay_rate: f64) -> Result<bool> {
+fn decays_faster_than(axis: &DyadAxis, stiffness: f64, delay: f64, decay_rate: f64) -> Result<bool> {
     let delay = crate::model::Delay::each_way(delay)?;
     Ok(crate::spectrum::spectral_abscissa(axis, stiffness, &delay)?.value < -decay_rate)
 }
 
-/// A stiffness typical of the dyad where its damping gives none, N/m.
+/// A typical stiffness of the dyad, N/m, for dyads whose critical stiffness is 0.
 fn stiffness_scale(axis: &DyadAxis, round_trip: f64) -> f64 {
     let [first, second] = &axis.sides;
     let mass = first.mass + second.mass;
@@ -231,7 +242,7 @@ fn stiffness_scale(axis: &DyadAxis, round_trip: f64) -> f64 {
 }
 
 /// A frequency above every crossing for all stiffnesses up to `stiffness`, rad/s.
-fn highest_frequency(axis: &DyadAxis, stiffness: f64) -> f64 {
+fn crossing_frequency_bound(axis: &DyadAxis, stiffness: f64) -> f64 {
     let squared = if axis.is_free() {
         // Free handles: ω²/k of the highest crossing grows with k, and so does ω.
         all_crossings(axis, stiffness).last().map_or(0.0, |last| last.frequency.powi(2))
@@ -249,8 +260,8 @@ fn highest_frequency(axis: &DyadAxis, stiffness: f64) -> f64 {
         .sqrt()
 }
 
-/// A bound on |s| for every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.
-fn frequency_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_rate: f64) -> f64 {
+/// An upper bound on |s| of every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.
+fn root_magnitude_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_rate: f64) -> f64 {
     let growth = (0.5 * decay_rate * round_trip).exp();
     let c = axis.coupling_damping;
     axis.sides.iter().fold(0.0f64, |bound, side| {
@@ -261,9 +272,8 @@ fn frequency_bound(axis: &DyadAxis, stiffness: f64, round_trip: f64, decay_rate:
     })
 }
 
-/// A stiffness above which every dyad with a delay is unstable, or, without delay, above which
-/// nothing changes any more.
-fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
+/// A stiffness above which every dyad with a delay is unstable, or, without delay, nothing changes.
+fn unstable_stiffness_bound(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
     let [first, second] = &axis.sides;
     let ground = first.ground_stiffness + second.ground_stiffness;
     let own = |m: f64, b: f64| b * b / m + decay_rate * (b + decay_rate * m);
@@ -273,12 +283,12 @@ fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
         return 1e4 * scale;
     }
     let mut limit = if ground > 0.0 { 1e3 * scale } else { 1e-3 * scale };
-    // The highest crossing leaves at least δω/π − 1 times, the returning ones bring back at most
-    // δω/π + 1 pairs; both move apart as the stiffness grows.
+    // The highest crossing leaves at least δω/π − 1 times; the returning ones bring back at most δω/π + 1
+    // pairs. Both diverge as the stiffness grows.
     loop {
-        let found = all_crossings(axis, limit);
-        let highest = found.last().map_or(0.0, |last| last.frequency);
-        let returning = found
+        let crossings = all_crossings(axis, limit);
+        let highest = crossings.last().map_or(0.0, |last| last.frequency);
+        let returning = crossings
             .iter()
             .filter(|crossing| crossing.direction < 0)
             .fold(0.0, |highest: f64, crossing| highest.max(crossing.frequency));
@@ -290,7 +300,7 @@ fn stiffness_limit(axis: &DyadAxis, delay: f64, decay_rate: f64) -> f64 {
 }
 
 /// The stiffnesses at which a real root lies at −`decay_rate`.
-fn real_changes(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> Vec<f64> {
+fn real_root_stiffnesses(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> Vec<f64> {
     if decay_rate == 0.0 {
         return Vec::new();
     }
@@ -317,13 +327,17 @@ fn real_changes(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> Vec<f64> {
         .collect()
 }
 
-/// N(s) (χ(s), over s for free handles) and its derivative by s.
-fn jet_by_frequency(chi: &Characteristic, s: Complex64, exponential: &Exponential) -> characteristic::Jet {
+/// N(s) and its derivative with respect to s; N is χ(s), divided by s for free handles.
+fn characteristic_jet(
+    chi: &Characteristic,
+    s: Complex64,
+    exponential: &DelayExponential,
+) -> characteristic::Jet {
     if chi.rigid_body { chi.jet_by_remainder(s, exponential) } else { chi.jet_by_sides(s, exponential) }
 }
 
-/// Whether |P₁P₂| and |k + c s|² e^(σT) differ all over a box of frequencies, with the stiffness and the
-/// added damping in the given ranges, on the line Re s = −σ.
+/// Whether |P₁P₂| and |k + c s|² e^(σT) differ everywhere in a box of frequencies on the line Re s = −σ,
+/// for the given ranges of stiffness and added damping.
 fn magnitudes_differ(
     axis: &DyadAxis,
     frequency: (f64, f64),
@@ -334,7 +348,7 @@ fn magnitudes_differ(
 ) -> bool {
     let c = axis.coupling_damping;
     let squares = (frequency.0 * frequency.0, frequency.1 * frequency.1);
-    // The least and the greatest value of x² on an interval.
+    // The smallest and largest value of x² on an interval.
     let square = |(low, high): (f64, f64)| {
         let greatest = (low * low).max(high * high);
         (if low <= 0.0 && high >= 0.0 { 0.0 } else { (low * low).min(high * high) }, greatest)
@@ -355,16 +369,16 @@ fn magnitudes_differ(
     let growth = (decay_rate * round_trip).exp();
     let returned = ((spring.0 + c * c * squares.0) * growth, (spring.1 + c * c * squares.1) * growth);
     let product = (sides[0].0 * sides[1].0, sides[0].1 * sides[1].1);
-    // The margin keeps the rounding of these bounds from deciding.
+    // The factor keeps the rounding of these bounds from deciding.
     product.0 > returned.1 * returned.1 * (1.0 + 1e-12) || product.1 * (1.0 + 1e-12) < returned.0 * returned.0
 }
 
-/// The least and the greatest |s| of a box on the line Re s = −σ.
-fn magnitudes(region: &Region, decay_rate: f64) -> (f64, f64) {
+/// The smallest and largest |s| of a box on the line Re s = −σ.
+fn magnitude_range(region: &Region, decay_rate: f64) -> (f64, f64) {
     (region.frequency.0.hypot(decay_rate), region.frequency.1.hypot(decay_rate))
 }
 
-/// The characteristic function on Re s = −σ over the stiffness.
+/// The characteristic function on Re s = −σ as a function of frequency and stiffness.
 struct StiffnessLine<'a> {
     axis: &'a DyadAxis,
     round_trip: f64,
@@ -372,21 +386,21 @@ struct StiffnessLine<'a> {
 }
 
 impl LineFunction for StiffnessLine<'_> {
-    fn jet(&self, frequency: f64, stiffness: f64) -> Jet {
+    fn jet(&self, frequency: f64, stiffness: f64) -> LineJet {
         let s = Complex64::new(-self.decay_rate, frequency);
         let chi = Characteristic::new(self.axis, stiffness, self.round_trip);
-        let exponential = Exponential::at(s, self.round_trip);
-        let jet = jet_by_frequency(&chi, s, &exponential);
+        let exponential = DelayExponential::at(s, self.round_trip);
+        let jet = characteristic_jet(&chi, s, &exponential);
         let spring = chi.coupling(s);
         let [one, two] = self.axis.sides;
         let by_parameter = if chi.rigid_body {
             s * (one.mass + two.mass)
                 + (one.damping + two.damping)
-                + spring * exponential.held(s, self.round_trip).value * 2.0
+                + spring * exponential.integral(s, self.round_trip).value * 2.0
         } else {
             chi.sides[0].value(s) + chi.sides[1].value(s) - spring * exponential.decay * 2.0
         };
-        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
+        LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {
@@ -395,14 +409,14 @@ impl LineFunction for StiffnessLine<'_> {
     }
 
     fn curvature(&self, region: &Region) -> Curvature {
-        let (least, most) = magnitudes(region, self.decay_rate);
+        let (least, most) = magnitude_range(region, self.decay_rate);
         let chi = Characteristic::new(self.axis, region.parameter.1, self.round_trip);
         let growth = (self.decay_rate * self.round_trip).exp();
         let frequency = chi.curvature(least, most, growth);
         let c = chi.coupling_damping;
         let spring = chi.stiffness + c * most;
         if chi.rigid_body {
-            let [held, first, _] = Exponential::held_bounds(least, self.round_trip, growth);
+            let [held, first, _] = DelayExponential::integral_bounds(least, self.round_trip, growth);
             Curvature {
                 frequency,
                 mixed: chi.sides[0].mass + chi.sides[1].mass + 2.0 * (c * held + spring * first),
@@ -419,7 +433,7 @@ impl LineFunction for StiffnessLine<'_> {
     }
 }
 
-/// The characteristic function on the imaginary axis over a damping added to both sides.
+/// The characteristic function on the imaginary axis as a function of frequency and added damping.
 struct DampingLine<'a> {
     axis: &'a DyadAxis,
     stiffness: f64,
@@ -427,6 +441,7 @@ struct DampingLine<'a> {
 }
 
 impl DampingLine<'_> {
+    /// The characteristic function with a damping added to both sides.
     fn characteristic(&self, added: f64) -> Characteristic {
         let sides = self.axis.sides.map(|side| Side { damping: side.damping + added, ..side });
         Characteristic::new(&DyadAxis { sides, ..*self.axis }, self.stiffness, self.round_trip)
@@ -434,17 +449,17 @@ impl DampingLine<'_> {
 }
 
 impl LineFunction for DampingLine<'_> {
-    fn jet(&self, frequency: f64, added: f64) -> Jet {
+    fn jet(&self, frequency: f64, added: f64) -> LineJet {
         let s = Complex64::new(0.0, frequency);
         let chi = self.characteristic(added);
-        let jet = jet_by_frequency(&chi, s, &Exponential::at(s, self.round_trip));
+        let jet = characteristic_jet(&chi, s, &DelayExponential::at(s, self.round_trip));
         let [one, two] = chi.sides;
         let by_parameter = if chi.rigid_body {
             (s * (one.mass + two.mass) + (one.damping + two.damping)) * s + 2.0 * self.stiffness
         } else {
             (one.value(s) + two.value(s)) * s
         };
-        Jet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
+        LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
     fn magnitudes_differ(&self, region: &Region) -> bool {
@@ -454,7 +469,7 @@ impl LineFunction for DampingLine<'_> {
     }
 
     fn curvature(&self, region: &Region) -> Curvature {
-        let (least, most) = magnitudes(region, 0.0);
+        let (least, most) = magnitude_range(region, 0.0);
         let chi = self.characteristic(region.parameter.1);
         let frequency = chi.curvature(least, most, 1.0);
         let [one, two] = chi.sides;

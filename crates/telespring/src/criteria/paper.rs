@@ -1,13 +1,13 @@
-//! The paper's own criteria, as printed (Du, Kulkarni, Kager, Campolo, Eqs. 5 to 9), kept beside
-//! the exact ones so that the two can be compared.
+//! The paper's own criteria as printed (Du, Kulkarni, Kager, Campolo, Eqs. 5 to 9), for comparison with the
+//! exact ones.
 
 use super::polynomial::crossing_roots;
 use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
 use crate::quantity;
 
-/// The paper knows neither operators' stiffness nor a coupling damper.
-fn check_covered(axis: &DyadAxis) -> Result<()> {
+/// Rejects an axis that the paper's equations do not cover: grounded operators and coupling damping.
+fn check_paper_applies(axis: &DyadAxis) -> Result<()> {
     if axis.is_free() && axis.coupling_damping == 0.0 {
         return Ok(());
     }
@@ -21,12 +21,12 @@ fn check_covered(axis: &DyadAxis) -> Result<()> {
 
 /// The paper's critical stiffness (Eq. 5), N/m: (b₁² + b₂²) / (2 (m₁ + m₂)).
 ///
-/// It is necessary for stability at every constant delay, but not sufficient: see
+/// It is necessary but not sufficient for stability at every constant delay: see
 /// [`critical_stiffness`](super::critical_stiffness).
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an operator has stiffness or a coupling damping is set: the paper covers neither.
+/// [`InvalidInput`] if an operator has stiffness or there is a coupling damping: the paper covers neither.
 ///
 /// # Examples
 ///
@@ -36,19 +36,19 @@ fn check_covered(axis: &DyadAxis) -> Result<()> {
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn paper_critical_stiffness(axis: &DyadAxis) -> Result<f64> {
-    check_covered(axis)?;
+    check_paper_applies(axis)?;
     let [first, second] = &axis.sides;
     let damping = first.damping.powi(2) + second.damping.powi(2);
     Ok(damping / (2.0 * (first.mass + second.mass)))
 }
 
-/// The paper's maximum delay (Eqs. 5 to 9), s: infinite up to its critical stiffness, and above it
-/// the smallest −arg(z)/ω over the positive roots of Eq. 8. Zero where neither side is damped: Eq. 9
-/// divides by m₁b₂ + m₂b₁ there, and a motion that nothing damps leaves no delay to promise.
+/// The paper's maximum delay (Eqs. 5 to 9), s: infinite up to its critical stiffness, and above it the
+/// smallest −arg(z)/ω over the positive roots of Eq. 8. 0 if neither side is damped: Eq. 9 then divides by
+/// m₁b₂ + m₂b₁ = 0, and an undamped motion allows no delay.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness is out of range or the paper does not cover the axis.
+/// [`InvalidInput`] if the stiffness is out of range or the paper does not cover the axis.
 pub fn paper_maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
     quantity::STIFFNESS.check("stiffness", stiffness)?;
     if stiffness <= paper_critical_stiffness(axis)? {
@@ -64,7 +64,7 @@ pub fn paper_maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
         let [a1, a2] = [first, second].map(|side| {
             num_complex::Complex64::new(side.mass * squared - stiffness, -side.damping * frequency)
         });
-        // B of Eq. 9; where it is zero its sign is too, and the formula gives a delay of zero.
+        // B of Eq. 9; if it is zero its sign is zero too, and the formula gives a delay of zero.
         let b = squared
             - stiffness * (first.damping + second.damping)
                 / (first.mass * second.damping + second.mass * first.damping);

@@ -1,16 +1,16 @@
-//! The polynomial F whose positive roots are the squared frequencies of all crossings (the paper's
-//! Eq. 8, here with operators and coupling damping).
+//! The crossing polynomial F: its positive roots are the squared crossing frequencies (the paper's Eq. 8,
+//! with operators and coupling damping).
 
 use twofloat::TwoFloat;
 
 use crate::model::DyadAxis;
 use crate::poly::{Polynomial, Real, Roots, positive_roots};
 
-/// The number of coefficients of F: degree 4 with an operator's stiffness.
+/// The number of coefficients of F: degree 4 if an operator has stiffness.
 pub(super) const LENGTH: usize = 5;
 
-/// F(y) = |P₁(jω)/k|² |P₂(jω)/k|² − (1 + c² y/k)² with y = ω²/k, its coefficients formed without
-/// cancellation: with free handles F(0) = 0 exactly, and the constant is exactly zero.
+/// The crossing polynomial F(y) = |P₁(jω)/k|² |P₂(jω)/k|² − (1 + c² y/k)² with y = ω²/k, formed without
+/// cancellation: with free handles its constant term is exactly zero.
 pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> Polynomial<R, LENGTH> {
     let number = R::from;
     let compliance = number(1.0) / number(stiffness);
@@ -24,7 +24,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
         // |P/k|² = κ² + (f + g) y + m² y² with g = c²/k.
         let loss = (b * b + number(2.0) * b * number(c)) * compliance;
         let inertia = number(2.0) * m * kappa;
-        Normalised { m2: m * m, ground, kappa, f: loss - inertia, f_size: (loss + inertia).to_f64() }
+        NormalisedSide { m2: m * m, ground, kappa, f: loss - inertia, f_size: (loss + inertia).to_f64() }
     });
     let g = number(c) * number(c) * compliance;
 
@@ -33,7 +33,7 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
     let both = first.ground + second.ground + first.ground * second.ground;
     let a0 = both * (number(2.0) + both);
     // e₁κ₂² + e₂κ₁² − 2g, without the g that cancels.
-    let excess = |side: &Normalised<R>| side.ground * (number(2.0) + side.ground);
+    let excess = |side: &NormalisedSide<R>| side.ground * (number(2.0) + side.ground);
     let damper = g * (excess(&first) + excess(&second));
     let a1 = first.f * k2 + second.f * k1 + damper;
     // e₁e₂ − g², likewise.
@@ -57,8 +57,8 @@ pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> P
     }
 }
 
-/// One side divided by the spring's stiffness.
-struct Normalised<R> {
+/// One side divided by the spring stiffness.
+struct NormalisedSide<R> {
     m2: R,
     ground: R,
     kappa: R,
@@ -66,7 +66,7 @@ struct Normalised<R> {
     f_size: f64,
 }
 
-/// The positive roots of F in y = ω²/k, ascending.
+/// The positive roots of the crossing polynomial F in y = ω²/k, ascending.
 pub(super) fn crossing_roots(axis: &DyadAxis, stiffness: f64) -> Roots<f64, LENGTH> {
     positive_roots(&crossing_polynomial::<f64>(axis, stiffness), || {
         crossing_polynomial::<TwoFloat>(axis, stiffness)

@@ -1,4 +1,4 @@
-//! The infinitesimal generator of a delay system at Chebyshev nodes.
+//! Collocation of the infinitesimal generator of a delay system at Chebyshev nodes.
 
 use nalgebra::DMatrix;
 use nalgebra::linalg::Schur;
@@ -7,33 +7,34 @@ use std::f64::consts::PI;
 
 use super::matrix::CharacteristicMatrix;
 
-/// The states of which a past value is needed.
+/// The indices of the states of a delay system with a delayed term.
 pub(super) fn delayed_states(system: &CharacteristicMatrix) -> Vec<usize> {
     (0..system.size())
         .filter(|&column| system.delayed.iter().any(|(_, matrix)| matrix.column(column).amax() > 0.0))
         .collect()
 }
 
-/// The eigenvalues of the generator collocated at `nodes` + 1 Chebyshev points of the longest delay
-/// (Breda, Maset and Vermiglio 2005), only the needed past values kept as unknowns.
+/// The eigenvalues of the generator collocated at `nodes` + 1 Chebyshev points of the longest delay (Breda,
+/// Maset and Vermiglio 2005); only states with a delayed term are unknowns at past points.
 ///
-/// `None` where the eigenvalue iteration does not settle.
-pub(super) fn eigenvalues(system: &CharacteristicMatrix, nodes: usize) -> Option<Vec<Complex64>> {
-    let generator = generator(system, nodes);
-    let most_iterations = 60 * generator.nrows();
-    // Newton refines what these eigenvalues only start: settling for less than rounding is enough.
-    let schur = Schur::try_new(generator, 1e-13, most_iterations)?;
+/// `None` if the eigenvalue iteration does not converge.
+pub(super) fn collocation_eigenvalues(system: &CharacteristicMatrix, nodes: usize) -> Option<Vec<Complex64>> {
+    let generator = collocation_matrix(system, nodes);
+    let max_iterations = 60 * generator.nrows();
+    // These eigenvalues only start Newton's method, so a coarser tolerance than rounding is enough.
+    let schur = Schur::try_new(generator, 1e-13, max_iterations)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-fn generator(system: &CharacteristicMatrix, nodes: usize) -> DMatrix<f64> {
+/// The collocated generator: past points and present states as one matrix.
+fn collocation_matrix(system: &CharacteristicMatrix, nodes: usize) -> DMatrix<f64> {
     let size = system.size();
     let past = delayed_states(system);
     let span = system.longest_delay();
     if past.is_empty() || span == 0.0 {
         return system.instantaneous.clone();
     }
-    // Points from 1 (now) to −1 (one longest delay ago), with their barycentric weights.
+    // Points from 1 (now) to −1 (one longest delay ago), with barycentric weights.
     let point = |i: usize| (PI * i as f64 / nodes as f64).cos();
     let weight = |i: usize| {
         let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };

@@ -5,15 +5,15 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 use super::DelaySystem;
-use crate::spectrum::contour::{Probe, Stop, Winding, argument_change, taylor_step};
+use crate::spectrum::contour::{ContourError, Probe, Winding, argument_change, taylor_step};
 
-/// Δ(s) = s I − A₀ − Σⱼ Aⱼ e^(−s τⱼ), the states scaled so that its entries are alike in size.
+/// The characteristic matrix Δ(s) = s I − A₀ − Σⱼ Aⱼ e^(−s τⱼ), with balanced states.
 pub(super) struct CharacteristicMatrix {
     pub instantaneous: DMatrix<f64>,
     pub delayed: Vec<(f64, DMatrix<f64>)>,
 }
 
-/// Δ⁻¹(s), row by row, with the argument of det Δ(s).
+/// Δ⁻¹(s) by rows, with the argument of det Δ(s).
 struct Inverse {
     entries: Vec<Complex64>,
     /// A positive multiple of the determinant.
@@ -21,16 +21,16 @@ struct Inverse {
 }
 
 impl CharacteristicMatrix {
-    /// Scales each state by a power of two until rows and columns weigh alike (Parlett and Reinsch
-    /// 1969, doi:10.1007/BF02165404), over all matrices at once: the roots stay exactly the same.
+    /// Balances the states by powers of two, over all matrices at once (Parlett and Reinsch 1969,
+    /// doi:10.1007/BF02165404): the roots stay exactly the same.
     ///
-    /// Delayed terms weigh as on the line Re s = `sigma`: that keeps the bound on |s| small there.
+    /// Delayed terms are weighted as on the line Re s = `sigma`, which keeps the bound on |s| small there.
     pub(super) fn balanced(system: &DelaySystem, sigma: f64) -> Self {
         Self { instantaneous: system.instantaneous.clone(), delayed: system.delayed.clone() }
             .rebalanced(sigma)
     }
 
-    /// The same matrix, balanced for another line.
+    /// The characteristic matrix balanced for another vertical line.
     pub(super) fn rebalanced(&self, sigma: f64) -> Self {
         let mut instantaneous = self.instantaneous.clone();
         let mut delayed = self.delayed.clone();
@@ -70,28 +70,30 @@ impl CharacteristicMatrix {
         Self { instantaneous, delayed }
     }
 
+    /// The number of states.
     pub(super) fn size(&self) -> usize {
         self.instantaneous.nrows()
     }
 
-    /// The longest delay, 0 where there is none.
+    /// The longest delay of the characteristic matrix, 0 if there is none.
     pub(super) fn longest_delay(&self) -> f64 {
         self.delayed.last().map_or(0.0, |(delay, _)| *delay)
     }
 
-    /// A size that the roots may be compared with, 1/s.
+    /// A rate that roots can be compared with, 1/s.
     pub(super) fn scale(&self) -> f64 {
         let size = self.instantaneous.norm() + self.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
         if size > 0.0 { size } else { 1.0 }
     }
 
-    /// Bounds |s| for every root with Re s ≥ `sigma`.
-    pub(super) fn radius(&self, sigma: f64) -> f64 {
+    /// An upper bound on |s| of every root with Re s ≥ `sigma`.
+    pub(super) fn root_radius(&self, sigma: f64) -> f64 {
         self.instantaneous.norm()
             + self.delayed.iter().map(|(delay, matrix)| matrix.norm() * (-delay * sigma).exp()).sum::<f64>()
     }
 
-    fn at(&self, s: Complex64) -> Vec<Complex64> {
+    /// The characteristic matrix Δ(s) by rows.
+    fn evaluate(&self, s: Complex64) -> Vec<Complex64> {
         let size = self.size();
         let mut entries = vec![Complex64::ZERO; size * size];
         for (row, line) in entries.chunks_exact_mut(size).enumerate() {
@@ -111,7 +113,7 @@ impl CharacteristicMatrix {
         entries
     }
 
-    /// Δ⁻¹ Δ′ at `s`, by rows.
+    /// The logarithmic derivative Δ⁻¹ Δ′ of the characteristic matrix at `s`, by rows.
     fn logarithmic_derivative(&self, s: Complex64, inverse: &[Complex64]) -> Vec<Complex64> {
         let size = self.size();
         let mut product = inverse.to_vec();
@@ -129,46 +131,51 @@ impl CharacteristicMatrix {
         product
     }
 
-    /// det Δ / (det Δ)′ at `s`: the step of Newton on the determinant; 0 where Δ is singular.
+    /// The Newton step det Δ / (det Δ)′ at `s`; 0 if Δ is singular.
     pub(super) fn newton_step(&self, s: Complex64) -> Complex64 {
-        let Some(inverse) = invert(self.at(s), self.size()) else { return Complex64::ZERO };
+        let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else { return Complex64::ZERO };
         let product = self.logarithmic_derivative(s, &inverse.entries);
         let trace: Complex64 = (0..self.size()).map(|i| product[i * self.size() + i]).sum();
         trace.inv()
     }
 
-    /// How far Δ⁻¹ Δ may move so that the determinant turns by less than π.
+    /// How much Δ⁻¹ Δ may change while the argument of the determinant changes by less than π.
     ///
-    /// With X = Δ⁻¹(s)(Δ(s + h) − Δ(s)), det Δ(s + h) / det Δ(s) = Π (1 + μᵢ) over the eigenvalues of
-    /// X, and Σ |arg(1 + μᵢ)| ≤ (π/2) Σ |μᵢ| ≤ (π/2) √n ‖X‖ (Weyl; Frobenius norm) where ‖X‖ < 1.
-    fn room(&self) -> f64 {
+    /// With X = Δ⁻¹(s)(Δ(s + h) − Δ(s)), det Δ(s + h) / det Δ(s) = Π (1 + μᵢ) over the eigenvalues of X,
+    /// and Σ |arg(1 + μᵢ)| ≤ (π/2) Σ |μᵢ| ≤ (π/2) √n ‖X‖ (Weyl; Frobenius norm) if ‖X‖ < 1.
+    fn argument_room(&self) -> f64 {
         (1.8 / (self.size() as f64).sqrt()).min(0.9)
     }
 
-    /// The number of roots right of Re s = `sigma`, multiplicity counted, by the argument principle.
-    pub(super) fn roots_right_of(&self, sigma: f64, steps: usize) -> Result<usize, Stop> {
-        self.rebalanced(sigma).walked(sigma, steps)
+    /// The number of characteristic roots right of Re s = `sigma`, with multiplicity, by the argument
+    /// principle.
+    pub(super) fn roots_right_of(&self, sigma: f64, steps: usize) -> Result<usize, ContourError> {
+        self.rebalanced(sigma).count_on_contour(sigma, steps)
     }
 
-    fn walked(&self, sigma: f64, mut steps: usize) -> Result<usize, Stop> {
-        // Beyond this, det Δ is sⁿ times a factor that stays within π of its argument at infinity.
-        let far = self.radius(sigma) / self.room();
+    /// Counts the roots right of a line along a contour, with the balancing as it is.
+    fn count_on_contour(&self, sigma: f64, mut steps: usize) -> Result<usize, ContourError> {
+        // Beyond this, det Δ is sⁿ times a factor whose argument stays within π of its limit.
+        let far = self.root_radius(sigma) / self.argument_room();
         let top = Complex64::new(sigma, far);
         let bottom = Complex64::new(sigma, 0.0);
         if !far.is_finite() {
-            return Err(Stop::StepsExhausted { at: bottom });
+            return Err(ContourError::StepsExhausted { at: bottom });
         }
         let turn = argument_change(self, bottom, top, &mut steps)?;
         let size = self.size();
-        let Some(inverse) = invert(self.at(top), size) else { return Err(Stop::NearZero { at: top }) };
+        let Some(inverse) = invert_complex(self.evaluate(top), size) else {
+            return Err(ContourError::NearZero { at: top });
+        };
         let rest = (inverse.determinant * Complex64::from_polar(1.0, -(size as f64) * top.arg())).arg();
         Ok(((size as f64 * top.arg() + rest - turn) / PI).round().max(0.0) as usize)
     }
 }
 
 impl Winding for CharacteristicMatrix {
+    /// Certifies a step of the determinant by the norm of Δ⁻¹ Δ′.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
-        let Some(inverse) = invert(self.at(s), self.size()) else {
+        let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else {
             return Probe { value: Complex64::ZERO, step: 0.0 };
         };
         let norm = |entries: &[Complex64]| entries.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
@@ -182,13 +189,14 @@ impl Winding for CharacteristicMatrix {
             size * self.delayed.iter().map(bend).sum::<f64>()
         };
         // taylor_step uses 0.9 of the room it is given.
-        let step = taylor_step(self.room() / 0.9, slope, curvature, longest);
+        let step = taylor_step(self.argument_room() / 0.9, slope, curvature, longest);
         Probe { value: inverse.determinant, step }
     }
 }
 
-/// Gauss-Jordan with partial pivoting; `None` where the matrix is singular or not finite.
-fn invert(mut matrix: Vec<Complex64>, size: usize) -> Option<Inverse> {
+/// The inverse of a complex matrix by Gauss-Jordan elimination with partial pivoting; `None` if it is
+/// singular or not finite.
+fn invert_complex(mut matrix: Vec<Complex64>, size: usize) -> Option<Inverse> {
     let mut inverse = vec![Complex64::ZERO; size * size];
     for i in 0..size {
         inverse[i * size + i] = Complex64::ONE;

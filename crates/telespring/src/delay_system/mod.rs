@@ -1,10 +1,10 @@
-//! A linear system with several constant delays: what a dyad lowers to.
+//! Linear systems with several constant delays, and a dyad as such a system.
 //!
-//! x′(t) = A₀ x(t) + Σⱼ Aⱼ x(t − τⱼ). Its characteristic roots are the zeros of
-//! det(s I − A₀ − Σⱼ Aⱼ e^(−s τⱼ)). Nothing here knows of springs or robots, so that three or more
-//! partners need no other engine.
+//! x′(t) = A₀ x(t) + Σⱼ Aⱼ x(t − τⱼ). Its characteristic roots are the zeros of det(s I − A₀ − Σⱼ Aⱼ e^(−s
+//! τⱼ)). The module is independent of springs and robots and therefore also serves three or more partners.
 
 mod collocation;
+mod known_roots;
 mod matrix;
 mod roots;
 mod search;
@@ -12,15 +12,18 @@ mod zero;
 
 use nalgebra::DMatrix;
 
+use matrix::CharacteristicMatrix;
+
 use crate::error::{InvalidInput, Result};
-use crate::spectrum::{Abscissa, Spectrum, check_count};
-use crate::{Delay, DyadAxis, quantity};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
+use crate::spectrum::{Abscissa, Spectrum, check_root_count};
 
-/// The largest number of states that a system may have.
-pub const MOST_STATES: usize = 64;
+/// The largest number of states of a system.
+pub const MAX_STATES: usize = 64;
 
-/// x′(t) = A₀ x(t) + Σⱼ Aⱼ x(t − τⱼ), with constant delays τⱼ in s and matrices in 1/s for states of
-/// one unit.
+/// A linear delay system x′(t) = A₀ x(t) + Σⱼ Aⱼ x(t − τⱼ), with constant delays τⱼ in s and matrices in
+/// 1/s for states of one unit.
 ///
 /// # Examples
 ///
@@ -41,22 +44,22 @@ pub struct DelaySystem {
 }
 
 impl DelaySystem {
-    /// A system from A₀ and the pairs (τⱼ, Aⱼ).
+    /// Creates a delay system from A₀ and the pairs (τⱼ, Aⱼ).
     ///
-    /// Terms of one delay are added up, those of delay 0 to A₀; the rest is sorted by delay.
+    /// Terms with equal delay are added, those of delay 0 to A₀; the rest is sorted by delay.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a matrix is not square, of another size than A₀ or of more than
-    /// [`MOST_STATES`] rows, an entry is not finite or beyond 1e12 in size, or a delay is negative,
-    /// not finite or longer than 100 s.
+    /// [`InvalidInput`] if a matrix is not square, differs in size from A₀ or has more than [`MAX_STATES`]
+    /// rows, if an entry is not finite or exceeds 1e12 in size, or if a delay is negative, not finite or
+    /// longer than 100 s.
     pub fn new(a0: DMatrix<f64>, delayed: Vec<(f64, DMatrix<f64>)>) -> Result<Self> {
         let size = a0.nrows();
-        if !(1..=MOST_STATES).contains(&size) {
+        if !(1..=MAX_STATES).contains(&size) {
             return Err(InvalidInput::new(
                 "a0",
                 format!("{} rows", size),
-                format!("a system has from 1 to {MOST_STATES} states"),
+                format!("a system has from 1 to {MAX_STATES} states"),
                 "Check the matrix.",
             ));
         }
@@ -78,38 +81,38 @@ impl DelaySystem {
         Ok(Self { instantaneous, delayed: kept })
     }
 
-    /// A₀, terms of delay 0 added.
+    /// The matrix A₀ of the delay system, including the terms of delay 0.
     pub fn instantaneous(&self) -> &DMatrix<f64> {
         &self.instantaneous
     }
 
-    /// The pairs (τⱼ in s, Aⱼ), by delay.
+    /// The delayed terms as pairs (τⱼ in s, Aⱼ), sorted by delay.
     pub fn delayed(&self) -> &[(f64, DMatrix<f64>)] {
         &self.delayed
     }
 
-    /// The number of states.
+    /// The number of states of the delay system.
     pub fn size(&self) -> usize {
         self.instantaneous.nrows()
     }
 
-    /// The `count` rightmost characteristic roots, each refined by Newton.
+    /// The `count` rightmost characteristic roots, each refined by Newton's method.
     ///
-    /// A root at s = 0, such as the common motion of free robots, is a root like any other here and
-    /// stays in the list, as exactly 0 ([`Spectrum::rigid_body`] is false);
-    /// [`crate::spectrum::characteristic_roots`] divides it out. A system without delay has as many
-    /// roots as states; fewer than `count` are then returned, and `depth` is minus infinity.
+    /// A root at s = 0, such as the rigid-body motion of free robots, is listed like any other, as exactly
+    /// 0 ([`Spectrum::rigid_body`] is false); [`crate::spectrum::characteristic_roots`] divides it out. A
+    /// system without delay has as many roots as states: fewer than `count` may then be returned, and
+    /// `depth` is minus infinity.
     ///
-    /// Starts are the eigenvalues of the infinitesimal generator collocated at Chebyshev nodes
-    /// (Breda, Maset and Vermiglio 2005, doi:10.1137/030601600), nodes being added until the
-    /// argument principle counts no more roots than were found. Roots much beyond 300 divided by the
-    /// largest delay need more nodes than are allowed: a line is then counted on, Newton started
-    /// along it and in halved rectangles, until as many were found. Where that work has no end in
-    /// reach (thousands of roots), the certificate says so.
+    /// Newton's method starts from the eigenvalues of the infinitesimal generator collocated at Chebyshev
+    /// nodes (Breda, Maset and Vermiglio 2005, doi:10.1137/030601600). Nodes are added until the argument
+    /// principle counts no more roots than were found. Roots far beyond 300 divided by the largest delay
+    /// need more nodes than allowed: then a vertical line is counted, and Newton's method starts along it
+    /// and in halved rectangles until as many roots are found. If there are too many (thousands of roots),
+    /// the certificate says so.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where `count` is not from 1 to [`crate::spectrum::MOST_ROOTS`].
+    /// [`InvalidInput`] if `count` is not from 1 to [`crate::spectrum::MAX_ROOTS`].
     ///
     /// # Examples
     ///
@@ -118,26 +121,27 @@ impl DelaySystem {
     /// let system = hman().axis(0)?.delay_system(71.2, &Delay::new(0.1, 0.2)?)?;
     /// let spectrum = system.characteristic_roots(5)?;
     /// assert!(spectrum.certificate.is_complete());
-    /// assert!(spectrum.roots.iter().any(|root| root.norm() == 0.0)); // both carried off together
+    /// assert!(spectrum.roots.iter().any(|root| root.norm() == 0.0)); // the rigid-body root
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn characteristic_roots(&self, count: usize) -> Result<Spectrum> {
-        check_count(count)?;
-        Ok(roots::rightmost(self, count))
+        check_root_count(count)?;
+        Ok(roots::rightmost_roots(self, count))
     }
 
-    /// The largest real part of the characteristic roots, 1/s, a root at s = 0 included.
+    /// The spectral abscissa: the largest real part of the characteristic roots, 1/s, including a root at s
+    /// = 0.
     pub fn spectral_abscissa(&self) -> Abscissa {
-        let spectrum = roots::rightmost(self, 1);
+        let spectrum = roots::rightmost_roots(self, 1);
         Abscissa {
             value: spectrum.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
             certificate: spectrum.certificate,
         }
     }
 
-    /// How often s = 0 is a root: 1 for two free robots, which can be carried off together.
+    /// The multiplicity of the root s = 0: 1 for two free robots, with their rigid-body motion.
     ///
-    /// Decided by the ranks of the characteristic matrix' Taylor coefficients at 0, to rounding.
+    /// Decided by the ranks of the Taylor coefficients of the characteristic matrix at 0, within rounding.
     ///
     /// # Examples
     ///
@@ -148,13 +152,13 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn roots_at_zero(&self) -> usize {
-        roots::at_zero_in(self)
+        zero::multiplicity_at_zero(&CharacteristicMatrix::balanced(self, 0.0))
     }
 
     /// The largest real part of the roots other than s = 0, 1/s.
     ///
-    /// Below zero every motion dies out but those that [`DelaySystem::roots_at_zero`] counts. Minus
-    /// infinity where s = 0 is the only root.
+    /// If negative, every motion decays but those counted by [`DelaySystem::roots_at_zero`]. Minus infinity
+    /// if s = 0 is the only root.
     ///
     /// # Examples
     ///
@@ -166,7 +170,7 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn spectral_abscissa_without_zero(&self) -> Abscissa {
-        let spectrum = roots::rightmost(self, 1 + self.roots_at_zero());
+        let spectrum = roots::rightmost_roots(self, 1 + self.roots_at_zero());
         let moving = spectrum.roots.iter().find(|root| root.norm() > 0.0);
         Abscissa {
             value: moving.map_or(f64::NEG_INFINITY, |root| root.re),
@@ -175,9 +179,10 @@ impl DelaySystem {
     }
 }
 
-/// Entries beyond this are refused, so that no determinant overflows.
+/// Larger entries are rejected, so that no determinant overflows.
 const LARGEST_ENTRY: f64 = 1e12;
 
+/// Checks the shape and the entries of a matrix of a delay system.
 fn check_matrix(field: &str, matrix: &DMatrix<f64>, size: usize) -> Result<()> {
     if matrix.shape() != (size, size) {
         return Err(InvalidInput::new(
@@ -204,13 +209,13 @@ fn check_matrix(field: &str, matrix: &DMatrix<f64>, size: usize) -> Result<()> {
 }
 
 impl DyadAxis {
-    /// This axis as a delay system with the states x₁, v₁, x₂, v₂ (m, m/s); `stiffness` in N/m.
+    /// This axis as a delay system with states x₁, v₁, x₂, v₂ (m, m/s); `stiffness` is in N/m.
     ///
-    /// Robot 1 feels its partner as it was one `backward` delay ago, robot 2 one `forward` delay ago.
+    /// Robot 1 is coupled to its partner one `backward` delay ago, robot 2 one `forward` delay ago.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the stiffness or a field of the axis is out of range.
+    /// [`InvalidInput`] if the stiffness or a field of the axis is out of range.
     ///
     /// # Examples
     ///

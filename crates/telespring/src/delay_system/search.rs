@@ -1,38 +1,42 @@
-//! What collocation missed, found by the count: a line with enough roots to its right, starts along
-//! that line, and at last rectangles halved until each missing root is alone in one.
+//! The search for roots that collocation missed: a vertical line with enough roots to its right, starts
+//! along that line, and finally rectangles halved until each contains one missing root.
 
 use num_complex::Complex64;
 
+use super::known_roots::{KnownRoot, count_in_rectangle, count_right_of, refine_and_insert};
 use super::matrix::CharacteristicMatrix;
-use super::roots::{Known, keep, right_of};
-use crate::spectrum::contour::{Stop, zeros_in_rectangle};
+use crate::spectrum::contour::{ContourError, zeros_in_rectangle};
 
-/// How many steps one contour of the search for a line may take.
+/// The maximum number of steps of one contour in the search for a line.
 const LINE_STEPS: usize = 100_000;
-/// How many steps the contour of one rectangle may take, and how many rectangles are tried.
+/// The maximum number of steps of the contour of one rectangle, and of rectangles.
 const RECTANGLE_STEPS: usize = 20_000;
-const MOST_RECTANGLES: usize = 80;
-/// After this many lines that took too many steps, the search for one is given up: each costs a second.
-const MOST_REFUSED: usize = 4;
-/// Beyond this many roots right of a line, a line further right is looked for.
-pub(super) const MOST_TO_FIND: usize = 6_000;
+const MAX_RECTANGLES: usize = 80;
+/// The search for a line ends after this many lines with too many steps: each costs a second.
+const MAX_REFUSED: usize = 4;
+/// With more roots than this right of a line, the search continues further right.
+pub(super) const MAX_TO_FIND: usize = 6_000;
 
-/// How many starts of Newton are affordable: inverting n × n matrices costs as n³.
-fn most_starts(matrix: &CharacteristicMatrix) -> usize {
+/// The affordable number of Newton starts: inverting n × n matrices costs n³.
+fn newton_start_limit(matrix: &CharacteristicMatrix) -> usize {
     (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
 }
 
-/// A line with at least `count` roots to its right and not many more, with their number.
+/// A vertical line with at least `count` roots to its right and not many more, with their number.
 ///
-/// `hint` is a line to begin with. `None` where no such line could be counted.
-pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) -> Option<(f64, usize)> {
+/// `hint` is the first line to try. `None` if no such line could be counted.
+pub(super) fn line_with_roots_right_of(
+    matrix: &CharacteristicMatrix,
+    count: usize,
+    hint: f64,
+) -> Option<(f64, usize)> {
     let longest = matrix.longest_delay();
-    let counted = |sigma: f64| -> Result<(f64, usize), Stop> {
+    let counted = |sigma: f64| -> Result<(f64, usize), ContourError> {
         let mut line = sigma;
         let mut nudge = 1e-9 * (sigma.abs() + 1e-3 / longest);
         loop {
             match matrix.roots_right_of(line, LINE_STEPS) {
-                Err(Stop::NearZero { .. }) if nudge < 1e-3 * (sigma.abs() + 1e-3 / longest) => {
+                Err(ContourError::NearZero { .. }) if nudge < 1e-3 * (sigma.abs() + 1e-3 / longest) => {
                     line = sigma - nudge;
                     nudge *= 16.0;
                 }
@@ -40,7 +44,7 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
             }
         }
     };
-    let mut shallow = matrix.radius(0.0);
+    let mut shallow = matrix.root_radius(0.0);
     let mut deep = None;
     let mut sigma = hint.min(-1.0 / longest);
     let mut too_deep = f64::NEG_INFINITY;
@@ -68,54 +72,66 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
         } else {
             2.0 * sigma
         };
-        if -sigma * longest > 600.0 || refused >= MOST_REFUSED {
+        if -sigma * longest > 600.0 || refused >= MAX_REFUSED {
             break;
         }
     }
     deep
 }
 
-/// Looks for the roots right of `depth` until `counted` are known, or all means are used up.
-pub(super) fn fill(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, depth: f64, counted: usize) {
-    // Weights for this line keep the bound on the roots small.
+/// Searches for the roots right of `depth` until `counted` are known or all methods are exhausted.
+pub(super) fn search_right_of(
+    matrix: &CharacteristicMatrix,
+    known: &mut Vec<KnownRoot>,
+    depth: f64,
+    counted: usize,
+) {
+    // Balancing for this line keeps the bound on the roots small.
     let matrix = &matrix.rebalanced(depth);
-    let top = matrix.radius(depth);
-    let right = matrix.radius(depth.max(0.0));
+    let top = matrix.root_radius(depth);
+    let right = matrix.root_radius(depth.max(0.0));
     if !top.is_finite() {
         return;
     }
-    let mut starts = most_starts(matrix);
-    // From the left of a chain Newton moves straight onto it; what lies further right (roots that no
-    // delay makes) is reached from further right.
+    let mut starts = newton_start_limit(matrix);
+    // From the left of a chain of roots Newton's method converges to it; roots further right that do not
+    // come from the delay are reached from further right.
     for share in [0.0, 0.03, 0.3] {
-        starts_on(matrix, known, (depth, depth + share * (right - depth)), top, counted, &mut starts);
-        if right_of(known, depth) >= counted || starts == 0 {
+        start_newton_along_line(
+            matrix,
+            known,
+            (depth, depth + share * (right - depth)),
+            top,
+            counted,
+            &mut starts,
+        );
+        if count_right_of(known, depth) >= counted || starts == 0 {
             break;
         }
     }
-    if right_of(known, depth) < counted {
-        halve(matrix, known, depth, Complex64::new(right, top), counted);
+    if count_right_of(known, depth) < counted {
+        bisect_rectangles(matrix, known, depth, Complex64::new(right, top), counted);
     }
 }
 
-/// Starts Newton along the line Re s = `sigma`, so densely that det Δ turns little between two.
-fn starts_on(
+/// Starts Newton's method along the line Re s = `sigma`, so densely that det Δ turns little between starts.
+fn start_newton_along_line(
     matrix: &CharacteristicMatrix,
-    known: &mut Vec<Known>,
+    known: &mut Vec<KnownRoot>,
     (depth, sigma): (f64, f64),
     top: f64,
     counted: usize,
     starts: &mut usize,
 ) {
     let longest = matrix.longest_delay();
-    // A chain of roots is at least this wide apart on average: det Δ holds n delays in all.
+    // Roots of a chain are at least this far apart on average: det Δ holds n delays in all.
     let finest = 0.5 / (matrix.size() as f64 * longest);
     let coarsest = 1.5 / longest;
     let mut y = 0.0;
     while y <= top && *starts > 0 {
         let s = Complex64::new(sigma, y);
         *starts -= 1;
-        if keep(matrix, known, s) && right_of(known, depth) >= counted {
+        if refine_and_insert(matrix, known, s) && count_right_of(known, depth) >= counted {
             return;
         }
         let step = matrix.newton_step(s).norm();
@@ -123,10 +139,10 @@ fn starts_on(
     }
 }
 
-/// Counts in rectangles, halves those with more roots than are known in them, and starts Newton there.
-fn halve(
+/// Counts the roots in rectangles, halves those with unknown roots, and starts Newton's method in them.
+fn bisect_rectangles(
     matrix: &CharacteristicMatrix,
-    known: &mut Vec<Known>,
+    known: &mut Vec<KnownRoot>,
     depth: f64,
     corner: Complex64,
     counted: usize,
@@ -136,18 +152,18 @@ fn halve(
     let mut waiting = vec![(Complex64::new(depth, bottom), corner * 1.01)];
     let mut tried = 0;
     while let Some((low, high)) = waiting.pop() {
-        if tried >= MOST_RECTANGLES || right_of(known, depth) >= counted {
+        if tried >= MAX_RECTANGLES || count_right_of(known, depth) >= counted {
             return;
         }
         tried += 1;
         if let Ok(number) = zeros_in_rectangle(matrix, low, high, RECTANGLE_STEPS)
-            && number <= inside(known, low, high)
+            && number <= count_in_rectangle(known, low, high)
         {
             continue;
         }
         let size = high - low;
         for (x, y) in [(0.5, 0.5), (0.05, 0.25), (0.05, 0.75), (0.7, 0.3), (0.7, 0.8)] {
-            keep(matrix, known, low + Complex64::new(x * size.re, y * size.im));
+            refine_and_insert(matrix, known, low + Complex64::new(x * size.re, y * size.im));
         }
         if size.norm() <= 1e-7 * high.norm() {
             continue;
@@ -165,21 +181,10 @@ fn halve(
     }
 }
 
-fn inside(known: &[Known], low: Complex64, high: Complex64) -> usize {
-    let within = |s: Complex64| s.re > low.re && s.re < high.re && s.im > low.im && s.im < high.im;
-    known
-        .iter()
-        .map(|root| {
-            let both = usize::from(within(root.s)) + usize::from(root.s.im > 0.0 && within(root.s.conj()));
-            both * root.multiplicity
-        })
-        .sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Delay, hman};
+    use crate::model::{Delay, hman};
 
     #[test]
     fn law_halving_alone_finds_every_root_that_is_counted() {
@@ -189,9 +194,9 @@ mod tests {
         let counted = matrix.roots_right_of(-22.0, LINE_STEPS).unwrap();
         assert_eq!(counted, 7);
         let mut known = Vec::new();
-        let corner = Complex64::new(matrix.radius(0.0), matrix.radius(-22.0));
-        halve(&matrix, &mut known, -22.0, corner, counted);
-        assert_eq!(right_of(&known, -22.0), counted);
+        let corner = Complex64::new(matrix.root_radius(0.0), matrix.root_radius(-22.0));
+        bisect_rectangles(&matrix, &mut known, -22.0, corner, counted);
+        assert_eq!(count_right_of(&known, -22.0), counted);
     }
 
     #[test]
@@ -201,7 +206,7 @@ mod tests {
             let system = axis.delay_system(71.2, &Delay::new(forward, backward).unwrap()).unwrap();
             let matrix = CharacteristicMatrix::balanced(&system, 0.0);
             for count in [1, 8, 40] {
-                let (line, counted) = line_with(&matrix, count, 0.0).unwrap();
+                let (line, counted) = line_with_roots_right_of(&matrix, count, 0.0).unwrap();
                 assert!((count..=2 * count + 8).contains(&counted), "{forward}: {counted} of {count}");
                 assert_eq!(matrix.roots_right_of(line, LINE_STEPS), Ok(counted));
             }

@@ -1,23 +1,23 @@
-//! How often s = 0 is a root: a question of ranks, not of iteration.
+//! The multiplicity of the root s = 0, from matrix ranks.
 
 use nalgebra::DMatrix;
 
 use super::matrix::CharacteristicMatrix;
 
-/// No block Toeplitz matrix larger than this is built.
+/// The largest order of a block Toeplitz matrix.
 const LARGEST_ORDER: usize = 256;
 
-/// The multiplicity of s = 0 as a zero of det Δ, ranks taken to rounding.
+/// The multiplicity of s = 0 as a zero of det Δ, from numerical ranks.
 ///
-/// With Δ(s) = Σ Δₗ sˡ, the block Toeplitz matrix of Δ₀ … Δₖ₋₁ lacks Σ min(k, κᵢ) of full rank, κᵢ
-/// the partial multiplicities of s = 0, whose sum is wanted (Gohberg, Lancaster and Rodman 1982,
-/// "Matrix Polynomials", section 1.4). It is reached where one block more changes nothing.
-pub(super) fn multiplicity(matrix: &CharacteristicMatrix) -> usize {
+/// With Δ(s) = Σ Δₗ sˡ, the block Toeplitz matrix of Δ₀ … Δₖ₋₁ has rank deficiency Σ min(k, κᵢ), where κᵢ
+/// are the partial multiplicities of s = 0 and their sum is the result (Gohberg, Lancaster and Rodman 1982,
+/// "Matrix Polynomials", section 1.4). It is reached when another block changes nothing.
+pub(super) fn multiplicity_at_zero(matrix: &CharacteristicMatrix) -> usize {
     let size = matrix.size();
     let most = (LARGEST_ORDER / size).max(1);
     let mut missing = 0;
     for blocks in 1..=most {
-        let now = missing_rank(&toeplitz(matrix, blocks));
+        let now = rank_deficiency(&block_toeplitz(matrix, blocks));
         if now == missing {
             break;
         }
@@ -26,10 +26,11 @@ pub(super) fn multiplicity(matrix: &CharacteristicMatrix) -> usize {
     missing
 }
 
-fn toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
+/// The block Toeplitz matrix of the first Taylor coefficients of Δ(s).
+fn block_toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
     let size = matrix.size();
     let norm = matrix.scale();
-    // The unit of s: that of the faster of system and delays, so that no coefficient outgrows Δ₀.
+    // The unit of s: the faster of system and delays, so that no coefficient exceeds Δ₀.
     let unit = if matrix.longest_delay() > 0.0 { norm.min(matrix.longest_delay().recip()) } else { norm };
     let coefficient = |order: usize| {
         let mut sum = match order {
@@ -53,7 +54,8 @@ fn toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
     whole
 }
 
-fn missing_rank(matrix: &DMatrix<f64>) -> usize {
+/// The number of singular values of a matrix that are zero within rounding.
+fn rank_deficiency(matrix: &DMatrix<f64>) -> usize {
     let order = matrix.nrows();
     let values = matrix.singular_values();
     let rounding = 8.0 * order as f64 * f64::EPSILON * values.max();

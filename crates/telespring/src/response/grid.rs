@@ -1,46 +1,46 @@
-//! Frequencies between which nothing can hide.
+//! Frequency grids fine enough that no resonance falls between two points.
 
 use num_complex::Complex64;
 
 use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis};
+use crate::model::{Delay, DyadAxis};
 
-/// How a grid ended.
+/// How the refinement of a grid ended.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum GridStatus {
     /// Every interval meets the resolution.
     Resolved,
-    /// A factor is zero within rounding at these frequencies (rad/s): a resonance without damping,
-    /// or a root on the imaginary axis. Everywhere else the resolution is met.
+    /// A factor is zero within rounding at these frequencies (rad/s): an undamped resonance or a root on
+    /// the imaginary axis. The resolution is met everywhere else.
     PolesOnAxis(Vec<f64>),
-    /// The limit on the number of points was reached first: the intervals are as fine as it allows,
-    /// not as asked for.
+    /// The limit on the number of points was reached; the intervals are coarser than requested.
     TooManyPoints,
 }
 
-/// Ascending angular frequencies and how they came about.
+/// Ascending angular frequencies and their status.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyGrid {
     /// Angular frequencies, rad/s, ascending; the first is `low`, the last `high`.
     pub frequency: Vec<f64>,
-    /// Whether they meet the resolution.
+    /// Whether the intervals meet the resolution.
     pub status: GridStatus,
 }
 
-/// A grid over [`low`, `high`] rad/s on which every curve of this module is smooth from point to point.
+/// A frequency grid over [`low`, `high`] rad/s on which every curve of this module is smooth from point to
+/// point.
 ///
-/// Between neighbours each of the four factors P₁, P₂, (k + cs)² and χ (over s for free handles) is
-/// proven to stay in a disc around its value in the middle whose relative radius is half the
-/// `resolution`, and the round trip turns by at most `resolution` rad. Thus no resonance, of either
-/// side or of the coupled dyad, however narrow, falls between two points. The number of points grows
-/// with the logarithm of the sharpness of a resonance, and in proportion to (round trip)·`high`:
-/// a round trip of 200 s up to 10 rad/s takes some 20 000 points or more at a resolution of 0.1.
+/// Between neighbouring points each of the four factors P₁, P₂, (k + cs)² and χ (divided by s for free
+/// handles) provably stays in a disc around its value in the middle with half the `resolution` as relative
+/// radius, and the delay phase changes by at most `resolution` rad. Thus no resonance, however narrow,
+/// falls between two points. The number of points grows with the logarithm of the sharpness of a resonance,
+/// and in proportion to (round trip)·`high`: a round trip of 200 s up to 10 rad/s takes about 20 000 points
+/// at a resolution of 0.1.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range; 0 ≤ `low` < `high`, and `resolution` from 1e-3 to 1.
+/// [`InvalidInput`] if an argument is out of range; 0 ≤ `low` < `high`, and `resolution` from 1e-3 to 1.
 ///
 /// # Examples
 ///
@@ -70,7 +70,7 @@ pub fn frequency_grid(
             "high",
             high,
             format!("must be above low = {low} rad/s"),
-            "Exchange them or widen the range.",
+            "Swap them or widen the range.",
         ));
     }
     if !(1e-3..=1.0).contains(&resolution) {
@@ -84,28 +84,28 @@ pub fn frequency_grid(
     if limit < 2 {
         return Err(InvalidInput::new("limit", limit, "a grid has at least 2 points", "Allow more points."));
     }
-    Ok(refine(&open_loop, low, high, resolution, limit))
+    Ok(refine_grid(&open_loop, low, high, resolution, limit))
 }
 
 #[derive(PartialEq)]
 enum Interval {
     Fine,
     Coarse,
-    /// A factor is zero here for all that rounding can tell.
+    /// A factor is zero within rounding.
     Pole,
 }
 
-/// Halves every interval that is too coarse, all of them once before any of them twice, so that a
-/// limit leaves an even grid.
-pub(super) fn refine(
+/// Halves every interval that is too coarse, all of them once before any of them twice, so that the limit
+/// leaves an even grid.
+pub(super) fn refine_grid(
     open_loop: &OpenLoop,
     low: f64,
     high: f64,
     resolution: f64,
     limit: usize,
 ) -> FrequencyGrid {
-    let floor = 1e-24 * open_loop.loop_is_small_from();
-    // Points with whether the interval that starts there is still to be looked at.
+    let floor = 1e-24 * open_loop.crossover_bound();
+    // Points, each with whether the interval that starts there needs another check.
     let mut points = vec![(low, true), (high, false)];
     let mut poles: Vec<f64> = Vec::new();
     loop {
@@ -116,7 +116,7 @@ pub(super) fn refine(
                 next.push((start, false));
                 continue;
             };
-            match classify(open_loop, start, end, resolution, floor) {
+            match classify_interval(open_loop, start, end, resolution, floor) {
                 Interval::Fine => next.push((start, false)),
                 Interval::Pole => {
                     next.push((start, false));
@@ -124,7 +124,7 @@ pub(super) fn refine(
                 }
                 Interval::Coarse => {
                     coarse += 1;
-                    // In a wide range of positive frequencies halves are halves on a logarithmic axis.
+                    // In a wide range of positive frequencies, split on a logarithmic axis.
                     let middle = if start > 0.0 && end > 2.0 * start {
                         start.sqrt() * end.sqrt()
                     } else {
@@ -150,7 +150,8 @@ pub(super) fn refine(
     FrequencyGrid { frequency: points.into_iter().map(|(w, _)| w).collect(), status }
 }
 
-fn classify(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
+/// Decides whether an interval of frequencies is fine, too coarse, or holds a pole.
+fn classify_interval(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
     let half = 0.5 * (high - low);
     let middle = Complex64::new(0.0, 0.5 * (low + high));
     let mut result = Interval::Fine;
@@ -170,8 +171,8 @@ fn classify(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f
         let noise = 4.0 * f64::EPSILON * (side.stiffness + high * (side.damping + side.mass * high));
         judge(side.value(middle).norm(), slope, &|| half * slope <= 2.0 * noise);
     }
-    judge(open_loop.chi.value(middle).norm(), open_loop.steepness(low, high), &|| {
-        open_loop.undecidable(low, high)
+    judge(open_loop.chi.value(middle).norm(), open_loop.slope_bound(low, high), &|| {
+        open_loop.is_undecidable(low, high)
     });
     let chi = &open_loop.chi;
     judge(chi.coupling(middle).norm(), 2.0 * chi.coupling_damping, &|| false);

@@ -1,36 +1,38 @@
-//! The open loop on the imaginary axis, and the continuous argument of χ there.
+//! The open loop on the imaginary axis, and the continuous argument of χ.
 
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::characteristic::{Characteristic, Exponential, SideFactor};
+use crate::characteristic::{Characteristic, DelayExponential, SideFactor};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis, quantity};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
 
-/// Relative rounding error granted to a sum of a few terms, parameters included.
+/// Relative rounding error allowed for a sum of a few terms, parameters included.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂) of one axis, and the argument of N(s): χ(s),
+/// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂) of one axis, and the argument of N(s), which is χ(s),
 /// divided by s for free handles.
 #[derive(Debug, Clone)]
 pub(super) struct OpenLoop {
     pub chi: Characteristic,
     pub delay: Delay,
-    /// |P₁P₂|² − |k + cjω|⁴ in powers of ω², and the sums of the terms' magnitudes.
+    /// |P₁P₂|² − |k + cjω|⁴ in powers of ω², and the sums of the magnitudes of its terms.
     excess: [f64; 5],
     excess_size: [f64; 5],
 }
 
-/// What subdividing found on the way.
+/// The continuous argument of N and its zeros on the axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Followed {
-    /// Continuous argument of N at each node, 0 at rest.
+pub(super) struct FollowedArgument {
+    /// The continuous argument of N at each node, 0 at rest.
     pub argument: Vec<f64>,
     /// Frequencies where N is zero within rounding.
     pub zeros: Vec<f64>,
 }
 
 impl OpenLoop {
+    /// The open loop of a checked axis and stiffness.
     pub fn new(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Self> {
         let k = quantity::STIFFNESS.check("stiffness", stiffness)?;
         axis.check()?;
@@ -54,35 +56,35 @@ impl OpenLoop {
         Ok(Self { chi, delay: *delay, excess: excess_of(-1.0), excess_size: excess_of(1.0) })
     }
 
-    /// The power of s that N grows with.
+    /// The degree of N at infinity: 3 for free handles, else 4.
     pub fn degree(&self) -> usize {
         self.chi.deflated_remainder().len() - 1
     }
 
-    /// The excess, over ω² for free handles, which make it vanish at rest; and its terms' magnitudes.
+    /// The excess, divided by ω² for free handles, and the magnitudes of its terms.
     fn deflated_excess(&self) -> (&[f64], &[f64]) {
         let first = usize::from(self.chi.rigid_body);
         (&self.excess[first..], &self.excess_size[first..])
     }
 
-    /// s where N = χ/s, else 1.
-    pub fn rigid_body(&self, s: Complex64) -> Complex64 {
+    /// The rigid-body factor χ/N: s for free handles, else 1.
+    pub fn rigid_body_factor(&self, s: Complex64) -> Complex64 {
         if self.chi.rigid_body { s } else { Complex64::ONE }
     }
 
-    /// L(s) = −(k + c s)² e^(−T s)/(P₁P₂).
+    /// The open loop L(s) = −(k + c s)² e^(−T s)/(P₁P₂).
     pub fn value(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides.map(|side| self.chi.coupling(s) / side.value(s));
         -one * two * (-s * self.chi.round_trip).exp()
     }
 
-    /// 1 + L(s), without cancellation near s = 0.
+    /// The return difference 1 + L(s), without cancellation near s = 0.
     pub fn return_difference(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides;
-        (self.rigid_body(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
+        (self.rigid_body_factor(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
     }
 
-    /// The continuous argument of −L at j `frequency`; 0 at rest, in closed form.
+    /// The continuous argument of −L at j`frequency` in closed form; 0 at rest.
     pub fn loop_phase(&self, frequency: f64) -> f64 {
         self.coupling_phase(frequency)
             - self.chi.sides[0].phase(frequency)
@@ -90,13 +92,13 @@ impl OpenLoop {
             - frequency * self.chi.round_trip
     }
 
-    /// The argument of (k + cjω)², from 0 to π.
+    /// The phase of the coupling term (k + cjω)², from 0 to π.
     fn coupling_phase(&self, frequency: f64) -> f64 {
         2.0 * (self.chi.coupling_damping * frequency).atan2(self.chi.stiffness)
     }
 
-    /// A frequency from which on |L| < 1: Kioustelidis' bound on the positive roots of the excess.
-    pub fn loop_is_small_from(&self) -> f64 {
+    /// A frequency above which |L| < 1, from Kioustelidis' bound on the positive roots of the excess.
+    pub fn crossover_bound(&self) -> f64 {
         let (coefficients, size) = self.deflated_excess();
         let degree = coefficients.len() - 1;
         let bound = (1..=degree)
@@ -111,7 +113,7 @@ impl OpenLoop {
         1.01 * bound.max(natural).sqrt()
     }
 
-    /// The sign of |P₁P₂| − |k + cjω|² where it is proven to be the same on all of (low, high).
+    /// The sign of |P₁P₂| − |k + cjω|² if it is provably constant on (low, high).
     fn excess_sign(&self, low: f64, high: f64) -> Option<f64> {
         let (bernstein, noise) = self.excess_bernstein(low * low, high * high);
         let used = &bernstein[..=self.degree()];
@@ -124,8 +126,8 @@ impl OpenLoop {
         }
     }
 
-    /// Bernstein coefficients of the (deflated) excess over a range of ω²; they bound it, and their
-    /// sign variations bound its roots there. The second value is what rounding may change.
+    /// Bernstein coefficients of the deflated excess over a range of ω², which bound it, and their rounding
+    /// error.
     fn excess_bernstein(&self, low: f64, high: f64) -> ([f64; 5], f64) {
         let degree = self.degree();
         let (coefficients, sizes) = self.deflated_excess();
@@ -155,8 +157,8 @@ impl OpenLoop {
         (bernstein, ROUNDING * size)
     }
 
-    /// An upper bound of |dN/dω| on j[`low`, `high`].
-    pub fn steepness(&self, low: f64, high: f64) -> f64 {
+    /// An upper bound on |dN/dω| on j[`low`, `high`].
+    pub fn slope_bound(&self, low: f64, high: f64) -> f64 {
         let mut slope = 0.0;
         for (power, &coefficient) in self.chi.deflated_remainder().iter().enumerate().skip(1).rev() {
             slope = slope * high + power as f64 * coefficient;
@@ -167,18 +169,19 @@ impl OpenLoop {
         slope + coupling * (2.0 * c * lag + coupling * lag_slope)
     }
 
-    /// Upper bounds on j[`low`, `high`] of |1 − e^(−T s)|, over |s| for free handles, and of its slope.
+    /// Upper bounds on |1 − e^(−T s)|, divided by |s| for free handles, and on its slope on j[`low`,
+    /// `high`].
     fn lag_bounds(&self, low: f64, high: f64) -> [f64; 2] {
         let round_trip = self.chi.round_trip;
         if !self.chi.rigid_body {
             return [2f64.min(round_trip * high), round_trip];
         }
-        let [value, slope, _] = Exponential::held_bounds(low, round_trip, 1.0);
+        let [value, slope, _] = DelayExponential::integral_bounds(low, round_trip, 1.0);
         [value, slope]
     }
 
-    /// What rounding may change of N anywhere on j[`low`, `high`].
-    pub fn noise(&self, low: f64, high: f64) -> f64 {
+    /// The rounding error of N on j[`low`, `high`].
+    pub fn rounding_error(&self, low: f64, high: f64) -> f64 {
         let round_trip = self.chi.round_trip;
         let polynomial = self.chi.deflated_remainder().iter().rev().fold(0.0, |sum, &c| sum * high + c);
         let coupling = self.chi.stiffness.hypot(self.chi.coupling_damping * high);
@@ -187,16 +190,16 @@ impl OpenLoop {
             + f64::EPSILON * coupling * coupling * turn
     }
 
-    /// Follows the argument of N from rest along the ascending `nodes`.
+    /// Follows the continuous argument of N from rest along the ascending `nodes`.
     ///
-    /// Each piece is accepted by one of three proofs, else halved: |L| < 1 on it (1 + L stays in the
-    /// right half-plane), |L| > 1 on it (so does 1 + 1/L, and the argument of L is known), or N
-    /// stays in a disc that excludes zero. The first two do not care how fast the delay turns, so
-    /// the work hardly grows with it. Where all three fail down to rounding, N has a zero on the
-    /// axis for all we can tell: it is reported and passed as if it lay just to the left.
-    pub fn follow(&self, nodes: &[f64]) -> Followed {
-        let floor = 1e-24 * self.loop_is_small_from();
-        let mut followed = Followed { argument: Vec::with_capacity(nodes.len()), zeros: Vec::new() };
+    /// Each piece is accepted by one of three proofs, or halved: |L| < 1 on it (1 + L stays in the right
+    /// half-plane); |L| > 1 on it (1 + 1/L does, and the argument of L is known); or N stays in a disc that
+    /// excludes zero. The first two hold for any speed of the delay phase, so the work hardly grows with
+    /// the delay. If all three fail down to rounding, N may have a zero on the axis: it is reported, and
+    /// the argument continues as if it lay just to the left.
+    pub fn follow_argument(&self, nodes: &[f64]) -> FollowedArgument {
+        let floor = 1e-24 * self.crossover_bound();
+        let mut followed = FollowedArgument { argument: Vec::with_capacity(nodes.len()), zeros: Vec::new() };
         if self.chi.value(Complex64::ZERO) == Complex64::ZERO {
             followed.zeros.push(0.0);
         }
@@ -219,7 +222,7 @@ impl OpenLoop {
                     continue;
                 }
                 let middle = 0.5 * (low + high);
-                if self.undecidable(low, high) || high <= floor || middle <= low || middle >= high {
+                if self.is_undecidable(low, high) || high <= floor || middle <= low || middle >= high {
                     unresolved_since.get_or_insert(low);
                 } else {
                     pending.push((middle, high));
@@ -238,29 +241,29 @@ impl OpenLoop {
         followed
     }
 
-    /// True where no finer subdivision of j[`low`, `high`] can tell N from zero.
-    pub fn undecidable(&self, low: f64, high: f64) -> bool {
-        let noise = self.noise(low, high);
-        0.5 * (high - low) * self.steepness(low, high) <= 2.0 * noise
+    /// True if no finer subdivision of j[`low`, `high`] can distinguish N from zero.
+    pub fn is_undecidable(&self, low: f64, high: f64) -> bool {
+        let noise = self.rounding_error(low, high);
+        0.5 * (high - low) * self.slope_bound(low, high) <= 2.0 * noise
             || [low, 0.5 * (low + high), high]
                 .iter()
-                .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.noise(w, w))
+                .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.rounding_error(w, w))
     }
 
-    /// The change of the argument of N from `low` to `high`, where one of the three proofs holds.
+    /// The change of the argument of N from `low` to `high`, if one of the three proofs holds.
     fn proven_turn(&self, low: f64, high: f64) -> Option<f64> {
         let sides = |w: f64| self.chi.sides[0].phase(w) + self.chi.sides[1].phase(w);
         match self.excess_sign(low, high) {
             Some(sign) if sign > 0.0 => {
-                let remainder = |w| self.remainder(w, FRAC_PI_2, |s| self.return_difference(s));
+                let remainder = |w| self.principal_argument(w, FRAC_PI_2, |s| self.return_difference(s));
                 Some(sides(high) - sides(low) + remainder(high) - remainder(low))
             }
             Some(_) => {
                 // χ = −(k + cs)² e^(−Ts) (1 + 1/L), and 1 + 1/L = (1 + L)/L.
                 let remainder = |w| {
-                    self.remainder(w, -FRAC_PI_2, |s| {
+                    self.principal_argument(w, -FRAC_PI_2, |s| {
                         let coupling = self.chi.coupling(s);
-                        let chi = self.chi.value(s) * self.rigid_body(s);
+                        let chi = self.chi.value(s) * self.rigid_body_factor(s);
                         -(chi / coupling) * (s * self.chi.round_trip).exp() / coupling
                     })
                 };
@@ -269,37 +272,43 @@ impl OpenLoop {
             }
             None => {
                 let centre = self.chi.value(Complex64::new(0.0, 0.5 * (low + high)));
-                let reach = 0.5 * (high - low) * self.steepness(low, high) + self.noise(low, high);
-                (reach <= 0.9 * centre.norm()).then(|| self.turn_between(low, high))
+                let reach = 0.5 * (high - low) * self.slope_bound(low, high) + self.rounding_error(low, high);
+                (reach <= 0.9 * centre.norm()).then(|| self.argument_change(low, high))
             }
         }
     }
 
-    /// The principal argument of `value` at j`frequency`; at rest, where free handles make it zero,
-    /// its limit.
-    fn remainder(&self, frequency: f64, at_rest: f64, value: impl Fn(Complex64) -> Complex64) -> f64 {
+    /// The principal argument of `value` at j`frequency`, or its limit at rest, where it is zero for free
+    /// handles.
+    fn principal_argument(
+        &self,
+        frequency: f64,
+        at_rest: f64,
+        value: impl Fn(Complex64) -> Complex64,
+    ) -> f64 {
         if frequency == 0.0 {
             return if self.chi.rigid_body { at_rest } else { 0.0 };
         }
         value(Complex64::new(0.0, frequency)).arg()
     }
 
-    fn turn_between(&self, low: f64, high: f64) -> f64 {
+    /// The change of the argument of N over an interval on which it is less than π.
+    fn argument_change(&self, low: f64, high: f64) -> f64 {
         let at = |w| self.chi.value(Complex64::new(0.0, w));
         (at(high) * at(low).conj()).arg()
     }
 
-    /// The turn past a zero that counts as lying on the left: about +π.
+    /// The change of the argument past a zero on the axis, counted as lying on the left: about +π.
     fn turn_past_zero(&self, low: f64, high: f64) -> f64 {
         let turn = if low == 0.0 {
             self.chi.value(Complex64::new(0.0, high)).arg()
         } else {
-            self.turn_between(low, high)
+            self.argument_change(low, high)
         };
         if turn < -FRAC_PI_2 { turn + 2.0 * PI } else { turn }
     }
 
-    /// The turn of N from `frequency` on to infinity, where |L| < 1 all the way.
+    /// The change of the argument of N from `frequency` to infinity, where |L| < 1.
     pub fn remaining_turn(&self, frequency: f64) -> f64 {
         let s = Complex64::new(0.0, frequency);
         2.0 * PI
@@ -309,7 +318,7 @@ impl OpenLoop {
     }
 }
 
-/// Refuses what is no angular frequency.
+/// Checks an angular frequency (rad/s).
 pub(super) fn check_frequency(field: &str, value: f64) -> Result<f64> {
     if (0.0..=1e12).contains(&value) {
         return Ok(value);

@@ -1,32 +1,32 @@
-//! How the handles answer forces, and how one side answers the other.
+//! Transfer functions: the response of the handles to forces and of one side to the other.
 
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::open_loop::{OpenLoop, check_frequency};
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis};
+use crate::model::{Delay, DyadAxis};
 
-/// Which diagonal the transfer matrix has.
+/// The diagonal of the transfer matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Convention {
-    /// X₁/F₁ = P₂/χ and X₂/F₂ = P₁/χ, as the equations of motion have it.
+    /// X₁/F₁ = P₂/χ and X₂/F₂ = P₁/χ, from the equations of motion.
     #[default]
     Exact,
-    /// Eq. 2 as printed by Du, Kulkarni, Kager and Campolo, the diagonal swapped; for comparison.
+    /// Eq. 2 as printed by Du, Kulkarni, Kager and Campolo, with the diagonal swapped; for comparison.
     Paper,
 }
 
-/// One response over frequency.
+/// A frequency response from one input to one output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseCurve {
     /// Angular frequencies as given, rad/s.
     pub frequency: Vec<f64>,
-    /// The response at each.
+    /// The complex response at each frequency.
     pub value: Vec<Complex64>,
-    /// Its magnitude.
+    /// The magnitude.
     pub magnitude: Vec<f64>,
-    /// Its phase in rad, continuous from ω → 0⁺.
+    /// The phase, rad, continuous from ω → 0⁺.
     pub phase: Vec<f64>,
 }
 
@@ -35,23 +35,23 @@ pub struct ResponseCurve {
 pub struct FrequencyResponse {
     /// Angular frequencies as given, rad/s.
     pub frequency: Vec<f64>,
-    /// The matrix at each, m/N.
+    /// The matrix at each frequency, m/N.
     pub value: Vec<[[Complex64; 2]; 2]>,
-    /// Magnitudes, m/N.
+    /// The magnitudes, m/N.
     pub magnitude: Vec<[[f64; 2]; 2]>,
-    /// Phases in rad, continuous from ω → 0⁺: from 0 there, or from −π/2 for free handles.
+    /// The phases, rad, continuous from ω → 0⁺: from 0 there, or from −π/2 for free handles.
     pub phase: Vec<[[f64; 2]; 2]>,
-    /// Frequencies at or below the largest one asked for where a characteristic root lies on the
-    /// imaginary axis within rounding; the phase falls by π there, as it does for a root just to the left.
+    /// Frequencies up to the largest requested one at which a characteristic root lies on the imaginary
+    /// axis within rounding. The phase falls by π there, as for a root just to the left.
     pub poles_on_axis: Vec<f64>,
 }
 
 impl FrequencyResponse {
-    /// One entry as a curve: how far robot `output` (0 or 1) moves under the force on robot `input`.
+    /// One entry as a curve: the motion of robot `output` (0 or 1) under the force on robot `input`.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a robot is neither 0 nor 1.
+    /// [`InvalidInput`] if a robot is neither 0 nor 1.
     pub fn entry(&self, output: usize, input: usize) -> Result<ResponseCurve> {
         check_robot("output", output)?;
         check_robot("input", input)?;
@@ -64,17 +64,17 @@ impl FrequencyResponse {
     }
 }
 
-/// The transfer matrix from the forces (f₁, f₂) to the positions (x₁, x₂) at one complex `s` (1/s).
+/// The transfer matrix from the forces (f₁, f₂) to the positions (x₁, x₂) at a complex `s` (1/s).
 ///
-/// Entry `[output][input]` in m/N, robot 1 first: the diagonal is P₂/χ, P₁/χ, X₁/F₂ is
-/// (k + c s) e^(−s·backward)/χ and X₂/F₁ is (k + c s) e^(−s·forward)/χ. This is Eq. 2 of Du, Kulkarni,
-/// Kager and Campolo with its diagonal put right (and transposed there, rows being forces); χ is
-/// evaluated without cancellation near s = 0.
+/// Entry `[output][input]` is in m/N, robot 1 first. The diagonal is P₂/χ, P₁/χ; X₁/F₂ is (k + c s)
+/// e^(−s·backward)/χ and X₂/F₁ is (k + c s) e^(−s·forward)/χ. This is Eq. 2 of Du, Kulkarni, Kager and
+/// Campolo with a corrected diagonal (and transposed there, rows being forces). χ is evaluated without
+/// cancellation near s = 0.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range or `s` is a pole: s = 0 for free handles, whose
-/// velocity response [`mobility_matrix`] is finite there.
+/// [`InvalidInput`] if an argument is out of range or `s` is a pole: s = 0 for free handles, where
+/// [`mobility_matrix`] is finite.
 ///
 /// # Examples
 ///
@@ -98,17 +98,17 @@ pub fn transfer_matrix(
     convention: Convention,
 ) -> Result<[[Complex64; 2]; 2]> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    let rigid_body = open_loop.rigid_body(s);
-    finite_matrix("s", s, matrix_over(&open_loop, check_point(delay, s)?, convention, rigid_body))
+    let rigid_body = open_loop.rigid_body_factor(s);
+    check_finite("s", s, deflated_matrix(&open_loop, check_laplace_point(delay, s)?, convention, rigid_body))
 }
 
-/// The velocities under the forces, s times [`transfer_matrix`], in (m/s)/N; for free handles too it
-/// is finite at s = 0, where both robots drift at 1/(b₁ + b₂ + 2δk) under a unit force (δ the mean
-/// one-way delay).
+/// The mobility matrix from the forces to the velocities, s times [`transfer_matrix`], in (m/s)/N. It is
+/// finite at s = 0 even for free handles, where both robots drift at 1/(b₁ + b₂ + 2δk) under a unit force
+/// (δ is the mean one-way delay).
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range or `s` is a pole.
+/// [`InvalidInput`] if an argument is out of range or `s` is a pole.
 ///
 /// # Examples
 ///
@@ -128,17 +128,17 @@ pub fn mobility_matrix(
     s: Complex64,
 ) -> Result<[[Complex64; 2]; 2]> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    let s = check_point(delay, s)?;
+    let s = check_laplace_point(delay, s)?;
     let factor = if open_loop.chi.rigid_body { Complex64::ONE } else { s };
-    let matrix = matrix_over(&open_loop, s, Convention::Exact, Complex64::ONE);
-    finite_matrix("s", s, matrix.map(|row| row.map(|entry| entry * factor)))
+    let matrix = deflated_matrix(&open_loop, s, Convention::Exact, Complex64::ONE);
+    check_finite("s", s, matrix.map(|row| row.map(|entry| entry * factor)))
 }
 
-/// The transfer matrix, magnitude and phase over angular frequencies (rad/s), in any order.
+/// The transfer matrix with magnitude and phase at angular frequencies (rad/s), in any order.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range or a frequency is a pole (0 for free handles).
+/// [`InvalidInput`] if an argument is out of range or a frequency is a pole (0 for free handles).
 ///
 /// # Examples
 ///
@@ -166,7 +166,7 @@ pub fn frequency_response(
     }
     order.sort_by(|&a, &b| frequency[a].total_cmp(&frequency[b]));
     let nodes: Vec<f64> = order.iter().map(|&i| frequency[i]).collect();
-    let followed = open_loop.follow(&nodes);
+    let followed = open_loop.follow_argument(&nodes);
     let at_rest = if open_loop.chi.rigid_body { FRAC_PI_2 } else { 0.0 };
     let mut chi_phase = vec![0.0; frequency.len()];
     for (&i, &argument) in order.iter().zip(&followed.argument) {
@@ -181,11 +181,14 @@ pub fn frequency_response(
     };
     for (i, (&w, chi)) in frequency.iter().zip(chi_phase).enumerate() {
         let s = Complex64::new(0.0, w);
-        let rigid_body = open_loop.rigid_body(s);
-        let matrix =
-            finite_matrix(&format!("frequency[{i}]"), w, matrix_over(&open_loop, s, convention, rigid_body))?;
+        let rigid_body = open_loop.rigid_body_factor(s);
+        let matrix = check_finite(
+            &format!("frequency[{i}]"),
+            w,
+            deflated_matrix(&open_loop, s, convention, rigid_body),
+        )?;
         let coupling = (open_loop.chi.coupling_damping * w).atan2(open_loop.chi.stiffness);
-        let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].phase(w) - chi);
+        let [own1, own2] = diagonal_sides(convention).map(|side| open_loop.chi.sides[side].phase(w) - chi);
         response.phase.push([
             [own1, coupling - w * delay.backward() - chi],
             [coupling - w * delay.forward() - chi, own2],
@@ -196,15 +199,17 @@ pub fn frequency_response(
     Ok(response)
 }
 
-/// The open loop L(jω) = −(k + cjω)² e^(−jωT)/(P₁P₂), T the round trip, over angular frequencies.
+/// The open-loop response L(jω) = −(k + cjω)² e^(−jωT)/(P₁P₂), with round-trip delay T, at angular
+/// frequencies.
 ///
-/// This is what [`nyquist()`](crate::response::nyquist()) draws and what Fig. 3 of Du, Kulkarni, Kager and Campolo
-/// means (its caption lacks a factor k e^(−δs)). Its phase starts at +π (for free handles L = −1 at rest)
-/// and is critical where it has fallen to −π, the −180° of that figure. Minus L is the product of both [`partner_response`]s.
+/// [`nyquist()`](crate::response::nyquist()) draws this locus, and Fig. 3 of Du, Kulkarni, Kager and
+/// Campolo means it (its caption lacks a factor k e^(−δs)). The phase starts at +π (L = −1 at rest for free
+/// handles) and is critical at −π, the −180° of that figure. −L is the product of both
+/// [`partner_response`]s.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range or a frequency is a pole (an undamped side).
+/// [`InvalidInput`] if an argument is out of range or a frequency is a pole (an undamped side).
 ///
 /// # Examples
 ///
@@ -218,22 +223,22 @@ pub fn frequency_response(
 /// ```
 pub fn open_loop(axis: &DyadAxis, stiffness: f64, delay: &Delay, frequency: &[f64]) -> Result<ResponseCurve> {
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
-    curve(frequency, |w| (open_loop.value(Complex64::new(0.0, w)), PI + open_loop.loop_phase(w)))
+    response_curve(frequency, |w| (open_loop.value(Complex64::new(0.0, w)), PI + open_loop.loop_phase(w)))
 }
 
-/// How robot `robot` (0 or 1) follows its partner: Xᵢ/Xⱼ = (k + cjω) e^(−jωδ)/Pᵢ over angular
-/// frequencies, δ being the delay towards it. Magnitude ratio and phase shift as in Fig. 4 of Du,
-/// Kulkarni, Kager and Campolo.
+/// The response of robot `robot` (0 or 1) to its partner, Xᵢ/Xⱼ = (k + cjω) e^(−jωδ)/Pᵢ, at angular
+/// frequencies; δ is the delay towards it. Magnitude ratio and phase shift as in Fig. 4 of Du, Kulkarni,
+/// Kager and Campolo.
 ///
-/// Why this one: the figure's caption says that delay moves the phase "without affecting the
-/// magnitude ratio", which rules out every closed-loop response (χ holds the delay), and it reads
-/// phase "relative to the input" after a paper on transmission from one joint to the next. For
-/// identical robots it squares to −L, so it rises above 1 exactly where the stiffness exceeds
-/// b²/(2m), and its phase of −180° is the critical one, both as the caption says.
+/// Why this response: the caption says that delay moves the phase "without affecting the magnitude ratio",
+/// which rules out every closed-loop response (χ contains the delay), and it measures phase "relative to
+/// the input", after a paper on transmission from one joint to the next. For identical robots its square is
+/// −L. It therefore exceeds 1 exactly if the stiffness exceeds b²/(2m), and a phase of −180° is critical,
+/// both as the caption says.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where an argument is out of range or a frequency is a pole (an undamped side).
+/// [`InvalidInput`] if an argument is out of range or a frequency is a pole (an undamped side).
 ///
 /// # Examples
 ///
@@ -257,7 +262,7 @@ pub fn partner_response(
     let open_loop = OpenLoop::new(axis, stiffness, delay)?;
     let side = open_loop.chi.sides[robot];
     let towards = if robot == 1 { delay.forward() } else { delay.backward() };
-    curve(frequency, |w| {
+    response_curve(frequency, |w| {
         let s = Complex64::new(0.0, w);
         let coupling = open_loop.chi.coupling(s);
         (
@@ -267,22 +272,22 @@ pub fn partner_response(
     })
 }
 
-/// Which side's P stands at each place of the diagonal.
-fn diagonal(convention: Convention) -> [usize; 2] {
+/// The sides whose factors P stand on the diagonal of the transfer matrix.
+fn diagonal_sides(convention: Convention) -> [usize; 2] {
     match convention {
         Convention::Exact => [1, 0],
         Convention::Paper => [0, 1],
     }
 }
 
-/// The numerators over `rigid_body` N(s).
-fn matrix_over(
+/// The transfer matrix with numerators divided by `rigid_body` N(s).
+fn deflated_matrix(
     open_loop: &OpenLoop,
     s: Complex64,
     convention: Convention,
     rigid_body: Complex64,
 ) -> [[Complex64; 2]; 2] {
-    let [own1, own2] = diagonal(convention).map(|side| open_loop.chi.sides[side].value(s));
+    let [own1, own2] = diagonal_sides(convention).map(|side| open_loop.chi.sides[side].value(s));
     let coupling = open_loop.chi.coupling(s);
     let to_robot1 = coupling * (-s * open_loop.delay.backward()).exp();
     let to_robot2 = coupling * (-s * open_loop.delay.forward()).exp();
@@ -290,24 +295,31 @@ fn matrix_over(
     [[own1, to_robot1], [to_robot2, own2]].map(|row| row.map(|entry| entry / deflated / rigid_body))
 }
 
-fn finite_matrix(
+/// Rejects a transfer matrix that is infinite at a pole.
+fn check_finite(
     field: &str,
     place: impl ToString,
     matrix: [[Complex64; 2]; 2],
 ) -> Result<[[Complex64; 2]; 2]> {
-    if matrix.iter().flatten().all(|entry| entry.is_finite()) { Ok(matrix) } else { Err(pole(field, place)) }
+    if matrix.iter().flatten().all(|entry| entry.is_finite()) {
+        Ok(matrix)
+    } else {
+        Err(pole_error(field, place))
+    }
 }
 
-fn pole(field: &str, place: impl ToString) -> InvalidInput {
+/// The error for a frequency response at a pole.
+fn pole_error(field: &str, place: impl ToString) -> InvalidInput {
     InvalidInput::new(
         field,
         place,
         "the response is infinite there",
-        "Ask for a point beside it; for free handles the velocities are finite at s = 0.",
+        "Choose a nearby point; for free handles the velocities are finite at s = 0.",
     )
 }
 
-fn curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<ResponseCurve> {
+/// A response curve at angular frequencies, from its value and phase at one frequency.
+fn response_curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<ResponseCurve> {
     let mut value = Vec::with_capacity(frequency.len());
     let mut phase = Vec::with_capacity(frequency.len());
     for (i, &w) in frequency.iter().enumerate() {
@@ -315,7 +327,7 @@ fn curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<Resp
         check_frequency(&field(), w)?;
         let (response, angle) = at(w);
         if !response.is_finite() {
-            return Err(pole(&field(), w));
+            return Err(pole_error(&field(), w));
         }
         value.push(response);
         phase.push(angle);
@@ -324,6 +336,7 @@ fn curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<Resp
     Ok(ResponseCurve { frequency: frequency.to_vec(), value, magnitude, phase })
 }
 
+/// Checks the index of a robot.
 fn check_robot(field: &str, robot: usize) -> Result<usize> {
     if robot < 2 {
         return Ok(robot);
@@ -331,8 +344,8 @@ fn check_robot(field: &str, robot: usize) -> Result<usize> {
     Err(InvalidInput::new(field, robot, "a dyad has the robots 0 and 1", "Count from 0."))
 }
 
-/// Far into the left half-plane e^(−T s) overflows; nothing of use lies there.
-fn check_point(delay: &Delay, s: Complex64) -> Result<Complex64> {
+/// Checks a Laplace variable: far into the left half-plane e^(−T s) overflows.
+fn check_laplace_point(delay: &Delay, s: Complex64) -> Result<Complex64> {
     if s.is_finite() && s.norm() <= 1e12 && s.re * delay.round_trip() >= -600.0 {
         return Ok(s);
     }

@@ -1,10 +1,11 @@
-//! The values of a laboratory, checked once at the door.
+//! Checks of the values of a laboratory.
 
-use super::{Agent, Arm, Controller, Handle, Laboratory, Network, Side, Spots, Target};
+use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spots, Station, Target};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
-fn pair(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
+/// Checks the x and y values of a quantity of the laboratory.
+fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
     for (index, value) in values.into_iter().enumerate() {
         quantity.check(&format!("{field}[{index}]"), value)?;
     }
@@ -12,18 +13,18 @@ fn pair(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
 }
 
 impl Laboratory {
-    /// The paper's: both H-MANs of Table III without Coulomb friction, ideal massless arms, the skilled
-    /// agent of Eq. 13 and the less-skilled one of Eq. 14 with ten spots, the figure eight of Eq. 12,
-    /// controllers at 1 kHz, and a network that does nothing beside its delay.
+    /// The paper's laboratory: both H-MAN robots of Table III without Coulomb friction, ideal massless
+    /// arms, the skilled agent of Eq. 13 and the less-skilled agent of Eq. 14 with ten spots, the figure of
+    /// eight of Eq. 12, controllers at 1 kHz, and a network with a constant delay only.
     ///
-    /// A spot lives 0.2 s: by then the typical spot is 0.06 m off, about the size of the figure; a cloud
-    /// much wider would not blur the target but hide it. The paper gives no lifetime.
+    /// A spot lives 0.2 s: by then a typical spot is 0.06 m away, about the size of the figure. A much
+    /// wider cloud would hide the target rather than blur it. The paper gives no lifetime.
     pub fn paper() -> Self {
         let dyad = crate::model::hman();
         let side = |index: usize, agent| {
             let robot = &dyad.robots()[index];
             let per_axis = |values: &[f64]| [values[0], values[1]];
-            Side {
+            Station {
                 handle: Handle {
                     mass: per_axis(robot.mass()),
                     damping: per_axis(robot.damping()),
@@ -35,7 +36,7 @@ impl Laboratory {
         };
         let spots = Spots { count: 10, velocity: 0.3, lifetime: 0.2 };
         Self {
-            sides: [
+            stations: [
                 side(0, Agent::Skilled { stiffness: 120.0, damping: 0.0 }),
                 side(1, Agent::Blurred { stiffness: 120.0, spots }),
             ],
@@ -46,16 +47,15 @@ impl Laboratory {
                 actuator_lag: 0.0,
                 encoder_resolution: 0.0,
             },
-            network: Network { jitter: 0.0, loss: 0.0 },
+            network: NetworkImpairments { jitter: 0.0, loss: 0.0 },
         }
     }
 
-    /// Refuses the first value that is out of range, under the name it has in a study file, such as
-    /// `arm1.link_length[0]`.
+    /// Checks all values; errors use the field names of a study file, such as `arm1.link_length[0]`.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`].
+    /// [`InvalidInput`] for the first value out of range.
     ///
     /// # Examples
     ///
@@ -67,7 +67,7 @@ impl Laboratory {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn check(&self) -> Result<()> {
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.stations.iter().enumerate() {
             let number = index + 1;
             side.handle.check().map_err(|refusal| refusal.within(&format!("robot{number}")))?;
             side.arm.check().map_err(|refusal| refusal.within(&format!("arm{number}")))?;
@@ -77,14 +77,14 @@ impl Laboratory {
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
         self.network.check().map_err(|refusal| refusal.within("laboratory"))?;
         let period = self.controller.sample_period;
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.stations.iter().enumerate() {
             if let Agent::Blurred { spots, .. } = side.agent
                 && spots.lifetime < period
             {
                 return Err(InvalidInput::new(
                     format!("agent{}.spot_lifetime", index + 1),
                     spots.lifetime,
-                    format!("a spot lives for one sample period at least, here {period} s"),
+                    format!("a spot must live for at least one sample period, here {period} s"),
                     "Give a lifetime in s, such as 0.2.",
                 ));
             }
@@ -94,20 +94,20 @@ impl Laboratory {
 }
 
 impl Handle {
-    /// Refuses what is out of range.
+    /// Checks that mass, damping and friction of the handle are in range.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] with a field such as `coulomb[1]`.
     pub fn check(&self) -> Result<()> {
-        pair(quantity::MASS, "mass", self.mass)?;
-        pair(quantity::DAMPING, "damping", self.damping)?;
-        pair(quantity::COULOMB, "coulomb", self.coulomb)
+        check_per_axis(quantity::MASS, "mass", self.mass)?;
+        check_per_axis(quantity::DAMPING, "damping", self.damping)?;
+        check_per_axis(quantity::COULOMB, "coulomb", self.coulomb)
     }
 }
 
 impl Arm {
-    /// Refuses what is out of range.
+    /// Checks that all values of the arm are in range.
     ///
     /// # Errors
     ///
@@ -115,8 +115,8 @@ impl Arm {
     pub fn check(&self) -> Result<()> {
         match self {
             Self::Lumped { mass, damping } => {
-                pair(quantity::ADDED_MASS, "mass", *mass)?;
-                pair(quantity::DAMPING, "damping", *damping)
+                check_per_axis(quantity::ADDED_MASS, "mass", *mass)?;
+                check_per_axis(quantity::DAMPING, "damping", *damping)
             }
             Self::TwoLink(arm) => arm.checked().map(|_| ()),
         }
@@ -124,7 +124,7 @@ impl Arm {
 }
 
 impl Agent {
-    /// Refuses what is out of range.
+    /// Checks that all values of the agent are in range.
     ///
     /// # Errors
     ///
@@ -146,21 +146,21 @@ impl Agent {
 }
 
 impl Spots {
-    /// The most spots.
-    pub const MOST: usize = 10_000;
+    /// The maximum number of spots.
+    pub const MAX_COUNT: usize = 10_000;
 
-    /// Refuses what is out of range.
+    /// Checks that number, velocity and lifetime of the spots are in range.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] with the field.
     pub fn check(&self) -> Result<()> {
-        if self.count == 0 || self.count > Self::MOST {
+        if self.count == 0 || self.count > Self::MAX_COUNT {
             return Err(InvalidInput::new(
                 "spots",
                 self.count,
-                format!("a cloud has 1 to {} spots", Self::MOST),
-                "Give a whole number; for a single target that is not blurred choose kind = \"skilled\".",
+                format!("a cloud has 1 to {} spots", Self::MAX_COUNT),
+                "Give a whole number; for a single sharp target choose kind = \"skilled\".",
             ));
         }
         quantity::SPEED.check("spot_velocity", self.velocity)?;
@@ -170,7 +170,7 @@ impl Spots {
 }
 
 impl Target {
-    /// Refuses what is out of range.
+    /// Checks that all values of the target are in range.
     ///
     /// # Errors
     ///
@@ -178,7 +178,7 @@ impl Target {
     pub fn check(&self) -> Result<()> {
         match self {
             Self::FigureEight { amplitude, angular_frequency } => {
-                pair(quantity::AMPLITUDE, "amplitude", *amplitude)?;
+                check_per_axis(quantity::AMPLITUDE, "amplitude", *amplitude)?;
                 quantity::ANGULAR_FREQUENCY.check("angular_frequency", *angular_frequency)?;
             }
             Self::Sampled(samples) => {
@@ -192,7 +192,7 @@ impl Target {
                 }
                 for (index, position) in samples.iter().enumerate() {
                     if !position.iter().all(|value| value.abs() <= quantity::PLACE.maximum()) {
-                        pair(quantity::PLACE, &format!("target[{index}]"), *position)?;
+                        check_per_axis(quantity::PLACE, &format!("target[{index}]"), *position)?;
                     }
                 }
             }
@@ -202,10 +202,10 @@ impl Target {
 }
 
 impl Controller {
-    /// The smallest step of a position sensor that is not none, m.
+    /// The finest nonzero resolution of a position sensor, m.
     pub const FINEST_RESOLUTION: f64 = 1e-12;
 
-    /// Refuses what is out of range.
+    /// Checks that all values of the controller are in range.
     ///
     /// # Errors
     ///
@@ -224,15 +224,15 @@ impl Controller {
                     Self::FINEST_RESOLUTION,
                     quantity::RESOLUTION.maximum()
                 ),
-                "Write 0 for a sensor without steps.",
+                "Write 0 for a sensor without quantisation.",
             ));
         }
         Ok(())
     }
 }
 
-impl Network {
-    /// Refuses what is out of range.
+impl NetworkImpairments {
+    /// Checks that jitter and loss of the network are in range.
     ///
     /// # Errors
     ///

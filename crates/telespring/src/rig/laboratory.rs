@@ -1,30 +1,30 @@
-//! What stands in the laboratory, as plain values in SI units; axes are x and y. The study reader fills
-//! it in and checks it.
+//! The parts of the virtual laboratory as plain values in SI units; the axes are x and y. The study reader
+//! fills them in and checks them.
 
-/// A planar robot as its handle feels: the two axes are independent.
+/// A planar robot at its handle, with two independent axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Handle {
     /// Mass per axis, kg.
     pub mass: [f64; 2],
     /// Viscous damping per axis, N·s/m.
     pub damping: [f64; 2],
-    /// Coulomb friction per axis, N: the largest force at which the axis still sticks, and the force
-    /// against its motion.
+    /// Coulomb friction per axis, N: the largest force at which the axis still sticks, and the friction
+    /// force in motion.
     pub coulomb: [f64; 2],
 }
 
-/// What carries the agent's hand to the handle.
+/// The arm between the agent and the handle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Arm {
-    /// A mass and a damping that are the same in every pose; both zero is the ideal massless arm, which
-    /// passes the agent's force on unchanged.
+    /// Constant mass and damping in every pose; both zero is the ideal massless arm, which transmits the
+    /// agent's force unchanged.
     Lumped {
         /// Mass per axis, kg.
         mass: [f64; 2],
         /// Viscous damping per axis, N·s/m.
         damping: [f64; 2],
     },
-    /// Two links in the plane of the handle.
+    /// A planar two-link arm.
     TwoLink(TwoLinkArm),
 }
 
@@ -37,14 +37,14 @@ pub enum Elbow {
     Right,
 }
 
-/// A planar arm of two links, its handle pinned to the robot's by a free bearing.
+/// A planar two-link arm, attached to the handle by a free bearing.
 ///
-/// The shoulder angle is counted from the x axis, the elbow angle from the first link.
+/// The shoulder angle is measured from the x axis, the elbow angle from the first link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoLinkArm {
-    /// Shoulder, m, in the coordinates of the task.
+    /// Position of the shoulder, m, in task coordinates.
     pub base: [f64; 2],
-    /// To which side the elbow bends.
+    /// The side to which the elbow bends.
     pub elbow: Elbow,
     /// Lengths of upper and lower link, m.
     pub link_length: [f64; 2],
@@ -58,22 +58,22 @@ pub struct TwoLinkArm {
     pub joint_damping: [f64; 2],
     /// Inertia of each actuator, reflected to its joint, kg·m².
     pub rotor_inertia: [f64; 2],
-    /// Largest torque of each actuator, N·m; infinite where there is no limit.
+    /// Torque limit of each actuator, N·m; infinite if there is none.
     pub torque_limit: [f64; 2],
 }
 
 /// The cloud of spots that a less-skilled agent follows (Appendix C).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spots {
-    /// How many spots.
+    /// The number of spots.
     pub count: usize,
     /// Standard deviation of a spot's velocity relative to the target, per axis, m/s.
     pub velocity: f64,
-    /// From a spot's birth on the target to its renewal, s.
+    /// The lifetime of a spot from its start on the target, s.
     pub lifetime: f64,
 }
 
-/// Who moves an arm.
+/// The agent that moves an arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Agent {
     /// A spring and a damper to the target: F = stiffness (p* − p) + damping (v* − v). Eq. 13 has no
@@ -84,18 +84,18 @@ pub enum Agent {
         /// N·s/m.
         damping: f64,
     },
-    /// A spring to each of the spots, together as stiff as `stiffness` (Eq. 14).
+    /// A spring to each of the spots with total stiffness `stiffness` (Eq. 14).
     Blurred {
         /// N/m.
         stiffness: f64,
         /// The cloud.
         spots: Spots,
     },
-    /// A program of the caller's gives the force.
+    /// The caller's program computes the force.
     External,
 }
 
-/// What the agents follow.
+/// The target that the agents follow.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
     /// p*(t) = (A sin 2ωt, B sin ωt), Eq. 12.
@@ -105,13 +105,13 @@ pub enum Target {
         /// ω, rad/s.
         angular_frequency: f64,
     },
-    /// Positions that the caller gives at every tick of the controllers, m; linear in between.
+    /// Positions given by the caller at every tick of the controllers, m; linear in between.
     Sampled(Vec<[f64; 2]>),
 }
 
 /// One robot with its arm and agent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Side {
+pub struct Station {
     /// The robot.
     pub handle: Handle,
     /// The arm.
@@ -123,54 +123,55 @@ pub struct Side {
 /// Timing and imperfections of both controllers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller {
-    /// Period over which every force is held, s.
+    /// The sample period, over which every force is held, s.
     pub sample_period: f64,
-    /// True where a force acts one period after the sample it was computed from.
+    /// True if a force acts one period after the sample from which it was computed.
     pub computing_tick: bool,
-    /// Time constant of the robots' actuators, s; 0 is none.
+    /// Time constant of the robots' actuators, s; 0 for none.
     pub actuator_lag: f64,
-    /// Step to which measured positions are rounded, m; 0 is none. Velocities are measured without a step.
+    /// Resolution of measured positions, m; 0 for none. Velocities are measured without quantisation.
     pub encoder_resolution: f64,
 }
 
-/// What the emulated network does beside the constant delay of a condition.
+/// The impairments of the emulated network besides the constant delay of a condition.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Network {
-    /// Each packet is later by a time uniform between 0 and this, s.
+pub struct NetworkImpairments {
+    /// The maximum additional delay of a packet, uniformly distributed from 0, s.
     pub jitter: f64,
-    /// Probability that a packet is lost. A sample that is lost is interpolated over where its successor
-    /// has come by its turn; else the newest that has come is held.
+    /// The probability that a packet is lost. A lost sample is interpolated across if its successor has
+    /// arrived in time; otherwise the newest sample is held.
     pub loss: f64,
 }
 
-/// The whole laboratory: what does not change from condition to condition.
+/// The virtual laboratory: everything that is the same in all conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory {
-    /// Both sides.
-    pub sides: [Side; 2],
-    /// What both agents follow.
+    /// Both robots with their arms and agents.
+    pub stations: [Station; 2],
+    /// The target of both agents.
     pub target: Target,
-    /// Both controllers.
+    /// The controllers.
     pub controller: Controller,
-    /// The network.
-    pub network: Network,
+    /// The impairments of the network.
+    pub network: NetworkImpairments,
 }
 
-/// Which trials are run.
+/// The protocol of an experiment: which trials are run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Protocol {
-    /// Conditions in order: stiffness in N/m, `None` in the unconnected mode, and the one-way delay, s.
+    /// The conditions in order: stiffness in N/m, `None` in the unconnected mode, and one-way delay in s.
     pub conditions: Vec<(Option<f64>, f64)>,
-    /// Trials of each condition.
+    /// The number of trials per condition.
     pub trials: usize,
-    /// Length of a trial, s.
+    /// The duration of a trial, s.
     pub duration: f64,
-    /// First part of a trial that the analysis leaves out, s.
+    /// The first part of a trial that the analysis discards, s.
     pub discard: f64,
-    /// Samples kept per second, Hz; divides the controllers' rate.
+    /// Samples recorded per second, Hz; divides the controllers' rate.
     pub record_rate: f64,
-    /// From which every trial's own seed is drawn.
+    /// The seed from which the seeds of all trials are drawn.
     pub seed: u64,
-    /// True where the trials of all conditions are run in an order drawn from the seed, false block by block.
+    /// True if the trials of all conditions run in an order drawn from the seed; false for one block per
+    /// condition.
     pub shuffled: bool,
 }

@@ -1,12 +1,12 @@
-//! What is kept of a trial.
+//! The recorded signals of a trial and how it ended.
 
 /// One value per robot and axis.
 pub type Row = [[f64; 2]; 2];
 
-/// Where the rows go: one slot per kept row, each robot by axis.
+/// The caller's arrays for the recorded signals: one row per recorded tick, per robot and axis.
 #[derive(Debug)]
 pub struct Record<'a> {
-    /// The target, m.
+    /// The position of the target, m.
     pub target: &'a mut [[f64; 2]],
     /// Positions of the handles, m.
     pub position: &'a mut [Row],
@@ -18,11 +18,12 @@ pub struct Record<'a> {
     pub agent_force: &'a mut [Row],
     /// Force of each arm on its handle, from this tick on, N.
     pub handle_force: &'a mut [Row],
-    /// Where each agent takes the target to be, m: the mean of its spots, or the target itself.
+    /// The point each agent aims at, m: the mean of its spots, or the target itself.
     pub aim: &'a mut [Row],
 }
 
 impl Record<'_> {
+    /// The number of rows that fit into all arrays of the record.
     pub(super) fn len(&self) -> usize {
         [
             self.target.len(),
@@ -43,40 +44,39 @@ impl Record<'_> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Status {
-    /// To its last tick.
+    /// The last tick was reached.
     Completed,
-    /// A handle passed [`LIMIT`](super::LIMIT).
+    /// A handle exceeded [`POSITION_LIMIT`](super::POSITION_LIMIT).
     Diverged {
-        /// The first tick there, s.
+        /// The first such tick, s.
         at: f64,
     },
-    /// An arm would have had to stretch further than it can.
+    /// An arm would have had to stretch beyond its reach.
     OutOfReach {
-        /// The first tick that was not reached, s.
+        /// The first tick not reached, s.
         at: f64,
     },
-    /// A two-link plant whose motion has time constants too short to follow: more steps would have been
-    /// needed than one period is given.
+    /// The motion of a two-link plant is too stiff: one period would need too many steps.
     TooStiff {
-        /// The first tick that was not reached, s.
+        /// The first tick not reached, s.
         at: f64,
     },
 }
 
-/// How a trial ended and what was kept of it.
+/// How a trial ended, and the number of recorded rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ending {
+pub struct TrialOutcome {
     /// How it ended.
     pub status: Status,
-    /// How many rows were written, from the first on.
+    /// The number of rows written, from the first.
     pub rows: usize,
 }
 
-/// A trial in memory of its own.
+/// A recorded trial in its own memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// How it ended; all lists end there.
-    pub ending: Ending,
+    /// How the trial ended; all lists end there.
+    pub outcome: TrialOutcome,
     /// As in [`Record`].
     pub target: Vec<[f64; 2]>,
     /// As in [`Record`].
@@ -94,10 +94,11 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// A recording with this number of empty rows.
     pub(super) fn new(rows: usize) -> Self {
         let empty = || vec![Row::default(); rows];
         Self {
-            ending: Ending { status: Status::Completed, rows },
+            outcome: TrialOutcome { status: Status::Completed, rows },
             target: vec![[0.0; 2]; rows],
             position: empty(),
             velocity: empty(),
@@ -108,6 +109,7 @@ impl Recording {
         }
     }
 
+    /// The arrays of the recording as a record to write to.
     pub(super) fn slots(&mut self) -> Record<'_> {
         Record {
             target: &mut self.target,
@@ -120,9 +122,10 @@ impl Recording {
         }
     }
 
-    pub(super) fn end(&mut self, ending: Ending) {
-        self.ending = ending;
-        self.target.truncate(ending.rows);
+    /// Cuts the recording to the rows of the outcome.
+    pub(super) fn truncate(&mut self, outcome: TrialOutcome) {
+        self.outcome = outcome;
+        self.target.truncate(outcome.rows);
         for rows in [
             &mut self.position,
             &mut self.velocity,
@@ -131,7 +134,7 @@ impl Recording {
             &mut self.handle_force,
             &mut self.aim,
         ] {
-            rows.truncate(ending.rows);
+            rows.truncate(outcome.rows);
         }
     }
 }

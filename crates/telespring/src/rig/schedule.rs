@@ -1,12 +1,12 @@
-//! Which ticks of a trial are run and kept.
+//! The ticks of a trial that are run and recorded.
 
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
 
-/// The most ticks of one trial.
-pub const MOST_TICKS: usize = 100_000_000;
+/// The maximum number of ticks of one trial.
+pub const MAX_TICKS: usize = 100_000_000;
 
-/// Which ticks are run and which are kept.
+/// The number of ticks of a trial, and the stride of the recorded ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schedule {
     ticks: usize,
@@ -14,12 +14,12 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// For a trial of `duration` s from which `record_rate` rows a second are kept.
+    /// Creates the schedule of a trial of `duration` s with `record_rate` rows per second.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is out of range, the record rate does not divide the controllers'
-    /// rate, or there would be more than [`MOST_TICKS`].
+    /// [`InvalidInput`] if a value is out of range, the record rate does not divide the controllers' rate,
+    /// or there are more than [`MAX_TICKS`].
     ///
     /// # Examples
     ///
@@ -38,39 +38,42 @@ impl Schedule {
                 "record_rate",
                 record_rate,
                 format!("the record rate must divide the controllers' rate, {} Hz", 1.0 / sample_period),
-                format!("Write {}, or another such part of it.", 1.0 / (sample_period * stride.max(1.0))),
+                format!(
+                    "Write {}, or another integer fraction of it.",
+                    1.0 / (sample_period * stride.max(1.0))
+                ),
             ));
         }
-        // 0.29 s at 1 kHz has 290 ticks, though the quotient rounds to 289.999…
+        // At 1 kHz 0.29 s has 290 ticks, although the quotient rounds to 289.999….
         let ticks = (duration / sample_period * (1.0 + 4.0 * f64::EPSILON)).floor();
-        if ticks > MOST_TICKS as f64 {
+        if ticks > MAX_TICKS as f64 {
             return Err(InvalidInput::new(
                 "duration",
                 duration,
-                format!("a trial has at most {MOST_TICKS} ticks of the controllers, here {ticks:e}"),
+                format!("a trial has at most {MAX_TICKS} ticks of the controllers, here {ticks:e}"),
                 "Shorten the trial or lengthen the sample period.",
             ));
         }
         Ok(Self { ticks: ticks as usize, stride: stride as usize })
     }
 
-    /// How many periods are run.
+    /// The number of sample periods of a trial.
     pub fn ticks(&self) -> usize {
         self.ticks
     }
 
-    /// Every how many ticks a row is kept, from tick 0 on.
+    /// The number of ticks between recorded rows.
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// When row `row` is kept at this sample period (s), s.
+    /// The time of a recorded row at this sample period (s), s.
     pub fn time(&self, row: usize, sample_period: f64) -> f64 {
-        // a division by the rate gives 0.35 s at 1 kHz as it is written
+        // Dividing by the rate gives 0.35 s at 1 kHz exactly as written.
         (row * self.stride) as f64 / (1.0 / sample_period)
     }
 
-    /// How many rows are kept of a complete trial.
+    /// The number of recorded rows of a complete trial.
     pub fn rows(&self) -> usize {
         self.ticks / self.stride + 1
     }

@@ -1,39 +1,39 @@
-//! One trial: two controllers, two agents, two plants and a network in virtual time.
+//! A trial: two controllers, two agents, two plants and a network in virtual time.
 //!
-//! Time is counted in ticks of the controllers, tick n being at n·period. At every tick both sides
-//! measure and send; then what has arrived is delivered; then both compute their forces, which are held
-//! until the next tick. With a computing tick the forces of the tick before act instead. Both sides thus
-//! use what was measured at the same instant, whichever is computed first.
+//! Time is counted in ticks of the controllers; tick n is at n·period. At every tick both sides measure and
+//! send; then packets that have arrived are delivered; then both compute their forces, which are held until
+//! the next tick. With a computing tick the forces of the previous tick act instead. Both sides thus use
+//! samples of the same instant, in either order of computation.
 
-use super::agent::{Mover, Seen};
-use super::network::Link;
+use super::agent::{AgentState, Observation};
+use super::channel::Channel;
 use super::plant::{Halt, Plant, RelaxingForce};
-use super::random::{Stream, generator};
-use super::record::{Ending, Record, Recording, Row, Status};
+use super::random::{RandomStream, random_generator};
+use super::record::{Record, Recording, Row, Status, TrialOutcome};
 use super::schedule::Schedule;
 use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds, Refused, wire};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, wire};
 
-/// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
-/// robot reaches that far.
-pub const LIMIT: f64 = 10.0;
+/// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
+/// that far.
+pub const POSITION_LIMIT: f64 = 10.0;
 
-/// How the two sides are coupled.
+/// The connected mode: stiffness, damping and delay of the coupling.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
-    /// Of the virtual spring, N/m.
+pub struct ConnectedMode {
+    /// The stiffness of the virtual spring, N/m.
     pub stiffness: f64,
-    /// Of the damper beside it, N·s/m.
+    /// The damping in parallel with it, N·s/m.
     pub damping: f64,
-    /// From the measurement of a position to its use by the partner, one way.
+    /// The one-way delays from the measurement of a position to its use by the partner.
     pub delay: Delay,
 }
 
-impl Coupling {
-    /// Refuses what is out of range.
+impl ConnectedMode {
+    /// Checks that stiffness and damping of the connected mode are in range.
     ///
     /// # Errors
     ///
@@ -45,60 +45,62 @@ impl Coupling {
     }
 }
 
-/// A program of the caller's that moves an arm: the force (N per axis) from what it sees at a tick.
-pub type Callback<'a, E> = &'a mut dyn FnMut(&Seen) -> std::result::Result<[f64; 2], E>;
+/// An external agent: returns the force (N per axis) for its observation at a tick.
+pub type Callback<'a, E> = &'a mut dyn FnMut(&Observation) -> std::result::Result<[f64; 2], E>;
 
-/// Called in the course of a trial; an error ends it, such as that somebody pressed Ctrl-C.
-pub type Watch<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
+/// Called during a trial; an error ends the trial, for instance after Ctrl-C.
+pub type InterruptCheck<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
 
-/// Ticks between two calls of a watch: some milliseconds, and some tenths of a second in a plant that is
-/// about to be too stiff.
-const WATCHED: usize = 256;
+/// Ticks between two calls of the interrupt check: a few milliseconds, or some tenths of a second if a
+/// plant is about to be too stiff.
+const TICKS_BETWEEN_CHECKS: usize = 256;
 
-/// One trial.
+/// One trial of a laboratory in one condition.
 #[derive(Debug, Clone, Copy)]
 pub struct Trial<'a> {
-    /// Where.
+    /// The laboratory.
     pub laboratory: &'a Laboratory,
-    /// How both sides are coupled; `None` in the unconnected mode.
-    pub coupling: Option<Coupling>,
-    /// From which everything random is drawn.
+    /// The coupling of both sides; `None` in the unconnected mode.
+    pub coupling: Option<ConnectedMode>,
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// Which ticks are run and kept.
+    /// The ticks to run and to record.
     pub schedule: Schedule,
 }
 
-/// What acts on one side from a tick on, N.
+/// The forces that act on one side from a tick on, N.
 #[derive(Debug, Clone, Copy, Default)]
-struct Acting {
-    /// What the robot's controller asks for.
+struct ActingForces {
+    /// The force commanded by the robot's controller.
     command: [f64; 2],
-    /// What the robot gives at the tick; behind a lag not yet what is asked for.
+    /// The force of the robot at the tick, behind the actuator lag.
     robot: [f64; 2],
-    /// What the agent asks of its arm.
+    /// The force commanded by the agent.
     hand: [f64; 2],
 }
 
-/// One side in the course of a trial.
-struct Station {
+/// The state of one side during a trial.
+struct RunningStation {
     plant: Plant,
-    mover: Mover,
+    mover: AgentState,
     endpoint: Option<Endpoint>,
-    /// Towards this side.
-    link: Option<Link>,
-    /// Computed at the tick before: of the spring and of the agent, N.
+    /// The channel towards this side.
+    link: Option<Channel>,
+    /// The forces computed at the previous tick: of the spring and of the agent, N.
     computed: [[f64; 2]; 2],
-    /// What the actuator gives, N.
+    /// The force of the actuator, N.
     actuator: [f64; 2],
 }
 
-impl Station {
-    fn diverged(&self) -> bool {
+impl RunningStation {
+    /// Whether a handle is beyond the position limit or too fast for a packet.
+    fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
-        beyond(self.plant.position(), LIMIT) || beyond(self.plant.velocity(), wire::LARGEST)
+        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
     }
 
-    fn measure(&self, resolution: f64) -> Motion {
+    /// Measures position and velocity with the sensor's resolution.
+    fn measure_motion(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
             position.map(|value| (value / resolution).round() * resolution)
@@ -108,8 +110,8 @@ impl Station {
         Motion { position, velocity: self.plant.velocity() }
     }
 
-    /// Takes in what has arrived and gives the force of the spring, N.
-    fn spring(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], Refused> {
+    /// Receives all packets that have arrived and returns the force of the spring, N.
+    fn spring_force(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
             endpoint.receive(now, &packet)?;
@@ -117,17 +119,21 @@ impl Station {
         Ok(endpoint.force(now))
     }
 
-    /// What acts until the next tick where these forces have been computed now, N.
-    fn act(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> Acting {
+    /// The forces that act until the next tick, given the newly computed ones, N.
+    fn acting_forces(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> ActingForces {
         let computed = [spring, hand];
         let before = std::mem::replace(&mut self.computed, computed);
         let [command, hand] = if controller.computing_tick { before } else { computed };
         let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
-        Acting { command, robot, hand }
+        ActingForces { command, robot, hand }
     }
 
-    /// Moves on by one period.
-    fn advance(&mut self, acting: &Acting, controller: &Controller) -> std::result::Result<(), Halt> {
+    /// Moves the plant of one side over one sample period.
+    fn advance_plant(
+        &mut self,
+        acting: &ActingForces,
+        controller: &Controller,
+    ) -> std::result::Result<(), Halt> {
         let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
         if time_constant > 0.0 {
             let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
@@ -139,24 +145,25 @@ impl Station {
 }
 
 impl Trial<'_> {
-    fn stations(&self) -> Result<[Station; 2]> {
-        let Laboratory { sides, target, controller, network } = self.laboratory;
+    /// Both sides at the start of the trial.
+    fn start_stations(&self) -> Result<[RunningStation; 2]> {
+        let Laboratory { stations: sides, target, controller, network } = self.laboratory;
         let period = Nanoseconds::from_seconds(controller.sample_period);
-        let start = target.at(0, controller.sample_period).position;
-        let station = |side: usize| -> Result<Station> {
-            let linked = self.coupling.map(|Coupling { stiffness, damping, delay }| {
-                // what robot 2 receives comes forward
+        let start = target.at_tick(0, controller.sample_period).position;
+        let station = |side: usize| -> Result<RunningStation> {
+            let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| {
+                // Robot 2 receives in the forward direction.
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
                 let delay = Nanoseconds::from_seconds(delay);
                 let travel = delay.before(period).unwrap_or_default();
-                let random = generator(self.seed, Stream::Network(side));
-                (Endpoint::new(Law { stiffness, damping }, delay), Link::new(network, travel, random))
+                let random = random_generator(self.seed, RandomStream::Network(side));
+                (Endpoint::new(Law { stiffness, damping }, delay), Channel::new(network, travel, random))
             });
             let (endpoint, link) = linked.unzip();
-            Ok(Station {
+            Ok(RunningStation {
                 plant: Plant::new(sides[side].handle, &sides[side].arm, start)
                     .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
-                mover: Mover::new(&sides[side].agent, self.seed, side),
+                mover: AgentState::new(&sides[side].agent, self.seed, side),
                 endpoint,
                 link,
                 computed: [[0.0; 2]; 2],
@@ -166,7 +173,7 @@ impl Trial<'_> {
         Ok([station(0)?, station(1)?])
     }
 
-    /// Runs it into memory of its own.
+    /// Runs the trial and records it in its own memory.
     ///
     /// # Errors
     ///
@@ -175,53 +182,53 @@ impl Trial<'_> {
         &self,
         external: [Option<Callback<'_, E>>; 2],
     ) -> std::result::Result<Recording, E> {
-        self.record_watched(external, &mut || Ok(()))
+        self.record_interruptible(external, &mut || Ok(()))
     }
 
-    /// As [`Trial::record`], with the watch of [`Trial::run_watched`].
+    /// As [`Trial::record`], with the interrupt check of [`Trial::run_interruptible`].
     ///
     /// # Errors
     ///
-    /// As [`Trial::run_watched`].
-    pub fn record_watched<E: From<InvalidInput>>(
+    /// As [`Trial::run_interruptible`].
+    pub fn record_interruptible<E: From<InvalidInput>>(
         &self,
         external: [Option<Callback<'_, E>>; 2],
-        watch: Watch<'_, E>,
+        check_interrupt: InterruptCheck<'_, E>,
     ) -> std::result::Result<Recording, E> {
         let mut recording = Recording::new(self.schedule.rows());
-        let ending = self.run_watched(external, &mut recording.slots(), watch)?;
-        recording.end(ending);
+        let outcome = self.run_interruptible(external, &mut recording.slots(), check_interrupt)?;
+        recording.truncate(outcome);
         Ok(recording)
     }
 
-    /// Runs it; `external` moves the sides whose agent is [`Agent::External`]. The laboratory is taken as
-    /// checked ([`Laboratory::check`]).
+    /// Runs the trial into the caller's arrays; `external` moves the sides with an [`Agent::External`]. The
+    /// laboratory must have passed [`Laboratory::check`].
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is out of range, an arm cannot reach the first target, an external
-    /// agent is missing or gives a force that is not finite, or `record` is too short; and whatever an
-    /// external agent returns.
+    /// [`InvalidInput`] if a value is out of range, an arm cannot reach the first target, an external agent
+    /// is missing or returns a force that is not finite, or `record` is too short; and every error of an
+    /// external agent.
     pub fn run<E: From<InvalidInput>>(
         &self,
         external: [Option<Callback<'_, E>>; 2],
         record: &mut Record<'_>,
-    ) -> std::result::Result<Ending, E> {
-        self.run_watched(external, record, &mut || Ok(()))
+    ) -> std::result::Result<TrialOutcome, E> {
+        self.run_interruptible(external, record, &mut || Ok(()))
     }
 
-    /// As [`Trial::run`]; `watch` is called now and then, and what it returns as an error ends the trial.
+    /// As [`Trial::run`]; `check_interrupt` is called regularly, and its error ends the trial.
     ///
     /// # Errors
     ///
-    /// As [`Trial::run`], and whatever `watch` returns.
-    pub fn run_watched<E: From<InvalidInput>>(
+    /// As [`Trial::run`], and every error of `check_interrupt`.
+    pub fn run_interruptible<E: From<InvalidInput>>(
         &self,
         mut external: [Option<Callback<'_, E>>; 2],
         record: &mut Record<'_>,
-        watch: Watch<'_, E>,
-    ) -> std::result::Result<Ending, E> {
-        let Laboratory { sides, target, controller, .. } = self.laboratory;
+        check_interrupt: InterruptCheck<'_, E>,
+    ) -> std::result::Result<TrialOutcome, E> {
+        let Laboratory { stations: sides, target, controller, .. } = self.laboratory;
         let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
         if let Some(coupling) = &self.coupling {
             coupling.check()?;
@@ -237,26 +244,27 @@ impl Trial<'_> {
                 "record",
                 format!("{} row(s)", record.len()),
                 format!("every array needs {rows} rows"),
-                "Ask Schedule::rows for the length.",
+                "Schedule::rows gives the length.",
             );
             return Err(refusal.into());
         }
         let period = controller.sample_period;
-        let mut stations = self.stations()?;
+        let mut stations = self.start_stations()?;
         let mut rows = 0;
         for tick in 0..=ticks {
             let time = tick as f64 * period;
             let now = Nanoseconds::from_seconds(time);
-            let aim_here = target.at(tick, period);
-            // also where a motion is none that a packet may carry
-            let diverged = Ending { status: Status::Diverged { at: time }, rows };
-            if stations.iter().any(Station::diverged) {
+            let aim_here = target.at_tick(tick, period);
+            // Also if the motion cannot be sent in a packet.
+            let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
+            if stations.iter().any(RunningStation::has_diverged) {
                 return Ok(diverged);
             }
-            if tick % WATCHED == 0 {
-                watch()?;
+            if tick % TICKS_BETWEEN_CHECKS == 0 {
+                check_interrupt()?;
             }
-            let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
+            let measured =
+                stations.each_ref().map(|station| station.measure_motion(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
                     let Ok(packet) = endpoint.send(now, measured[side]) else { return Ok(diverged) };
@@ -265,9 +273,9 @@ impl Trial<'_> {
                     }
                 }
             }
-            let (mut aim, mut acting) = (Row::default(), [Acting::default(); 2]);
+            let (mut aim, mut acting) = (Row::default(), [ActingForces::default(); 2]);
             for (side, station) in stations.iter_mut().enumerate() {
-                let seen = Seen {
+                let seen = Observation {
                     time,
                     position: measured[side].position,
                     velocity: measured[side].velocity,
@@ -275,19 +283,19 @@ impl Trial<'_> {
                 };
                 let hand;
                 (aim[side], hand) = match (&station.mover, &mut external[side]) {
-                    (Mover::External, Some(program)) => {
+                    (AgentState::External, Some(program)) => {
                         (aim_here.position, check_force(side, time, program(&seen)?)?)
                     }
-                    _ => station.mover.act(&seen, &aim_here),
+                    _ => station.mover.aim_and_force(&seen, &aim_here),
                 };
-                let Ok(spring) = station.spring(now) else { return Ok(diverged) };
-                acting[side] = station.act(spring, hand, controller);
+                let Ok(spring) = station.spring_force(now) else { return Ok(diverged) };
+                acting[side] = station.acting_forces(spring, hand, controller);
             }
             if tick % stride == 0 {
                 record.target[rows] = aim_here.position;
                 record.aim[rows] = aim;
                 for (side, station) in stations.iter().enumerate() {
-                    let Acting { robot, hand, .. } = acting[side];
+                    let ActingForces { robot, hand, .. } = acting[side];
                     record.coupling_force[rows][side] = robot;
                     record.agent_force[rows][side] = hand;
                     record.position[rows][side] = station.plant.position();
@@ -300,29 +308,31 @@ impl Trial<'_> {
                 break;
             }
             for (station, acting) in stations.iter_mut().zip(&acting) {
-                if let Err(halt) = station.advance(acting, controller) {
+                if let Err(halt) = station.advance_plant(acting, controller) {
                     let at = (tick + 1) as f64 * period;
                     let status = match halt {
                         Halt::OutOfReach(_) => Status::OutOfReach { at },
                         Halt::TooStiff { .. } => Status::TooStiff { at },
                     };
-                    return Ok(Ending { status, rows });
+                    return Ok(TrialOutcome { status, rows });
                 }
             }
         }
-        Ok(Ending { status: Status::Completed, rows })
+        Ok(TrialOutcome { status: Status::Completed, rows })
     }
 }
 
+/// The error for a missing external agent.
 fn missing_agent(side: usize) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),
         "none",
-        format!("agent {} is a program of the caller's and has to be given", side + 1),
+        format!("agent {} is external and must be given", side + 1),
         "Give a function of time, position, velocity and target that returns the force.",
     )
 }
 
+/// Checks the force of an external agent.
 fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
     for (axis, value) in force.into_iter().enumerate() {
         quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {

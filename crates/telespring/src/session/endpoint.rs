@@ -1,13 +1,13 @@
-//! One side of a coupling.
+//! One side of a coupling: sends, receives and computes the force.
 
-use super::wire::{LENGTH, Motion, Packet, Refused};
+use super::wire::{LENGTH, Motion, Packet, PacketError};
 use super::{Law, Nanoseconds, Playout};
 
-/// One side: it measures and sends, receives, and gives the force on its own handle.
+/// One side of a coupling: it measures and sends, receives, and computes the force on its own handle.
 ///
 /// # Examples
 ///
-/// Two sides, the network between them taking no time:
+/// Two sides with a network without delay:
 ///
 /// ```
 /// use telespring::session::{Endpoint, Law, Motion, Nanoseconds};
@@ -23,7 +23,7 @@ use super::{Law, Nanoseconds, Playout};
 /// sides[1].receive(now, &first)?;
 /// assert_eq!(sides[0].force(now), [2.0, 0.0]);
 /// assert_eq!(sides[1].force(now), [-2.0, 0.0]);
-/// # Ok::<(), telespring::session::Refused>(())
+/// # Ok::<(), telespring::session::PacketError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Endpoint {
@@ -34,17 +34,17 @@ pub struct Endpoint {
 }
 
 impl Endpoint {
-    /// A side that plays its partner's motion `delay` after it was measured.
+    /// Creates a side that uses its partner's motion `delay` after its measurement.
     pub fn new(law: Law, delay: Nanoseconds) -> Self {
         Self { law, playout: Playout::new(delay), sequence: 0, own: None }
     }
 
-    /// Takes the own handle's motion as measured `now` and returns the packet for the partner.
+    /// Stores the own motion measured at `now` and returns the packet for the partner.
     ///
     /// # Errors
     ///
-    /// [`Refused::Value`] where the device reports a value that no handle has; the motion before stays.
-    pub fn send(&mut self, now: Nanoseconds, motion: Motion) -> Result<[u8; LENGTH], Refused> {
+    /// [`PacketError::Value`] if the device reports an impossible value; the previous motion is kept.
+    pub fn send(&mut self, now: Nanoseconds, motion: Motion) -> Result<[u8; LENGTH], PacketError> {
         let motion = motion.check()?;
         self.own = Some(motion);
         let packet = Packet { sequence: self.sequence, time: now, motion };
@@ -52,18 +52,18 @@ impl Endpoint {
         Ok(packet.encode())
     }
 
-    /// Takes in bytes that came `now`.
+    /// Receives the bytes of a packet that arrived at `now`.
     ///
     /// # Errors
     ///
-    /// [`Refused`] where they are no packet; nothing has changed then.
-    pub fn receive(&mut self, now: Nanoseconds, bytes: &[u8]) -> Result<(), Refused> {
+    /// [`PacketError`] if they are not a valid packet; nothing changes then.
+    pub fn receive(&mut self, now: Nanoseconds, bytes: &[u8]) -> Result<(), PacketError> {
         let packet = Packet::decode(bytes)?;
         self.playout.insert(now, packet.time, packet.motion);
         Ok(())
     }
 
-    /// The force on the own handle per axis, N: zero until there is a motion of both sides.
+    /// The force on the own handle per axis, N; zero until both motions are known.
     pub fn force(&self, now: Nanoseconds) -> [f64; 2] {
         match (&self.own, self.playout.motion(now)) {
             (Some(own), Some(partner)) => self.law.force(own, &partner),

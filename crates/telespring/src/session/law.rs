@@ -1,18 +1,18 @@
-//! Force from both motions.
+//! The coupling law: the force from both motions.
 
 use super::wire::Motion;
 
-/// The virtual spring between both handles, and a damper beside it.
+/// The coupling law: a virtual spring between both handles and a damper in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     /// N/m.
     pub stiffness: f64,
-    /// N·s/m; 0 is none.
+    /// N·s/m; 0 for none.
     pub damping: f64,
 }
 
 impl Law {
-    /// The force on the own handle per axis, N.
+    /// The force of the coupling law on the own handle per axis, N.
     ///
     /// # Examples
     ///

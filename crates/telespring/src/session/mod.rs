@@ -1,17 +1,17 @@
-//! The control law of one side without input or output: bytes and the time go in; force and bytes come out.
+//! The control law of one side without input or output: packets and the time in, forces and packets out.
 //!
-//! [`Endpoint`] is one side. It is told the time, never reads a clock, and does not know what carries its
-//! bytes: the virtual laboratory drives two of them through an emulated network, a live program one of
-//! them through a real one, and both run the same lines.
+//! [`Endpoint`] is one side. It receives the time, never reads a clock, and does not depend on the
+//! transport of its packets. The virtual laboratory drives two endpoints through an emulated network, a
+//! live program one of them through a real network, with the same code.
 //!
 //! | part | job |
 //! |---|---|
-//! | [`wire`] | a packet as bytes, and what is refused |
-//! | [`playout`] | the partner's motion, a fixed time after it was measured |
-//! | [`law`] | force from both motions |
-//! | [`endpoint`] | the three together |
+//! | [`wire`] | packets as bytes, and their errors |
+//! | [`playout`] | the partner's motion, a fixed time after its measurement |
+//! | [`law`] | the force from both motions |
+//! | [`endpoint`] | one side: wire, playout and law together |
 //!
-//! All times are whole nanoseconds of one clock that both sides share ([`Nanoseconds`]).
+//! All times are whole nanoseconds of a clock shared by both sides ([`Nanoseconds`]).
 
 pub mod endpoint;
 pub mod law;
@@ -23,4 +23,4 @@ pub use endpoint::Endpoint;
 pub use law::Law;
 pub use playout::Playout;
 pub use time::Nanoseconds;
-pub use wire::{Motion, Packet, Refused};
+pub use wire::{Motion, Packet, PacketError};

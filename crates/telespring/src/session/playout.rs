@@ -1,17 +1,17 @@
-//! The partner's motion, a fixed time after it was measured.
+//! The playout buffer: the partner's motion, a fixed time after its measurement.
 //!
-//! Samples wait here, in the order in which the sender measured them, until they are due: at `now` the
-//! buffer plays the motion of `now` − delay, interpolated linearly between the samples around it, so that
-//! the delay need not be a whole number of samples. Where the later of the two has not come (it was lost
-//! or is late), the earlier one is held. A sample that comes after its turn is dropped.
+//! Samples wait in the order of their measurement until they are due. At `now` the buffer plays the motion
+//! of `now` − delay, interpolated linearly between the samples around it, so the delay need not be a
+//! multiple of the sample period. If the later sample is missing (lost or late), the earlier one is held. A
+//! sample that arrives too late is dropped.
 
 use std::collections::VecDeque;
 
 use super::Nanoseconds;
 use super::wire::Motion;
 
-/// The most samples that wait at a time: at 1 kHz somewhat more than the longest delay of 100 s. Where
-/// more come, the oldest go.
+/// The maximum number of waiting samples: at 1 kHz slightly more than the longest delay of 100 s. Beyond it
+/// the oldest are dropped.
 pub const CAPACITY: usize = 1 << 17;
 
 #[derive(Debug, Clone, Copy)]
@@ -20,39 +20,39 @@ struct Sample {
     motion: Motion,
 }
 
-/// The buffer.
+/// The playout buffer of one side.
 #[derive(Debug, Clone)]
 pub struct Playout {
     delay: Nanoseconds,
-    /// In order of their times, each time once.
+    /// Samples in order of their times, without duplicates.
     samples: VecDeque<Sample>,
 }
 
 impl Playout {
-    /// An empty buffer that plays every motion `delay` after it was measured.
+    /// An empty buffer that plays every motion `delay` after its measurement.
     pub fn new(delay: Nanoseconds) -> Self {
         Self { delay, samples: VecDeque::with_capacity(16) }
     }
 
-    /// From a motion's measurement until it is played.
+    /// The time from the measurement of a motion to its use.
     pub fn delay(&self) -> Nanoseconds {
         self.delay
     }
 
-    /// How many samples are kept.
+    /// The number of samples in the playout buffer.
     pub fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// True before the first sample.
+    /// True before the first sample has arrived.
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
 
-    /// Takes in the motion that the partner measured at `time`; of several with the same time, the first
-    /// counts. Samples that will not be played again, seen from `now`, are forgotten.
+    /// Inserts the motion that the partner measured at `time`; of several with the same time, the first is
+    /// kept. Samples no longer needed at `now` are dropped.
     ///
-    /// `now` may not go back from call to call.
+    /// `now` must not decrease from call to call.
     pub fn insert(&mut self, now: Nanoseconds, time: Nanoseconds, motion: Motion) {
         let after = match self.samples.back() {
             Some(newest) if newest.time >= time => self.samples.partition_point(|sample| sample.time < time),

@@ -1,4 +1,4 @@
-//! Points and spans of time.
+//! Points and spans of time in nanoseconds.
 
 /// A point or a span of time in whole nanoseconds.
 ///
@@ -13,23 +13,23 @@
 pub struct Nanoseconds(pub u64);
 
 impl Nanoseconds {
-    /// The nearest whole number of nanoseconds; a negative span or NaN gives 0, a span beyond 584 years
-    /// the longest there is.
+    /// The nearest whole number of nanoseconds; 0 for a negative span or NaN, the longest span beyond 584
+    /// years.
     pub fn from_seconds(seconds: f64) -> Self {
         Self((seconds * 1e9).round() as u64)
     }
 
-    /// In seconds.
+    /// The time in seconds.
     pub fn seconds(self) -> f64 {
         self.0 as f64 * 1e-9
     }
 
-    /// The sum, or the latest time there is.
+    /// The sum, saturating at the latest time.
     pub fn plus(self, span: Self) -> Self {
         Self(self.0.saturating_add(span.0))
     }
 
-    /// The time `span` earlier, where there is one.
+    /// The time `span` earlier, if there is one.
     pub fn before(self, span: Self) -> Option<Self> {
         self.0.checked_sub(span.0).map(Self)
     }

@@ -1,67 +1,65 @@
-//! Counting the zeros of an analytic function inside a contour, with steps that cannot skip a turn.
+//! Counts the zeros of an analytic function inside a contour by the argument principle.
 //!
-//! The argument principle: an analytic function with n zeros inside a closed contour, none on it,
-//! turns n times about 0 along that contour. Summing principal arguments between samples gives the
-//! turn only where the function cannot wind unseen between two samples. So every step taken here is
-//! one for which the function itself has vouched, through [`Winding::probe`]: along it the values
-//! stay inside a region around the first one that leaves out 0.
+//! An analytic function with n zeros inside a closed contour, and none on it, winds n times around 0 along
+//! that contour. Summing principal arguments between samples gives the winding only if the function cannot
+//! wind unnoticed between two samples. Every step is therefore certified by the function itself, through
+//! [`Winding::probe`]: along the step its values stay in a region around the first one that excludes 0.
 
 use num_complex::Complex64;
 
 /// A function whose argument can be followed along a straight line.
 pub trait Winding {
-    /// The value at `point`, and a step along `direction` (of modulus 1) on which the argument
-    /// provably turns by less than π away from that value.
+    /// The value at `point`, and a step along `direction` (of modulus 1) over which the argument provably
+    /// changes by less than π.
     ///
-    /// `longest` is how far the caller wants to go; a longer step is of no use.
+    /// `longest` is the distance to the end of the segment; a longer step is useless.
     fn probe(&self, point: Complex64, direction: Complex64, longest: f64) -> Probe;
 }
 
-/// What [`Winding::probe`] answers.
+/// The result of [`Winding::probe`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Probe {
-    /// The function's value, or any positive multiple of it: only its argument is used.
+    /// The value of the function or a positive multiple of it; only its argument is used.
     pub value: Complex64,
-    /// The length of the safe step; 0 where the value is 0.
+    /// The length of the safe step; 0 if the value is 0.
     pub step: f64,
 }
 
-/// Why a count could not be made.
+/// Why the zeros could not be counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Stop {
-    /// The safe steps shrank to nothing: a zero lies on the contour, or too near to tell on which
-    /// side. Move the contour.
+pub enum ContourError {
+    /// The safe steps shrank to nothing: a zero lies on the contour or too close to it. Move the contour.
     NearZero {
-        /// Where the walk came to a halt.
+        /// The point where the steps ended.
         at: Complex64,
     },
-    /// More steps were needed than the caller allowed.
+    /// More steps were needed than allowed.
     StepsExhausted {
-        /// Where the walk came to a halt.
+        /// The point where the steps ended.
         at: Complex64,
     },
 }
 
-impl std::fmt::Display for Stop {
+impl std::fmt::Display for ContourError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NearZero { at } => write!(f, "the contour passes a root too closely near {at}"),
+            Self::NearZero { at } => write!(f, "the contour passes too close to a root near {at}"),
             Self::StepsExhausted { at } => {
-                write!(f, "the contour needs more steps than allowed, halted at {at}")
+                write!(f, "the contour needs more steps than allowed; it stopped at {at}")
             }
         }
     }
 }
 
-/// The share of |f| that a step may use up; the rest covers rounding.
+/// The fraction of |f| that a step may use; the rest covers rounding.
 const SHARE: f64 = 0.9;
 
-/// A safe step for a function known by its value, its derivative and a bound on the second.
+/// A safe step from the value, the derivative and a bound on the second derivative of a function.
 ///
-/// The step h satisfies |f'| h + M h²/2 ≤ 0.9 |f|, where M = `curvature(radius)` bounds |f''|
-/// on the next `radius` of the line: f then stays in a disc about its value that leaves out
-/// 0, so that its argument turns by less than π/2. Returns 0 where f is 0 or a number is not finite.
+/// The step h satisfies |f'| h + M h²/2 ≤ 0.9 |f|, where M = `curvature(radius)` bounds |f''| over the next
+/// `radius` of the line. f then stays in a disc around its value that excludes 0, and its argument changes
+/// by less than π/2. Returns 0 if f is 0 or a number is not finite.
 ///
 /// # Examples
 ///
@@ -73,8 +71,8 @@ const SHARE: f64 = 0.9;
 /// ```
 pub fn taylor_step(value: f64, derivative: f64, curvature: impl Fn(f64) -> f64, longest: f64) -> f64 {
     let room = SHARE * value;
-    // The step without curvature is an upper bound; halving it keeps the radius, and with it the
-    // bound M, small where M grows fast (an exponential).
+    // The step without curvature is an upper bound. Reducing it keeps the radius small, and with it the
+    // bound M where M grows fast (an exponential).
     let mut radius = longest.min(room / derivative);
     let mut best: f64 = 0.0;
     for _ in 0..40 {
@@ -99,8 +97,8 @@ pub fn taylor_step(value: f64, derivative: f64, curvature: impl Fn(f64) -> f64, 
 ///
 /// # Errors
 ///
-/// [`Stop`] where the segment passes a zero too closely, or needs more than `steps` steps; `steps`
-/// is lowered by what was used.
+/// [`ContourError`] if the segment passes too close to a zero or needs more than `steps` steps; the steps
+/// used are subtracted from `steps`.
 ///
 /// # Examples
 ///
@@ -121,7 +119,7 @@ pub fn argument_change<F: Winding + ?Sized>(
     from: Complex64,
     to: Complex64,
     steps: &mut usize,
-) -> Result<f64, Stop> {
+) -> Result<f64, ContourError> {
     let length = (to - from).norm();
     if length == 0.0 {
         return Ok(0.0);
@@ -135,10 +133,10 @@ pub fn argument_change<F: Winding + ?Sized>(
         let remaining = length - done;
         let smallest = (32.0 * f64::EPSILON * point.norm().max(length)).min(0.5 * remaining);
         if probe.step.is_nan() || probe.step <= smallest {
-            return Err(Stop::NearZero { at: point });
+            return Err(ContourError::NearZero { at: point });
         }
         if *steps == 0 {
-            return Err(Stop::StepsExhausted { at: point });
+            return Err(ContourError::StepsExhausted { at: point });
         }
         *steps -= 1;
         let last = probe.step >= remaining;
@@ -153,11 +151,11 @@ pub fn argument_change<F: Winding + ?Sized>(
     }
 }
 
-/// The number of zeros inside the rectangle with these corners, multiplicity counted.
+/// The number of zeros inside the rectangle with these corners, counted with multiplicity.
 ///
 /// # Errors
 ///
-/// [`Stop`] as for [`argument_change`], with `steps` for the whole contour.
+/// [`ContourError`] as for [`argument_change`], with `steps` for the whole contour.
 ///
 /// # Examples
 ///
@@ -179,7 +177,7 @@ pub fn zeros_in_rectangle<F: Winding + ?Sized>(
     lower_left: Complex64,
     upper_right: Complex64,
     steps: usize,
-) -> Result<usize, Stop> {
+) -> Result<usize, ContourError> {
     let lower_right = Complex64::new(upper_right.re, lower_left.im);
     let upper_left = Complex64::new(lower_left.re, upper_right.im);
     let mut steps = steps;
@@ -195,15 +193,15 @@ pub fn zeros_in_rectangle<F: Winding + ?Sized>(
     Ok(whole_turns(turn))
 }
 
-/// The number of zeros with real part above `abscissa`, multiplicity counted, of a function that
-/// takes conjugate values at conjugate points and has no zero there farther than `radius` from 0.
+/// The number of zeros with real part above `abscissa`, counted with multiplicity, of a function with
+/// conjugate values at conjugate points and no such zero farther than `radius` from 0.
 ///
-/// Only the upper half of the contour is walked. A `radius` that is not a proven bound counts the
-/// zeros inside the rectangle `abscissa` ≤ Re s ≤ `radius`, |Im s| ≤ `radius`.
+/// Only the upper half of the contour is followed. If `radius` is not a proven bound, the result counts the
+/// zeros in the rectangle `abscissa` ≤ Re s ≤ `radius`, |Im s| ≤ `radius`.
 ///
 /// # Errors
 ///
-/// [`Stop`] as for [`argument_change`], with `steps` for the whole contour.
+/// [`ContourError`] as for [`argument_change`], with `steps` for the whole contour.
 ///
 /// # Examples
 ///
@@ -225,8 +223,8 @@ pub fn zeros_right_of<F: Winding + ?Sized>(
     abscissa: f64,
     radius: f64,
     steps: usize,
-) -> Result<usize, Stop> {
-    // Past the bound on both sides, so that a zero at the bound itself is inside.
+) -> Result<usize, ContourError> {
+    // Extends past the bound, so that a zero on the bound is inside.
     let far = (1.5 * radius).max(abscissa.abs() * f64::EPSILON);
     if abscissa >= far {
         return Ok(0);
@@ -245,7 +243,7 @@ pub fn zeros_right_of<F: Winding + ?Sized>(
     Ok(whole_turns(2.0 * turn))
 }
 
-/// A turn in rad as a count; a turn is a whole number but for rounding, and never negative.
+/// The number of whole turns in an angle (rad): an integer up to rounding, never negative.
 fn whole_turns(turn: f64) -> usize {
     (turn / std::f64::consts::TAU).round().max(0.0) as usize
 }

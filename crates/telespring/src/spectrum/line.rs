@@ -1,12 +1,10 @@
-//! How many characteristic roots lie to the right of a vertical line: the argument principle in
-//! closed form.
+//! The number of characteristic roots right of a vertical line, by the argument principle in closed form.
 //!
-//! With pᵢ = Pᵢ/mᵢ and q = (k + c s)/√(m₁ m₂), on s = σ + jy the ratio L = q² e^(−Ts) / (p₁ p₂) of both
-//! terms has a modulus whose crossings of 1 are the zeros of one function of w = y² with at most a
-//! handful of turning points. Where |L| ≤ 1 the argument of χ is that of p₁ p₂ within a right angle;
-//! where |L| ≥ 1 it is that of −q² e^(−Ts) within a right angle; both have arguments known in closed
-//! form. So the whole turn along the line follows from its few crossings, for any delay: no step is
-//! taken and none can be skipped.
+//! With pᵢ = Pᵢ/mᵢ and q = (k + c s)/√(m₁ m₂), let L = q² e^(−Ts) / (p₁ p₂) be the ratio of both terms on s
+//! = σ + jy. Its modulus equals 1 at the zeros of a function of w = y² with few turning points. Where |L| ≤
+//! 1 the argument of χ is that of p₁ p₂ within a right angle; where |L| ≥ 1 it is that of −q² e^(−Ts)
+//! within a right angle. Both are known in closed form. The total change along the line thus follows from a
+//! few crossings, for any delay, without steps that could skip a turn.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -14,36 +12,37 @@ use std::f64::consts::{PI, TAU};
 use super::polynomial::real_roots;
 use crate::characteristic::Characteristic;
 
-/// Where |L| passes through 1.
+/// A point of the line where |L| passes through 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
+pub(super) struct ModulusCrossing {
     /// Imaginary part, rad/s.
     pub y: f64,
-    /// The argument of L, continuous along a stretch with |L| ≥ 1, rad.
+    /// The argument of L, continuous on an interval with |L| ≥ 1, rad.
     pub phase: f64,
 }
 
-/// The count on one line.
+/// A vertical line with the number of roots to its right.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(super) struct VerticalLine {
     pub sigma: f64,
-    /// The crossings, upwards.
-    pub crossings: Vec<Crossing>,
-    /// Whether |L| > 1 at y = 0, and the argument of L just above it.
+    /// The crossings of |L| = 1, ascending.
+    pub crossings: Vec<ModulusCrossing>,
+    /// The argument of L just above y = 0 if |L| > 1 there.
     pub start: Option<f64>,
-    /// How many sides have their mean root right of the line: the argument of each is negative above
-    /// the real axis, 2π less than twice that of s far out.
+    /// The number of sides whose mean root lies right of the line: there the argument of the side is
+    /// negative above the real axis, 2π below twice that of s at infinity.
     pub left_of: f64,
-    /// Roots to the right, the rigid-body root left out; `None` where one lies too near the line.
+    /// The number of roots to the right, without the rigid-body root; `None` if a root is too close to the
+    /// line.
     pub count: Option<usize>,
-    /// Whether the line lies so deep that the roots right of it cannot be told apart in rounding.
+    /// True if the line lies so deep that rounding cannot separate the roots to its right.
     pub crowded: bool,
 }
 
-/// Phases beyond this carry too much rounding to be counted by.
+/// A larger phase carries too much rounding error for counting.
 const LARGEST_PHASE: f64 = 1e12;
 
-/// |p₁ p₂| against |q² e^(−Ts)| on one line, as functions of w = y².
+/// |p₁ p₂| and |q² e^(−Ts)| on one line, as functions of w = y².
 struct Moduli {
     /// pᵢ(σ) and pᵢ′(σ).
     value: [f64; 2],
@@ -54,7 +53,8 @@ struct Moduli {
 }
 
 impl Moduli {
-    fn sides(&self, w: f64) -> f64 {
+    /// The modulus |p₁ p₂| of both sides on the line at w = y².
+    fn sides_modulus(&self, w: f64) -> f64 {
         let square = |i: usize| {
             let real = self.value[i] - w;
             real * real + self.slope[i] * self.slope[i] * w
@@ -62,31 +62,33 @@ impl Moduli {
         square(0).sqrt() * square(1).sqrt()
     }
 
-    fn coupling(&self, w: f64) -> f64 {
+    /// The modulus of the coupling term q² e^(−Ts) at w = y².
+    fn coupling_modulus(&self, w: f64) -> f64 {
         self.growth * (self.q0 * self.q0 + self.g1 * self.g1 * w)
     }
 
-    /// |p₁ p₂| − |q² e^(−Ts)|.
+    /// The excess |p₁ p₂| − |q² e^(−Ts)| of the sides over the coupling on the line.
     fn excess(&self, w: f64) -> f64 {
-        self.sides(w) - self.coupling(w)
+        self.sides_modulus(w) - self.coupling_modulus(w)
     }
 
+    /// The derivative of the excess on the line with respect to w = y².
     fn excess_slope(&self, w: f64) -> f64 {
         let term = |i: usize| {
             let real = self.value[i] - w;
             let b2 = self.slope[i] * self.slope[i];
             (b2 - 2.0 * real) / (real * real + b2 * w)
         };
-        0.5 * self.sides(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
+        0.5 * self.sides_modulus(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
     }
 
-    /// The turning points of |p₁ p₂| / |q|² at w > 0, upwards.
+    /// The turning points of |p₁ p₂| / |q|² at w > 0, ascending.
     fn turning_points(&self) -> Vec<f64> {
         let rising = |i: usize| self.slope[i] * self.slope[i] - 2.0 * self.value[i];
         if self.g1 == 0.0 && rising(0) >= 0.0 && rising(1) >= 0.0 {
             return Vec::new();
         }
-        // The origin is moved between the two resonances, so that two near each other are told apart.
+        // The origin moves between the two resonances, so that close ones stay separate.
         let origin = (-0.25 * (rising(0) + rising(1))).max(0.0);
         let quadratic = |i: usize| {
             let real = self.value[i] - origin;
@@ -113,8 +115,8 @@ impl Moduli {
         roots.into_iter().map(|v| v + origin).filter(|&w| w > 0.0).collect()
     }
 
-    /// The zero of the excess between `low` and `high`, whose signs differ.
-    fn zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
+    /// The zero of the excess between `low` and `high`, where its signs differ.
+    fn excess_zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
         let mut w = high;
         for _ in 0..200 {
             let excess = self.excess(w);
@@ -140,9 +142,9 @@ impl Moduli {
     }
 }
 
-impl Line {
-    /// Counts to the right of Re s = `sigma`.
-    pub(super) fn count(chi: &Characteristic, sigma: f64) -> Self {
+impl VerticalLine {
+    /// Counts the characteristic roots right of Re s = `sigma` in closed form.
+    pub(super) fn count_right_of(chi: &Characteristic, sigma: f64) -> Self {
         let t = chi.round_trip;
         let moduli = Moduli {
             value: chi.sides.map(|side| (sigma + side.damping) * sigma + side.stiffness),
@@ -153,23 +155,23 @@ impl Line {
         };
         let mut clear = true;
         let same_sign = (moduli.value[0] > 0.0) == (moduli.value[1] > 0.0);
-        let (real, real_noise) = chi.on_real_axis(sigma);
+        let (real, real_noise) = chi.value_on_real_axis(sigma);
         if real.abs() <= real_noise {
             clear = false;
         }
         let start_large = if same_sign { real < 0.0 } else { moduli.excess(0.0) < 0.0 };
 
-        // Where |L| passes 1: between turning points the excess changes sign at most once.
+        // Between turning points the excess changes sign at most once.
         let mut zeros: Vec<f64> = Vec::new();
         let (mut low, mut large) = (0.0, start_large);
         for turn in moduli.turning_points() {
             let excess = moduli.excess(turn);
-            if excess.abs() <= 16.0 * f64::EPSILON * moduli.coupling(turn) {
-                // A touch: harmless unless L is near 1 there, which is not worth telling apart.
+            if excess.abs() <= 16.0 * f64::EPSILON * moduli.coupling_modulus(turn) {
+                // A tangency: harmless unless L is near 1 there, which is not worth distinguishing.
                 clear = false;
             }
             if (excess < 0.0) != large {
-                zeros.push(moduli.zero(low, turn, large));
+                zeros.push(moduli.excess_zero(low, turn, large));
                 large = !large;
             }
             low = turn;
@@ -190,7 +192,7 @@ impl Line {
                     crowded: true,
                 };
             }
-            zeros.push(moduli.zero(low, high, true));
+            zeros.push(moduli.excess_zero(low, high, true));
         }
 
         // The argument of each factor above the real axis; none of them jumps there.
@@ -225,7 +227,7 @@ impl Line {
             }
             let turns = (theta / TAU).floor();
             let gap = (theta - TAU * turns).min(TAU * (turns + 1.0) - theta);
-            let noise = 8.0 * f64::EPSILON * moduli.coupling(w);
+            let noise = 8.0 * f64::EPSILON * moduli.coupling_modulus(w);
             let s = Complex64::new(sigma, y);
             let rate =
                 t + chi.sides.iter().map(|side| side.slope(s).norm() / side.value(s).norm()).sum::<f64>();
@@ -235,7 +237,7 @@ impl Line {
             let odd = 2 * turns as i64 + 1;
             half_turns += if large { odd } else { -odd };
             large = !large;
-            crossings.push(Crossing { y, phase: theta });
+            crossings.push(ModulusCrossing { y, phase: theta });
         }
         let start = start_large.then(|| (2 * q_below - below(0) - below(1)) as f64 * PI);
         let all = 2 - half_turns;

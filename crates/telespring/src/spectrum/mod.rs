@@ -1,8 +1,8 @@
-//! Characteristic roots to a wanted depth, with a certificate that none is missing.
+//! Characteristic roots down to a chosen depth, with a certificate that none is missing.
 //!
-//! With a delay there are infinitely many roots, but only finitely many right of any vertical line.
-//! The argument principle counts those without finding them; a list of roots is trusted only where
-//! the two numbers agree.
+//! With a delay there are infinitely many roots, but only finitely many right of any vertical line. The
+//! argument principle counts those without computing them. A list of roots is certified only if both
+//! numbers agree.
 
 pub mod contour;
 mod dyad;
@@ -14,28 +14,28 @@ use num_complex::Complex64;
 
 use crate::characteristic::Characteristic;
 use crate::error::{InvalidInput, Result};
-use crate::{Delay, DyadAxis, quantity};
+use crate::model::{Delay, DyadAxis};
+use crate::quantity;
 
-/// The largest number of roots that may be asked for.
-pub const MOST_ROOTS: usize = 1000;
+/// The largest number of roots that can be requested.
+pub const MAX_ROOTS: usize = 1000;
 
-/// Whether the roots right of a line are all known.
+/// Whether all roots right of a vertical line are known.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Certificate {
-    /// The argument principle counted exactly as many roots right of the depth as were found: none
-    /// is missing.
+    /// The argument principle counted exactly the roots found right of the depth: none is missing.
     Complete,
-    /// The two numbers differ: a root may be missing, or stand twice in the list.
+    /// The two numbers differ: a root may be missing or listed twice.
     Failed {
-        /// Roots right of the depth by the argument principle, multiplicity counted.
+        /// The number of roots right of the depth by the argument principle, with multiplicity.
         counted: usize,
-        /// Roots found there.
+        /// The number of roots found there.
         found: usize,
     },
-    /// The roots were not counted, so that nothing is known about missing ones.
+    /// The roots were not counted; some may be missing.
     NotCounted {
-        /// What stood in the way.
+        /// Why they were not counted.
         reason: String,
     },
 }
@@ -69,44 +69,44 @@ impl std::fmt::Display for Certificate {
 /// The rightmost characteristic roots.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// The roots, 1/s: real part descending, the upper member of a conjugate pair first, a multiple
-    /// root as often as it counts. The last pair is cut where an odd place is left for it.
+    /// The roots, 1/s, by descending real part, the upper root of a conjugate pair first. A multiple root
+    /// is listed with its multiplicity. The last pair is cut if only one place is left.
     pub roots: Vec<Complex64>,
-    /// Whether s = 0 is a root besides (both handles free: the robots can be carried off together);
-    /// it is divided out and not in the list.
+    /// True if s = 0 is another root, the rigid-body motion with both handles free. It is divided out and
+    /// not listed.
     pub rigid_body: bool,
     /// Whether every root right of `depth` is known.
     pub certificate: Certificate,
-    /// The line Re s = `depth`, 1/s, right of which the roots were counted. It lies left of every
-    /// listed root; found roots beyond the number asked for may lie between. Minus infinity where
-    /// there is no delay: all roots are then known.
+    /// The line Re s = `depth`, 1/s, right of which the roots were counted. It lies left of every listed
+    /// root; found roots beyond the requested number may lie between. Minus infinity without delay: all
+    /// roots are then known.
     pub depth: f64,
 }
 
 /// The largest real part of the characteristic roots.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Abscissa {
-    /// The spectral abscissa, 1/s: below zero means that every motion but the common rigid one decays.
-    /// Minus infinity where no root was found; the certificate then is not complete.
+    /// The spectral abscissa, 1/s: if negative, every motion but the rigid-body motion decays. Minus
+    /// infinity if no root was found; the certificate is then not complete.
     pub value: f64,
     /// Whether no root was missed.
     pub certificate: Certificate,
 }
 
-/// The `count` rightmost roots of one axis, the rigid-body root s = 0 left out.
+/// The `count` rightmost characteristic roots of one axis, without the rigid-body root s = 0.
 ///
-/// They are the zeros of P₁(s) P₂(s) − (k + c s)² e^(−T s), T the sum of both delays and
-/// Pᵢ(s) = mᵢ s² + (bᵢ + c) s + k + k_h,i (the denominator of Eq. 2 of Du, Kulkarni, Kager and
-/// Campolo, with operators and a coupling damper), each refined to about 1e-12 relative, or as far
-/// as rounding allows for a multiple root. `stiffness` in N/m. Without any delay there are four
-/// roots, three besides the rigid-body root; fewer than `count` are then returned.
+/// They are the zeros of P₁(s) P₂(s) − (k + c s)² e^(−T s) with the round-trip delay T and Pᵢ(s) = mᵢ s² +
+/// (bᵢ + c) s + k + k_h,i (the denominator of Eq. 2 of Du, Kulkarni, Kager and Campolo, with operators and
+/// a coupling damper). Each is refined to a relative error of about 1e-12, or as far as rounding allows for
+/// a multiple root. `stiffness` is in N/m. Without delay there are four roots, three besides the rigid-body
+/// root, so fewer than `count` may be returned.
 ///
-/// The count behind the certificate is the argument principle in closed form and costs about as much
-/// as a few roots, for any delay.
+/// The count behind the certificate is the argument principle in closed form. It costs about as much as a
+/// few roots, for any delay.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the axis, the stiffness or `count` (1 to [`MOST_ROOTS`]) is out of range.
+/// [`InvalidInput`] if the axis, the stiffness or `count` (1 to [`MAX_ROOTS`]) is out of range.
 ///
 /// # Examples
 ///
@@ -125,19 +125,19 @@ pub fn characteristic_roots(
     delay: &Delay,
     count: usize,
 ) -> Result<Spectrum> {
-    check_count(count)?;
-    let chi = characteristic(axis, stiffness, delay)?;
-    let dyad::Found { roots, certificate, depth } = dyad::rightmost(&chi, count);
+    check_root_count(count)?;
+    let chi = checked_characteristic(axis, stiffness, delay)?;
+    let dyad::RightmostRoots { roots, certificate, depth } = dyad::rightmost_roots(&chi, count);
     Ok(Spectrum { roots, rigid_body: chi.rigid_body, certificate, depth })
 }
 
-/// The largest real part of the roots of one axis, the rigid-body root left out.
+/// The spectral abscissa of one axis: the largest real part of its roots, without the rigid-body root.
 ///
-/// Below zero the dyad is stable at this constant delay; `stiffness` in N/m.
+/// The dyad is stable at this constant delay if it is negative; `stiffness` is in N/m.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the axis or the stiffness is out of range.
+/// [`InvalidInput`] if the axis or the stiffness is out of range.
 ///
 /// # Examples
 ///
@@ -149,29 +149,30 @@ pub fn characteristic_roots(
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Abscissa> {
-    let chi = characteristic(axis, stiffness, delay)?;
-    let found = dyad::rightmost(&chi, 1);
-    // An empty list comes with a failed certificate, which says that the value is no abscissa.
+    let chi = checked_characteristic(axis, stiffness, delay)?;
+    let rightmost = dyad::rightmost_roots(&chi, 1);
+    // An empty list has a failed certificate, which marks the value as invalid.
     Ok(Abscissa {
-        value: found.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
-        certificate: found.certificate,
+        value: rightmost.roots.first().map_or(f64::NEG_INFINITY, |root| root.re),
+        certificate: rightmost.certificate,
     })
 }
 
-pub(crate) fn check_count(count: usize) -> Result<()> {
-    if (1..=MOST_ROOTS).contains(&count) {
+/// Checks the requested number of characteristic roots.
+pub(crate) fn check_root_count(count: usize) -> Result<()> {
+    if (1..=MAX_ROOTS).contains(&count) {
         return Ok(());
     }
     Err(InvalidInput::new(
         "count",
         count,
-        format!("the number of roots must be from 1 to {MOST_ROOTS}"),
-        "Ask for fewer roots, or for at least one.",
+        format!("the number of roots must be from 1 to {MAX_ROOTS}"),
+        "Request at least one root, and not more than that.",
     ))
 }
 
-/// The checked characteristic function of one axis.
-fn characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
+/// The characteristic function of one axis with checked arguments.
+fn checked_characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
     axis.check()?;
     quantity::STIFFNESS.check("stiffness", stiffness)?;
     Ok(Characteristic::new(axis, stiffness, delay.round_trip()).normalised())

@@ -1,4 +1,4 @@
-//! Newton on the characteristic function of one axis, and what its count needs.
+//! Newton's method on the characteristic function of one axis.
 //!
 //! The function is [normalised](Characteristic::normalised): both masses are 1.
 
@@ -7,17 +7,17 @@ use num_complex::Complex64;
 use super::contour::{Probe, Winding, taylor_step};
 use crate::characteristic::Characteristic;
 
-/// What Newton found.
+/// The result of Newton's method.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Refined {
+pub(super) enum RefinedRoot {
     Simple(Complex64),
-    /// Two roots so close together that they must be found as a pair: centre and half distance.
+    /// Two roots so close together that they are found as a pair: centre and half distance.
     Pair(Complex64, Complex64),
 }
 
 impl Characteristic {
-    /// The whole χ (the rigid-body root left in) on the real axis, and its rounding error.
-    pub(super) fn on_real_axis(&self, x: f64) -> (f64, f64) {
+    /// The value of χ, with the rigid-body root, on the real axis, and its rounding error.
+    pub(super) fn value_on_real_axis(&self, x: f64) -> (f64, f64) {
         let polynomial = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x + c);
         let size = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c);
         let q = self.stiffness + self.coupling_damping * x;
@@ -25,9 +25,10 @@ impl Characteristic {
         (polynomial - delayed, 8.0 * f64::EPSILON * (size + delayed.abs()))
     }
 
-    /// Value and first two derivatives of the whole χ, and the rounding error of the value.
-    fn derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
-        let jet = self.whole().jet(s);
+    /// The value and first two derivatives of χ, with the rigid-body root, and the rounding error of the
+    /// value.
+    fn value_and_derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
+        let jet = self.with_rigid_body().jet(s);
         let (t, q, g) = (self.round_trip, self.coupling(s), self.coupling_damping);
         let e = (-s * t).exp();
         let [one, two] = self.sides;
@@ -48,17 +49,17 @@ impl Characteristic {
         one + two - self.coupling(s).inv() * (2.0 * self.coupling_damping) + self.round_trip
     }
 
-    /// Newton from `start` to the root it leads to; `None` where it leads nowhere.
+    /// Newton's method from `start` to a characteristic root; `None` if it does not converge.
     ///
-    /// Far to the left, where the delayed term dominates, Newton on χ creeps by 1/T a step; there
-    /// the step is the one of Newton on log(q² e^(−Ts) / (P₁ P₂)) = 2πjn for the nearest n.
-    pub(super) fn refine(&self, start: Complex64) -> Option<Refined> {
+    /// Far to the left, where the delayed term dominates, Newton's method on χ moves only 1/T per step.
+    /// There the step is that of Newton's method on log(q² e^(−Ts) / (P₁ P₂)) = 2πjn for the nearest n.
+    pub(super) fn refine_root(&self, start: Complex64) -> Option<RefinedRoot> {
         let mut s = start;
         let mut previous = f64::INFINITY;
         for iteration in 0..60 {
             let jet = self.jet(s);
             if jet.value == Complex64::ZERO {
-                return Some(Refined::Simple(s));
+                return Some(RefinedRoot::Simple(s));
             }
             let mut step = jet.value / jet.slope;
             let mut creeping = false;
@@ -68,7 +69,7 @@ impl Characteristic {
                 if (-self.round_trip * s.re).exp() * q.norm_sqr() > 4.0 * product.norm() {
                     let ratio = q * q * (-s * self.round_trip).exp() / product;
                     let leap = -ratio.ln() / self.log_slope(s);
-                    // Next to a zero of P₁ P₂ the logarithm is the worse of the two.
+                    // Next to a zero of P₁ P₂ the logarithmic step is the worse one.
                     creeping = leap.norm() > step.norm();
                     if creeping {
                         step = leap;
@@ -84,11 +85,11 @@ impl Characteristic {
             if !creeping
                 && (size <= 2.0 * f64::EPSILON * scale || (size <= 1e-11 * scale && size >= 0.25 * previous))
             {
-                return Some(Refined::Simple(s));
+                return Some(RefinedRoot::Simple(s));
             }
             if iteration >= 12 && size < 1e-4 * scale && size > 0.3 * previous {
-                // Newton halves its error a step: a double root, or two very near each other.
-                if let Some(pair) = self.pair(s) {
+                // Newton's method halves its error per step: a double root, or two very close roots.
+                if let Some(pair) = self.double_root_near(s) {
                     return Some(pair);
                 }
             }
@@ -97,11 +98,11 @@ impl Characteristic {
         None
     }
 
-    /// The two roots next to a zero of χ′ near `s`, where there are two.
-    pub(super) fn pair(&self, s: Complex64) -> Option<Refined> {
+    /// The two characteristic roots next to a zero of χ′ near `s`, if there are two.
+    pub(super) fn double_root_near(&self, s: Complex64) -> Option<RefinedRoot> {
         let mut centre = s;
         for _ in 0..20 {
-            let ([_, slope, bend], _) = self.derivatives(centre);
+            let ([_, slope, bend], _) = self.value_and_derivatives(centre);
             let step = slope / bend;
             if !step.norm().is_finite() {
                 return None;
@@ -111,26 +112,27 @@ impl Characteristic {
                 break;
             }
         }
-        let ([value, _, bend], noise) = self.derivatives(centre);
+        let ([value, _, bend], noise) = self.value_and_derivatives(centre);
         let half = if value.norm() <= noise { Complex64::ZERO } else { (-value * 2.0 / bend).sqrt() };
-        // Two roots, not two of a chain: far nearer each other than 1/T, and `s` is one of them.
+        // Two close roots, not two of a chain: much closer than 1/T, and `s` is one of them.
         let reach = (1e-3 * s.norm()).min(0.02 / self.round_trip);
         let off = (s - centre - half).norm().min((s - centre + half).norm());
         let near = half.norm() <= reach && off <= 0.3 * half.norm() + (1e-5 * s.norm()).min(reach);
-        near.then_some(Refined::Pair(centre, half))
+        near.then_some(RefinedRoot::Pair(centre, half))
     }
 }
 
-/// The whole function, the rigid-body root left in.
+/// Follows χ with the rigid-body root.
 impl Winding for Characteristic {
+    /// A safe step for χ from bounds on its second derivative.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
-        let ([value, slope, _], _) = self.derivatives(s);
+        let ([value, slope, _], _) = self.value_and_derivatives(s);
         let step = taylor_step(
             value.norm(),
             slope.norm(),
             |radius| {
                 let growth = (-self.round_trip * (s.re + radius * direction.re.min(0.0))).exp();
-                self.whole().curvature(0.0, s.norm() + radius, growth)
+                self.with_rigid_body().curvature(0.0, s.norm() + radius, growth)
             },
             longest,
         );

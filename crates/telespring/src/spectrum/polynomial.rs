@@ -1,9 +1,9 @@
-//! Roots of the small polynomials that the search starts from and that the count rests on.
+//! Roots of small polynomials: starts for the root search and turning points for the root count.
 
 use num_complex::Complex64;
 
-/// All complex roots of a real polynomial of low degree, constant coefficient first, by
-/// simultaneous iteration (Ehrlich and Aberth) from radii on the Newton polygon (Bini 1996).
+/// All complex roots of a real polynomial of low degree, constant coefficient first, by the simultaneous
+/// iteration of Ehrlich and Aberth from radii on the Newton polygon (Bini 1996).
 pub(super) fn complex_roots(coefficients: &[f64]) -> Vec<Complex64> {
     let zeros = coefficients.iter().take_while(|c| **c == 0.0).count();
     let polynomial = &coefficients[zeros..];
@@ -46,7 +46,7 @@ pub(super) fn complex_roots(coefficients: &[f64]) -> Vec<Complex64> {
     roots
 }
 
-/// One start per root, on circles whose radii are read off the upper hull of (i, ln|aᵢ|).
+/// One start per root, on circles whose radii follow from the upper hull of (i, ln|aᵢ|).
 fn polygon_starts(polynomial: &[f64]) -> Vec<Complex64> {
     let heights: Vec<f64> = polynomial.iter().map(|c| c.abs().ln()).collect();
     let degree = polynomial.len() - 1;
@@ -71,10 +71,10 @@ fn polygon_starts(polynomial: &[f64]) -> Vec<Complex64> {
     starts
 }
 
-/// The real roots of a polynomial of degree at most four with a nonzero leading coefficient,
-/// constant first, upwards: the roots of the derivative separate those of the polynomial.
+/// The real roots, ascending, of a polynomial of degree up to four with a nonzero leading coefficient,
+/// constant coefficient first. The roots of the derivative separate those of the polynomial.
 ///
-/// A double root that rounding lifts off the axis is left out, one that it splits appears twice.
+/// A double root that rounding lifts off the axis is omitted; one that rounding splits appears twice.
 pub(super) fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     let degree = coefficients.len() - 1;
     let leading = coefficients[degree];

@@ -1,10 +1,10 @@
-//! One value of a study's text: read as what it must be, or refused with its line.
+//! One value of a study file: converted to its type, or rejected with its line.
 
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::keys::{as_written, nearest};
-use super::reader::{Reader, line_of};
+use super::keys::{nearest_word, toml_key};
+use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
 
@@ -15,7 +15,7 @@ pub(super) struct Span {
     pub high: f64,
 }
 
-/// A value per axis, or one for all of them.
+/// One value per axis, or one for all axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum PerAxis {
     Every(Span),
@@ -23,7 +23,7 @@ pub(super) enum PerAxis {
 }
 
 impl PerAxis {
-    /// The number of axes it prescribes, if it does.
+    /// The number of axes in a list; `None` for a single value.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Every(_) => None,
@@ -40,39 +40,37 @@ impl PerAxis {
     }
 }
 
-/// A value with its dotted field.
+/// A value of a study file with its dotted field.
 pub(super) struct Entry<'r, 'a> {
-    pub(super) reader: &'r Reader<'a>,
+    pub(super) source: Source<'a>,
     pub(super) field: String,
     pub(super) value: &'r Spanned<DeValue<'a>>,
 }
 
 impl<'r, 'a> Entry<'r, 'a> {
-    /// A refusal of this entry.
-    pub fn refuse(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
-        self.reader.refuse(&self.field, self.value, allowed, remedy)
+    /// The error for this value of the study file.
+    pub fn reject(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
+        self.source.reject(&self.field, self.value, allowed, remedy)
     }
 
-    /// The line of a refusal that something else made about this entry.
-    pub fn place(&self, mut error: InvalidInput) -> InvalidInput {
-        let line = line_of(self.reader.text, self.value.span().start);
-        error.remedy = format!("{} See line {line}.", error.remedy);
-        error
+    /// Adds the line of this value in the study file to an error.
+    pub fn place(&self, error: InvalidInput) -> InvalidInput {
+        self.source.with_line(error, self.value.span().start)
     }
 
-    /// A string.
+    /// Reads a string of the study file.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
-            DeValue::String(text) if text.contains('\0') => Err(self.refuse(
-                "a text without the character U+0000 is needed, which no dataset can hold",
+            DeValue::String(text) if text.contains('\0') => Err(self.reject(
+                "a text without the character U+0000 is needed, which datasets cannot hold",
                 "Remove \\u0000.",
             )),
             DeValue::String(text) => Ok(text.clone().into_owned()),
-            _ => Err(self.refuse("a text in quotes is needed", "Put it in quotes.")),
+            _ => Err(self.reject("a text in quotes is needed", "Put it in quotes.")),
         }
     }
 
-    /// One of a few words.
+    /// Reads one of several words of the study file.
     pub fn choice<'w>(&self, words: &[&'w str]) -> Result<&'w str> {
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
         let given = match self.value.get_ref() {
@@ -80,72 +78,72 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => "",
         };
         words.iter().find(|word| **word == given).copied().ok_or_else(|| {
-            let remedy = nearest(given, words)
+            let remedy = nearest_word(given, words)
                 .map_or_else(|| "Choose one of them.".to_owned(), |word| format!("Did you mean \"{word}\"?"));
-            self.refuse(format!("this is one of {listed}"), remedy)
+            self.reject(format!("it must be one of {listed}"), remedy)
         })
     }
 
-    /// True or false.
+    /// Reads a boolean of the study file.
     pub fn boolean(&self) -> Result<bool> {
         self.value
             .get_ref()
             .as_bool()
-            .ok_or_else(|| self.refuse("true or false is needed", "Write it without quotes."))
+            .ok_or_else(|| self.reject("true or false is needed", "Write it without quotes."))
     }
 
-    /// A whole number in a range.
-    pub fn whole(&self, what: &str, least: i64, most: i64) -> Result<i64> {
+    /// Reads a whole number of the study file within a range.
+    pub fn whole_number(&self, what: &str, least: i64, most: i64) -> Result<i64> {
         let remedy = match self.value.get_ref() {
-            // one that does not fit in 64 bits is a whole number out of the range as well
+            // A number beyond 64 bits is out of range too.
             DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
                 Ok(value) if (least..=most).contains(&value) => return Ok(value),
                 _ => "Choose a number in that range.",
             },
-            _ => "Write it without a decimal point, quotes and units.",
+            _ => "Write it without decimal point, quotes or unit.",
         };
-        Err(self.refuse(format!("{what} must be a whole number from {least} to {most}"), remedy))
+        Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
 
-    /// The items of a list.
+    /// The items of a list in the study file.
     pub fn items(&self, what: &str) -> Result<Vec<Self>> {
         let Some(items) = self.value.get_ref().as_array() else {
-            return Err(self.refuse(format!("a list of {what} is needed"), "Put it in square brackets."));
+            return Err(self.reject(format!("a list of {what} is needed"), "Put it in square brackets."));
         };
-        Ok(items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item)).collect())
+        Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
 
-    /// The items of a table, each with its key.
+    /// The members of a table in the study file with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
-            return Err(self.refuse("names with values are needed", "Write it such as {gain = 2.0}."));
+            return Err(self.reject("names with values are needed", "Write, for example, {gain = 2.0}."));
         };
         let member = |(key, value): (&Spanned<std::borrow::Cow<'a, str>>, &'r Spanned<DeValue<'a>>)| {
             let key = key.get_ref().as_ref();
-            (key.to_owned(), self.item(format!(".{}", as_written(key)), value))
+            (key.to_owned(), self.child(format!(".{}", toml_key(key)), value))
         };
         Ok(table.iter().map(|(key, value)| member((key, value))).collect())
     }
 
-    /// What stands there.
+    /// The parsed TOML value.
     pub fn value(&self) -> &'r DeValue<'a> {
         self.value.get_ref()
     }
 
-    /// Two numbers, or with `one` also one number that stands for both.
-    pub fn two(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
+    /// Reads two numbers, or with `one` also a single number for both.
+    pub fn two_numbers(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
         let values = self.per_axis(quantity, false)?;
         match values.count() {
             None if one => {}
             Some(2) => {}
             _ => {
-                return Err(self.refuse(
+                return Err(self.reject(
                     if one {
                         "one number or a list of two is needed"
                     } else {
                         "a list of two numbers is needed"
                     },
-                    "Write it such as [1.0, 2.0].",
+                    "Write, for example, [1.0, 2.0].",
                 ));
             }
         }
@@ -153,48 +151,55 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok([values[0].low, values[1].low])
     }
 
-    /// A list of strings.
-    pub fn texts(&self) -> Result<Vec<String>> {
+    /// Reads a list of strings in the study file.
+    pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(
-                self.refuse("a list of texts is needed, one per axis", "Write it such as [\"x\", \"y\"].")
+                self.reject("a list of texts is needed, one per axis", "Write, for example, [\"x\", \"y\"].")
             );
         };
-        items.iter().enumerate().map(|(i, item)| self.item(format!("[{i}]"), item).text()).collect()
+        items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
-    fn item(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
-        Entry { reader: self.reader, field: format!("{}{suffix}", self.field), value }
+    /// An item or member of this value of the study file, with its own field.
+    fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
+        Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
 
-    /// A table with exactly these two keys, such as min and max; `None` where it is not a table. `instead`
-    /// is what else could stand there.
+    /// Reads a table with exactly these two keys, such as min and max; `None` if it is not a table.
+    /// `instead` describes the alternative.
     pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
         let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
         for (key, value) in table {
             let word = key.get_ref().as_ref();
             if !keys.contains(&word) {
-                let line = line_of(self.reader.text, key.span().start);
-                let allowed = format!("this has the keys {} and {}", keys[0], keys[1]);
-                let field = format!("{}.{}", self.field, as_written(word));
-                return Err(self.reader.unknown(&field, word, value, line, allowed, &keys, Some("")));
+                let unknown = UnknownKey {
+                    field: &format!("{}.{}", self.field, toml_key(word)),
+                    key: word,
+                    position: key.span().start,
+                    section: Some(""),
+                    allowed: format!("its keys are {} and {}", keys[0], keys[1]),
+                    keys: &keys,
+                };
+                return Err(self.source.reject_unknown_key(unknown, value));
             }
         }
         let part = |key: &str| match table.get(key) {
-            Some(value) => Ok(self.item(format!(".{key}"), value)),
-            None => Err(self.refuse(
-                format!("both {} and {} are needed", keys[0], keys[1]),
+            Some(value) => Ok(self.child(format!(".{key}"), value)),
+            None => Err(self.place(InvalidInput::missing(
+                format!("{}.{key}", self.field),
+                "",
                 if instead.is_empty() {
                     format!("Add {key} = ….")
                 } else {
                     format!("Add {key} = …, {instead}.")
                 },
-            )),
+            ))),
         };
         Ok(Some([part(keys[0])?, part(keys[1])?]))
     }
 
-    /// A number in the range of a quantity.
+    /// Reads a number of the study file within the range of a quantity.
     pub fn number(&self, quantity: Quantity, kinds: &str) -> Result<f64> {
         let value = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -208,17 +213,17 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => None,
         };
         let Some(value) = value else {
-            return Err(self.refuse(format!("{kinds} is needed"), "Write numbers without quotes and units."));
+            return Err(self.reject(format!("{kinds} is needed"), "Write numbers without quotes or units."));
         };
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
 
-    /// A number, or with `ranges` also {min = …, max = …}.
-    fn span(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
+    /// Reads a number of the study file, or with `ranges` also {min = …, max = …}.
+    fn number_or_range(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
-                return Err(self.refuse("min must not exceed max", "Exchange the two."));
+                return Err(self.reject("min must not exceed max", "Swap the two."));
             }
             return Ok(Span { low: from, high: to });
         }
@@ -226,7 +231,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Span { low: value, high: value })
     }
 
-    /// A number, a list of them, one per axis, and with `ranges` {min = …, max = …} for any number.
+    /// Reads a number or a list with one per axis; with `ranges` any number may be {min = …, max = …}.
     pub fn per_axis(&self, quantity: Quantity, ranges: bool) -> Result<PerAxis> {
         let kinds = if ranges {
             "a number, a range {min = …, max = …} or a list of these, one per axis,"
@@ -234,16 +239,16 @@ impl<'r, 'a> Entry<'r, 'a> {
             "a number or a list of numbers, one per axis,"
         };
         let Some(items) = self.value.get_ref().as_array() else {
-            return Ok(PerAxis::Every(self.span(quantity, ranges, kinds)?));
+            return Ok(PerAxis::Every(self.number_or_range(quantity, ranges, kinds)?));
         };
         if items.is_empty() {
-            return Err(self.refuse(format!("{kinds} is needed"), "Give one value per axis."));
+            return Err(self.reject(format!("{kinds} is needed"), "Give one value per axis."));
         }
         let kind = if ranges { "a number or a range {min = …, max = …}" } else { "a number" };
         items
             .iter()
             .enumerate()
-            .map(|(i, item)| self.item(format!("[{i}]"), item).span(quantity, ranges, kind))
+            .map(|(i, item)| self.child(format!("[{i}]"), item).number_or_range(quantity, ranges, kind))
             .collect::<Result<_>>()
             .map(PerAxis::Each)
     }

@@ -1,13 +1,13 @@
-//! Every section of a study with its keys, and the word that was most likely meant.
+//! The keys of every section of a study file, and suggestions for misspelt ones.
 
 use toml::de::DeTable;
 
 /// The keys of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Keys {
-    /// The same in every study.
+    /// The same keys in every study.
     Fixed(&'static [&'static str]),
-    /// Those of the kind that the section's key `kind` names, the first where it names none.
+    /// The keys depend on the section's key `kind`; without it the first kind applies.
     ByKind(&'static [(&'static str, &'static [&'static str])]),
 }
 
@@ -46,8 +46,7 @@ const BLURRED: (&str, &[&str]) =
     ("blurred", &["kind", "stiffness", "spots", "spot_velocity", "spot_lifetime"]);
 const PYTHON_AGENT: (&str, &[&str]) = ("python", &["kind", "class", "options"]);
 
-/// Every section with its keys. Whatever no program reads is refused, so that no setting is ever
-/// ignored silently.
+/// Every section with its keys. Unknown keys are rejected, so that no setting is silently ignored.
 pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ("robot1", ROBOT),
     ("robot2", ROBOT),
@@ -95,12 +94,12 @@ pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ),
 ];
 
-/// The sections without which a study is decided but not rehearsed.
+/// The sections that only a rehearsal needs.
 pub(super) const REHEARSAL: [&str; 7] =
     ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
 
 impl Keys {
-    /// The kinds, where the section has any.
+    /// The kinds of a section; empty if it has none.
     pub fn kinds(self) -> Vec<&'static str> {
         match self {
             Self::Fixed(_) => Vec::new(),
@@ -108,8 +107,8 @@ impl Keys {
         }
     }
 
-    /// The keys that go with what the section says of its kind, and that kind.
-    pub fn of(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
+    /// The keys allowed in a section of its kind, and that kind.
+    pub fn allowed_in(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
         match self {
             Self::Fixed(keys) => (keys, None),
             Self::ByKind(kinds) => {
@@ -120,15 +119,15 @@ impl Keys {
         }
     }
 
-    /// The kind whose key this is, where the section has kinds; any section otherwise has no answer.
-    pub fn kind_with(self, key: &str) -> Option<&'static str> {
+    /// The kind that has this key, if the section has kinds.
+    pub fn kind_with_key(self, key: &str) -> Option<&'static str> {
         match self {
             Self::Fixed(_) => None,
             Self::ByKind(kinds) => kinds.iter().find(|(_, keys)| keys.contains(&key)).map(|(kind, _)| *kind),
         }
     }
 
-    /// Every key, whatever the kind.
+    /// All keys of a section, of any kind.
     pub fn all(self) -> Vec<&'static str> {
         match self {
             Self::Fixed(keys) => keys.to_vec(),
@@ -145,44 +144,48 @@ impl Keys {
     }
 }
 
-/// A key as TOML writes it: quoted where it is not bare.
-pub(super) fn as_written(key: &str) -> String {
+/// A key in TOML syntax, quoted if it is not a bare key.
+pub(super) fn toml_key(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
 }
 
-/// The number of insertions, deletions, substitutions between two words, letter case aside.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) =
-        (a.to_lowercase().chars().collect(), b.to_lowercase().chars().collect());
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// The allowed word that was most likely meant.
-pub(super) fn nearest<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
-    // Longer words than any key are not slips of the finger.
-    if word.chars().count() > 40 {
+/// The allowed word nearest to a misspelt one, if any is near enough.
+pub(super) fn nearest_word<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
+    const LONGEST_WORD: usize = 40;
+    if word.is_empty() || word.chars().count() > LONGEST_WORD {
         return None;
     }
     let lower = word.to_lowercase();
-    let extended = allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower));
-    let close = || {
-        allowed
-            .iter()
-            .map(|key| (distance(word, key), *key))
-            .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
-            .min_by_key(|&(distance, _)| distance)
-            .map(|(_, key)| key)
-    };
-    if word.is_empty() { None } else { close().or_else(|| extended.copied()) }
+    let misspelt = allowed
+        .iter()
+        .map(|key| (strsim::damerau_levenshtein(&lower, &key.to_lowercase()), *key))
+        .filter(|&(distance, key)| distance <= (key.len() / 3).max(1))
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, key)| key);
+    let extended = || allowed.iter().find(|key| lower.starts_with(**key) || key.starts_with(&lower)).copied();
+    misspelt.or_else(extended)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ref_the_nearest_word_allows_for_slips_of_the_finger() {
+        let keys = ["mass", "damping", "delay", "max_gap"];
+        for (word, expected) in [
+            ("Mas", Some("mass")),
+            ("dalay", Some("delay")),
+            ("dampnig", Some("damping")),
+            ("dealy", Some("delay")),
+            ("delay_ms", Some("delay")),
+            ("max", Some("max_gap")),
+            ("stiffness", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest_word(word, &keys), expected, "{word}");
+        }
+        assert_eq!(nearest_word(&"mass".repeat(20), &keys), None);
+    }
 }

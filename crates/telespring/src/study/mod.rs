@@ -1,4 +1,4 @@
-//! The text of a study file to the model: the one validator for Rust, Python and the live program.
+//! Reads and writes study files: the single validator for Rust, Python and the live program.
 //!
 //! ```toml
 //! name = "Two H-MANs"
@@ -16,11 +16,11 @@
 //!
 //! [coupling]
 //! stiffness = 71.2              # N/m, the virtual spring
-//! damping = 0                   # N·s/m, a damper beside it, default 0
+//! damping = 0                   # N·s/m, a damper in parallel, default 0
 //!
 //! [network]
 //! delay = 0.05                  # s, one way; or {forward = 0.04, backward = 0.06}
-//! jitter = 0.01                 # s, the most that a packet may be later, default 0
+//! jitter = 0.01                 # s, the maximum additional delay of a packet, default 0
 //! max_gap = 0.02                # s, the longest wait for a newer sample, default 0
 //!
 //! [controller]
@@ -28,36 +28,39 @@
 //! computing_time = 0.0002       # s, default 0
 //! ```
 //!
-//! Everything else a study can say is of its rehearsal, and is the paper's experiment unless said:
-//! [robot1] and [robot2] may add `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`, and
-//! there are the sections [arm1], [arm2], [agent1], [agent2], [task], [laboratory] and [protocol].
-//! `docs/study-file.md` lists every key with its meaning, unit, range and default.
+//! All other keys describe the rehearsal and default to the paper's experiment: `[robot1]` and `[robot2]` may
+//! add `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`, and there are the sections
+//! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]` and `[protocol]`. `docs/study-file.md` lists
+//! every key with its meaning, unit, range and default.
 
 mod entry;
 mod keys;
 mod laboratory;
+mod network;
+mod operator;
 mod protocol;
 mod python;
 mod reader;
 mod rehearsal;
 mod robot;
-mod verdict;
+mod source;
 mod writer;
 
-use crate::criteria::verdicts::{Network, OperatorRange};
 use crate::error::Result;
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
+use crate::verdicts::{Network, OperatorRange};
+use network::read_network;
+use operator::read_operator;
 use reader::Reader;
-use robot::{RobotSection, robots};
-use verdict::{network, operator, optional};
+use robot::{RobotSection, read_robots};
 
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
 pub use python::{OptionValue, PythonObject};
 pub use robot::Uncertainty;
 
-/// The virtual spring and the damper beside it.
+/// The virtual spring and the damper in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// Stiffness, N/m.
@@ -66,7 +69,7 @@ pub struct Coupling {
     pub damping: f64,
 }
 
-/// What one study file says: two robots, who holds them, how they are coupled, over which network.
+/// The content of a study file: two robots, their operators, the coupling and the network.
 ///
 /// # Examples
 ///
@@ -95,8 +98,8 @@ pub struct Study {
 }
 
 impl Study {
-    /// The paper's two H-MANs at its condition 2K_xy (printed 71 N/m) and Δ_xy (167 ms), handles free,
-    /// controllers continuous, as in its Fig. 5(h), and its whole experiment.
+    /// The paper's two H-MAN robots at its condition 2K_xy (printed 71 N/m) and Δ_xy (167 ms) with free
+    /// handles and continuous controllers, as in its Fig. 5(h), and its whole experiment.
     pub fn paper() -> Self {
         Self {
             name: "Du, Kulkarni, Kager and Campolo: two H-MANs".to_owned(),
@@ -118,9 +121,9 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the text is not TOML, a key is unknown or missing, a value has the wrong
-    /// type or range, or axes do not match. It names the dotted field, the value, what is allowed, the
-    /// nearest remedy and the line. No text makes it panic.
+    /// [`InvalidInput`](crate::InvalidInput) if the text is not TOML, a key is unknown or missing, a value has the wrong type or
+    /// is out of range, or axes do not match. It gives the dotted field, the value, the allowed values, the
+    /// nearest remedy and the line. No text causes a panic.
     ///
     /// # Examples
     ///
@@ -130,16 +133,16 @@ impl Study {
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
         let reader = Reader::new(text)?;
-        let [(robot1, section1), (robot2, section2)] = robots(&reader)?;
+        let [(robot1, section1), (robot2, section2)] = read_robots(&reader)?;
         let axes = robot1.axes().len();
-        let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
+        let ranges = [read_operator(&reader, "operator1", axes)?, read_operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
         let operators = ranges.each_ref().map(OperatorRange::middle);
-        let stiffness = reader.need("coupling", "stiffness", "stiffness = 20.0 (N/m)")?;
+        let stiffness = reader.require("coupling", "stiffness", "N/m", "20.0")?;
         let stiffness = stiffness.number(quantity::STIFFNESS, "a number")?;
-        let damping = optional(&reader, "coupling", "damping", quantity::DAMPING)?;
+        let damping = reader.number_or_zero("coupling", "damping", quantity::DAMPING)?;
         let dyad = Dyad::new(robot1, robot2, Some(operators), damping).map_err(|mut error| {
-            // The only refusal left is that of unlike axes; its field is robot2.axes already.
+            // Only different axes are left to reject; the field is robot2.axes already.
             error.field = error.field.trim_start_matches("robot2.").to_owned();
             reader.place("robot2", error)
         })?;
@@ -149,15 +152,15 @@ impl Study {
             dyad,
             operator_ranges: (!single).then_some(ranges),
             stiffness,
-            network: network(&reader)?,
-            setup: laboratory::setup(&reader)?,
-            protocol: protocol::protocol(&reader)?,
+            network: read_network(&reader)?,
+            setup: laboratory::read_setup(&reader)?,
+            protocol: protocol::read_protocol(&reader)?,
         };
         study.check_rehearsal(&reader)?;
         Ok(study)
     }
 
-    /// The study as TOML text that reads back to the same study.
+    /// Writes the study as TOML text that reads back to the same study.
     pub fn to_toml(&self) -> String {
         writer::to_toml(self)
     }
@@ -167,38 +170,38 @@ impl Study {
         &self.name
     }
 
-    /// The robots' names, where they have one.
+    /// The names of the robots, if given.
     pub fn robot_names(&self) -> [Option<&str>; 2] {
         self.robots.each_ref().map(|robot| robot.name.as_deref())
     }
 
-    /// The dyad; where the operators are ranges it holds the middle of each.
+    /// The dyad; for operator ranges with the middle of each range.
     pub fn dyad(&self) -> &Dyad {
         &self.dyad
     }
 
-    /// The ranges of both operators, where any of their values is a range.
+    /// The ranges of both operators, if any value is a range.
     pub fn operator_ranges(&self) -> Option<&[OperatorRange; 2]> {
         self.operator_ranges.as_ref()
     }
 
-    /// The spring and the damper beside it.
+    /// The coupling: spring and damper.
     pub fn coupling(&self) -> Coupling {
         Coupling { stiffness: self.stiffness, damping: self.dyad.coupling_damping() }
     }
 
-    /// The network and the controllers' timing.
+    /// The network and the timing of the controllers.
     pub fn network(&self) -> &Network {
         &self.network
     }
 
-    /// How far each robot's parameters may be off; `None` where they are certain.
+    /// The uncertainty of each robot's parameters; `None` if they are certain.
     pub fn uncertainty(&self) -> [Option<&Uncertainty>; 2] {
         self.robots.each_ref().map(|robot| robot.uncertainty.as_ref())
     }
 }
 
-/// Every key of a study file as `section.key`, in order, `name` first.
+/// All keys of a study file as `section.key`, in order, `name` first.
 ///
 /// # Examples
 ///

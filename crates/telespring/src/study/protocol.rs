@@ -1,4 +1,4 @@
-//! The section [protocol]: which conditions are run, how often, for how long.
+//! The section `[protocol]`: conditions, number and duration of trials.
 
 use std::f64::consts::TAU;
 
@@ -10,57 +10,57 @@ use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
 use crate::rig::{Protocol, Schedule};
 
-/// The conditions as the study says them.
+/// The conditions as given in the study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conditions {
-    /// Every stiffness (N/m) with every delay (s); where a list is not given, multiples of K and Δ.
+    /// Every stiffness (N/m) with every delay (s); missing lists default to multiples of K and Δ.
     Combinations {
-        /// Stiffnesses, N/m; {0.5, 1, 2, 4}·K unless given.
+        /// Stiffnesses, N/m; {0.5, 1, 2, 4}·K by default.
         stiffness: Option<Vec<f64>>,
-        /// One-way delays, s; {0, 0.5, 1, 2}·Δ unless given.
+        /// One-way delays, s; {0, 0.5, 1, 2}·Δ by default.
         delay: Option<Vec<f64>>,
     },
-    /// Stiffness (N/m) and one-way delay (s) of each.
+    /// Stiffness (N/m) and one-way delay (s) of each condition.
     Listed(Vec<(f64, f64)>),
 }
 
-/// The protocol as the study says it; what it leaves away follows from robots, task and controllers.
+/// The protocol as given in the study; missing values follow from robots, task and controllers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProtocolChoice {
-    /// True where the robots are also run without the spring.
+    /// True if the robots also run without the spring.
     pub unconnected: bool,
     /// The connected conditions.
     pub conditions: Conditions,
-    /// Trials of each condition.
+    /// The number of trials per condition.
     pub trials: usize,
-    /// Length of a trial, s; twelve periods of the target unless given.
+    /// The duration of a trial, s; twelve target periods by default.
     pub duration: Option<f64>,
-    /// What the analysis leaves out at the start, s; two periods of the target unless given.
+    /// The part discarded at the start, s; two target periods by default.
     pub discard: Option<f64>,
-    /// Samples kept per second, Hz; about 100 unless given.
+    /// Samples recorded per second, Hz; about 100 by default.
     pub record_rate: Option<f64>,
-    /// From which every trial's own seed is drawn.
+    /// The seed from which the seeds of all trials are drawn.
     pub seed: u64,
     /// True for an order drawn from the seed.
     pub shuffled: bool,
 }
 
-const MOST_TRIALS: i64 = 10_000;
-const MOST_CONDITIONS: usize = 1000;
-/// Of all trials together, some 10 GB as a dataset; the paper's protocol keeps a million.
-const MOST_ROWS: f64 = 5e7;
-/// TOML has no larger whole number.
+const MAX_TRIALS: i64 = 10_000;
+const MAX_CONDITIONS: usize = 1000;
+/// For all trials together, about 10 GB as a dataset; the paper's protocol records a million.
+const MAX_ROWS: f64 = 5e7;
+/// The largest whole number in TOML.
 const LARGEST_SEED: i64 = i64::MAX;
 const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 const DELAY_FACTORS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
-/// Whole periods, so that the mean error does not depend on where a trial is cut: ten to judge, after two
-/// in which the transient of every stable condition dies away.
+/// Whole periods, so that the mean error does not depend on where a trial is cut: ten to evaluate after two
+/// in which the transient of every stable condition decays.
 const PERIODS: [f64; 2] = [12.0, 2.0];
 /// Duration and discarded part for a target of unknown period, s.
 const WITHOUT_PERIOD: [f64; 2] = [30.0, 5.0];
 
 impl ProtocolChoice {
-    /// The paper's: unconnected and all sixteen combinations, twenty trials of each.
+    /// The paper's protocol: unconnected and all sixteen combinations, twenty trials each.
     pub fn paper() -> Self {
         Self {
             unconnected: true,
@@ -74,7 +74,7 @@ impl ProtocolChoice {
         }
     }
 
-    /// What is run on these robots with this task, at this sample period (s).
+    /// The complete protocol for these robots, this task and this sample period (s).
     pub(super) fn resolve(&self, dyad: &Dyad, task: &Task, sample_period: f64) -> Result<Protocol> {
         let mut conditions: Vec<(Option<f64>, f64)> = Vec::new();
         if self.unconnected {
@@ -88,18 +88,18 @@ impl ProtocolChoice {
                 conditions.extend(combinations(stiffness, delay));
             }
             Conditions::Combinations { stiffness, delay } => {
-                let (k, found_delay) = reference(dyad)?;
+                let (k, found_delay) = reference_condition(dyad)?;
                 let multiples = |factors: [f64; 4], unit: f64| factors.map(|factor| factor * unit).to_vec();
                 let stiffness = stiffness.clone().unwrap_or_else(|| multiples(STIFFNESS_FACTORS, k));
                 let delay = delay.clone().unwrap_or_else(|| multiples(DELAY_FACTORS, found_delay));
                 conditions.extend(combinations(&stiffness, &delay));
             }
         }
-        check_count(conditions.len())?;
+        check_condition_count(conditions.len())?;
 
         let rate = 1.0 / sample_period;
         let spans = match task {
-            // without a frequency the target stands still
+            // Without a frequency the target stands still.
             Task::FigureEight { angular_frequency, .. } if *angular_frequency > 0.0 => {
                 PERIODS.map(|count| (count * TAU / angular_frequency * rate).round() / rate)
             }
@@ -108,43 +108,43 @@ impl ProtocolChoice {
         let [duration, discard] = [self.duration.unwrap_or(spans[0]), self.discard.unwrap_or(spans[1])];
         quantity::TRIAL_DURATION.check("protocol.duration", duration)?;
         if discard >= duration {
-            let unless_given = if self.discard.is_none() { " (unless given)" } else { "" };
+            let default = if self.discard.is_none() { " (by default)" } else { "" };
             return Err(InvalidInput::new(
                 "protocol.discard",
-                format!("{discard:?}{unless_given}"),
-                format!("what is left out must be shorter than the trial of {duration:?} s"),
-                "Name a longer duration, or a shorter part to discard.",
+                format!("{discard:?}{default}"),
+                format!("the discarded part must be shorter than the trial of {duration:?} s"),
+                "Give a longer duration, or a shorter part to discard.",
             ));
         }
-        // The rate of the controllers itself, or half of it, a third, …: about 100 Hz unless given.
+        // The rate of the controllers or an integer fraction of it: about 100 Hz by default.
         let record_rate = self.record_rate.unwrap_or_else(|| rate / (rate / 100.0 - 1e-9).ceil().max(1.0));
         let schedule = Schedule::new(duration, record_rate, sample_period)
             .map_err(|refusal| refusal.within("protocol"))?;
-        // with the share of a sample that the analysis allows for rounding
+        // With the fraction of a sample that the analysis allows for rounding.
         let first = (discard / schedule.time(1, sample_period) - 1e-6).ceil().max(0.0);
         if schedule.rows() as f64 - first < 2.0 {
-            let unless_given = if self.duration.is_none() { " (unless given)" } else { "" };
+            let default = if self.duration.is_none() { " (by default)" } else { "" };
             return Err(InvalidInput::new(
                 "protocol.duration",
-                format!("{duration:?}{unless_given}"),
+                format!("{duration:?}{default}"),
                 format!(
-                    "of a trial two samples or more must be left to judge after the first {discard:?} s, and \
-                     {record_rate:?} are kept per second"
+                    "at least two samples must remain after the first {discard:?} s, with {record_rate:?} recorded \
+                     per second"
                 ),
-                "Name a longer duration, a shorter part to discard or a higher record_rate.",
+                "Give a longer duration, a shorter part to discard or a higher record_rate.",
             ));
         }
         let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
-        if rows > MOST_ROWS {
+        if rows > MAX_ROWS {
             return Err(InvalidInput::new(
                 "protocol.trials",
                 self.trials,
                 format!(
-                    "all trials together keep at most {MOST_ROWS:.0} samples, and {} conditions of {duration:?} s \
-                     at {record_rate:?} Hz make {rows:.0}",
+                    "all trials together record at most {MAX_ROWS:.0} samples, but {} conditions of {duration:?} s \
+                     at {record_rate:?} Hz give {rows:.0}",
                     conditions.len()
                 ),
-                "Run fewer or shorter trials, or keep fewer samples per second.",
+                "Run fewer or shorter trials, or record fewer samples per second.",
             ));
         }
         Ok(Protocol {
@@ -159,25 +159,27 @@ impl ProtocolChoice {
     }
 }
 
+/// The conditions of every stiffness with every delay.
 fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
     stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
 }
 
-fn check_count(count: usize) -> Result<()> {
-    if (1..=MOST_CONDITIONS).contains(&count) {
+/// Checks the number of conditions of a protocol.
+fn check_condition_count(count: usize) -> Result<()> {
+    if (1..=MAX_CONDITIONS).contains(&count) {
         return Ok(());
     }
     Err(InvalidInput::new(
         "protocol.conditions",
         format!("{count} conditions"),
-        format!("a protocol has 1 to {MOST_CONDITIONS} conditions, the unconnected one included"),
-        if count == 0 { "Name a condition, or write unconnected = true." } else { "Name fewer." },
+        format!("a protocol has 1 to {MAX_CONDITIONS} conditions, the unconnected one included"),
+        if count == 0 { "Give a condition, or write unconnected = true." } else { "Give fewer." },
     ))
 }
 
-/// K and Δ of Eq. 11 by the exact criteria, on free handles: the smallest critical stiffness of any axis,
-/// and the smallest delay at which twice that stiffness is unstable on any.
-fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
+/// The reference stiffness K and delay Δ of Eq. 11 by the exact criteria, with free handles: the smallest
+/// critical stiffness of any axis, and the smallest delay at which twice that stiffness is unstable.
+fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     let [one, two] = dyad.robots();
     let axes = (0..one.mass().len())
         .map(|i| DyadAxis::new(one.mass()[i], one.damping()[i], two.mass()[i], two.damping()[i]))
@@ -196,16 +198,17 @@ fn reference(dyad: &Dyad) -> Result<(f64, f64)> {
     }
     Err(InvalidInput::new(
         "protocol.stiffness",
-        "nothing",
+        "not given",
         format!(
-            "multiples of the critical stiffness K of the robots stand here unless given, and theirs is {k:.4} N/m \
-             with a reference delay Δ of {delay:.4} s"
+            "the default is a multiple of the robots' critical stiffness K, but K is {k:.4} N/m with a reference \
+             delay Δ of {delay:.4} s"
         ),
-        "Name both protocol.stiffness and protocol.delay, or give the robots damping on every axis.",
+        "Give both protocol.stiffness and protocol.delay, or give the robots damping on every axis.",
     ))
 }
 
-pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
+/// Reads the section `[protocol]`.
+pub(super) fn read_protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     const HERE: &str = "protocol";
     let paper = ProtocolChoice::paper();
     let number = |key: &str, quantity: quantity::Quantity| {
@@ -213,12 +216,12 @@ pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     };
     let flag = |key: &str, default: bool| reader.get(HERE, key).map_or(Ok(default), |entry| entry.boolean());
     let whole = |key: &str, what: &str, least: i64, most: i64, default: i64| {
-        reader.get(HERE, key).map_or(Ok(default), |entry| entry.whole(what, least, most))
+        reader.get(HERE, key).map_or(Ok(default), |entry| entry.whole_number(what, least, most))
     };
     Ok(ProtocolChoice {
         unconnected: flag("unconnected", paper.unconnected)?,
-        conditions: conditions(reader)?,
-        trials: whole("trials", "the number of trials", 1, MOST_TRIALS, paper.trials as i64)? as usize,
+        conditions: read_conditions(reader)?,
+        trials: whole("trials", "the number of trials", 1, MAX_TRIALS, paper.trials as i64)? as usize,
         duration: number("duration", quantity::TRIAL_DURATION)?,
         discard: number("discard", quantity::SPAN_OF_TRIAL)?,
         record_rate: number("record_rate", quantity::RATE)?,
@@ -230,24 +233,25 @@ pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     })
 }
 
-fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
-    let stiffness = list(reader, "stiffness", quantity::STIFFNESS)?;
-    let delay = list(reader, "delay", quantity::DELAY)?;
+/// Reads the conditions of the section `[protocol]`.
+fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
+    let stiffness = read_number_list(reader, "stiffness", quantity::STIFFNESS)?;
+    let delay = read_number_list(reader, "delay", quantity::DELAY)?;
     let Some(entry) = reader.get("protocol", "conditions") else {
         return Ok(Conditions::Combinations { stiffness, delay });
     };
     if stiffness.is_some() || delay.is_some() {
-        return Err(entry.refuse(
-            "a protocol names either its conditions one by one or lists of stiffness and delay",
-            "Remove the one or the other.",
+        return Err(entry.reject(
+            "a protocol has either a list of conditions or lists of stiffness and delay",
+            "Remove one of them.",
         ));
     }
     let mut listed: Vec<(f64, f64)> = Vec::new();
-    for each in entry.items("conditions")? {
-        let Some([stiffness, delay]) = each.pair(["stiffness", "delay"], "")? else {
-            return Err(each.refuse(
+    for item in entry.items("conditions")? {
+        let Some([stiffness, delay]) = item.pair(["stiffness", "delay"], "")? else {
+            return Err(item.reject(
                 "a condition has a stiffness and a delay",
-                "Write it such as {stiffness = 71.0, delay = 0.05} (N/m and s).",
+                "Write, for example, {stiffness = 71.0, delay = 0.05} (N/m and s).",
             ));
         };
         let condition = (
@@ -256,22 +260,26 @@ fn conditions(reader: &Reader<'_>) -> Result<Conditions> {
         );
         if listed.contains(&condition) {
             return Err(
-                each.refuse("every condition is named once", "Remove it, or run more trials of each.")
+                item.reject("every condition must be distinct", "Remove it, or run more trials of each.")
             );
         }
         listed.push(condition);
-        check_count(listed.len())?;
+        check_condition_count(listed.len())?;
     }
     Ok(Conditions::Listed(listed))
 }
 
-/// A list of numbers, each once.
-fn list(reader: &Reader<'_>, key: &str, quantity: quantity::Quantity) -> Result<Option<Vec<f64>>> {
+/// Reads a list of distinct numbers of the protocol.
+fn read_number_list(
+    reader: &Reader<'_>,
+    key: &str,
+    quantity: quantity::Quantity,
+) -> Result<Option<Vec<f64>>> {
     let Some(entry) = reader.get("protocol", key) else { return Ok(None) };
     let items = entry.items("numbers")?;
     if items.is_empty() {
-        return Err(entry.refuse(
-            "a list of one number or more is needed",
+        return Err(entry.reject(
+            "a list of at least one number is needed",
             "Write conditions = [] to run the unconnected condition only.",
         ));
     }
@@ -279,10 +287,10 @@ fn list(reader: &Reader<'_>, key: &str, quantity: quantity::Quantity) -> Result<
     for item in items {
         let value = item.number(quantity, "a number")? + 0.0;
         if values.contains(&value) {
-            return Err(item.refuse("every value is named once", "Remove it."));
+            return Err(item.reject("every value must be distinct", "Remove it."));
         }
         values.push(value);
-        check_count(values.len())?;
+        check_condition_count(values.len())?;
     }
     Ok(Some(values))
 }

@@ -1,5 +1,5 @@
-//! What a study names in Python: an agent's class or a target's function, with options. Rust keeps the
-//! text; Python imports it.
+//! Python objects named in a study: the class of an agent or the function of a target, with options. Rust
+//! stores the text; Python imports it.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::Result;
 
-/// A value of an option.
+/// The value of an option.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OptionValue {
     /// True or false.
     Boolean(bool),
     /// A whole number.
     Whole(i64),
-    /// A number with a decimal point; finite.
+    /// A finite number with a decimal point.
     Number(f64),
     /// A text.
     Text(String),
@@ -24,52 +24,59 @@ pub enum OptionValue {
     List(Vec<OptionValue>),
 }
 
-/// A class or function of Python with the options it is called with.
+/// A Python class or function with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PythonObject {
-    /// `module:name`; the module's file lies beside the study or is installed.
+    /// `module:name`; the module is next to the study file or installed.
     pub path: String,
-    /// Passed to it by name.
+    /// Keyword arguments.
     pub options: BTreeMap<String, OptionValue>,
 }
 
-/// A name that Python takes for a variable, so far as letters decide.
+/// Whether a word is a valid Python identifier, as far as its letters decide.
 fn is_identifier(word: &str) -> bool {
     let mut letters = word.chars();
     letters.next().is_some_and(|first| first.is_alphabetic() || first == '_')
         && letters.all(|letter| letter.is_alphanumeric() || letter == '_')
 }
 
-pub(super) fn python(reader: &Reader<'_>, section: &str, key: &str, like: &str) -> Result<PythonObject> {
-    let entry = reader.need(section, key, &format!("{key} = \"{like}\""))?;
+/// Reads the Python object of a section with its options.
+pub(super) fn read_python_object(
+    reader: &Reader<'_>,
+    section: &str,
+    key: &str,
+    like: &str,
+) -> Result<PythonObject> {
+    let entry = reader.require(section, key, "", &format!("\"{like}\""))?;
     let path = entry.text()?;
     let well_formed = path.split_once(':').is_some_and(|(module, name)| {
         [module, name].iter().all(|dotted| dotted.split('.').all(is_identifier))
     });
     if !well_formed {
-        return Err(entry.refuse(
-            "a module and a name in it are needed, with a colon between them",
-            format!("Write it such as \"{like}\"."),
+        return Err(entry.reject(
+            "a module and a name in it are needed, separated by a colon",
+            format!("Write, for example, \"{like}\"."),
         ));
     }
     let mut options = BTreeMap::new();
     if let Some(entry) = reader.get(section, "options") {
         for (name, value) in entry.members()? {
             if !is_identifier(&name) {
-                return Err(value.refuse(
-                    "an option's name is made of letters, digits and _, and begins with no digit",
-                    "Rename it as the Python code calls it.",
+                return Err(value.reject(
+                    "the name of an option consists of letters, digits and _, and does not begin with a digit",
+                    "Use the name of a Python argument.",
                 ));
             }
-            options.insert(name, option(&value)?);
+            options.insert(name, read_option(&value)?);
         }
     }
     Ok(PythonObject { path, options })
 }
 
-fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
+/// Reads the value of an option.
+fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     let refused = |remedy: &str| {
-        entry.refuse("an option is a finite number, a text, true, false or a list of these", remedy)
+        entry.reject("an option is a finite number, a text, true, false or a list of these", remedy)
     };
     match entry.value() {
         DeValue::Boolean(value) => Ok(OptionValue::Boolean(*value)),
@@ -86,8 +93,8 @@ fn option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
             .ok_or_else(|| refused("Replace it by a finite number.")),
         DeValue::Array(_) => {
             let items = entry.items("values")?;
-            Ok(OptionValue::List(items.iter().map(option).collect::<Result<_>>()?))
+            Ok(OptionValue::List(items.iter().map(read_option).collect::<Result<_>>()?))
         }
-        _ => Err(refused("Write the name with one value.")),
+        _ => Err(refused("Give the option a single value.")),
     }
 }

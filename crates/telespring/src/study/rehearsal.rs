@@ -1,4 +1,4 @@
-//! A study's rehearsal: its laboratory and protocol, complete and fit for each other.
+//! The rehearsal of a study: its laboratory and protocol.
 
 use super::Study;
 use super::laboratory::{AgentChoice, Setup, Task};
@@ -8,7 +8,7 @@ use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
-/// Period of the laboratory's controllers where the study names none, s.
+/// Default sample period of the laboratory's controllers, s.
 const SAMPLE_PERIOD: f64 = 0.001;
 
 impl Study {
@@ -17,30 +17,31 @@ impl Study {
         self.robots.each_ref().map(|robot| robot.coulomb.as_slice())
     }
 
-    /// What the file says of the rehearsal: arms, agents, task, controllers and network.
+    /// The setup of the rehearsal: arms, agents, task, controllers and network.
     pub fn setup(&self) -> &Setup {
         &self.setup
     }
 
-    /// Whether the robots have exactly the two axes x and y, so that the study can be rehearsed.
+    /// Whether the robots have exactly the axes x and y, so that the study can be rehearsed.
     pub fn is_planar(&self) -> bool {
         self.dyad.axis_names() == PLANE
     }
 
-    /// The sample period of the laboratory's controllers, s: [laboratory]'s, else [controller]'s, else 1 ms.
+    /// The sample period of the laboratory's controllers, s: from `[laboratory]`, else from `[controller]`,
+    /// else 1 ms.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where both sections name one and they differ, or [controller]'s is none that the
-    /// laboratory can run at.
+    /// [`InvalidInput`] if both sections give different values, or the value of `[controller]` is out of
+    /// range for the laboratory.
     pub fn sample_period(&self) -> Result<f64> {
         let of_controller = self.network.sample_period();
         match self.setup.sample_period {
             Some(period) if of_controller > 0.0 && period != of_controller => Err(InvalidInput::new(
                 "laboratory.sample_period",
                 format!("{period:?}"),
-                format!("[controller] says {of_controller:?} s, and both mean the same controllers"),
-                "Name it once, or alike.",
+                format!("[controller] gives {of_controller:?} s for the same controllers"),
+                "Give it once, or the same value twice.",
             )),
             Some(period) => Ok(period),
             None if of_controller > 0.0 => {
@@ -52,13 +53,13 @@ impl Study {
 
     /// The virtual laboratory of this study.
     ///
-    /// An agent of Python stands in it as [`rig::Agent::External`], a target of Python as
-    /// [`rig::Target::Sampled`] without samples: whoever runs it gives the forces and the positions.
-    /// Operators are left out, since arms and agents hold the handles here.
+    /// A Python agent is an [`rig::Agent::External`] in it, a Python target a [`rig::Target::Sampled`]
+    /// without samples: the caller supplies forces and positions. Operators are not included, since arms
+    /// and agents hold the handles.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the robots have other axes than x and y or the sample period is no good, by
+    /// [`InvalidInput`] if the robots have other axes than x and y or the sample period is invalid, with
     /// its dotted field.
     ///
     /// # Examples
@@ -69,9 +70,9 @@ impl Study {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn laboratory(&self) -> Result<rig::Laboratory> {
-        self.require_plane()?;
+        self.check_planar()?;
         let pair = |values: &[f64]| [values[0], values[1]];
-        let side = |i: usize| rig::Side {
+        let side = |i: usize| rig::Station {
             handle: rig::Handle {
                 mass: pair(self.dyad.robots()[i].mass()),
                 damping: pair(self.dyad.robots()[i].damping()),
@@ -85,7 +86,7 @@ impl Study {
             },
         };
         Ok(rig::Laboratory {
-            sides: [side(0), side(1)],
+            stations: [side(0), side(1)],
             target: match self.setup.task {
                 Task::FigureEight { amplitude, angular_frequency } => {
                     rig::Target::FigureEight { amplitude, angular_frequency }
@@ -98,16 +99,16 @@ impl Study {
                 actuator_lag: self.setup.actuator_lag,
                 encoder_resolution: self.setup.encoder_resolution,
             },
-            network: rig::Network { jitter: self.setup.jitter, loss: self.setup.loss },
+            network: rig::NetworkImpairments { jitter: self.setup.jitter, loss: self.setup.loss },
         })
     }
 
-    /// Which trials are run; what the file leaves away follows from robots, task and controllers.
+    /// The complete protocol; missing values follow from robots, task and controllers.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the robots have other axes than x and y, give no reference stiffness where
-    /// one is needed, or the parts do not fit together, by its dotted field.
+    /// [`InvalidInput`] if the robots have other axes than x and y, a required reference stiffness does not
+    /// exist, or the parts do not match, with its dotted field.
     ///
     /// # Examples
     ///
@@ -118,11 +119,12 @@ impl Study {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn protocol(&self) -> Result<rig::Protocol> {
-        self.require_plane()?;
+        self.check_planar()?;
         self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
     }
 
-    fn require_plane(&self) -> Result<()> {
+    /// Rejects robots with other axes than x and y.
+    fn check_planar(&self) -> Result<()> {
         if self.is_planar() {
             return Ok(());
         }
@@ -134,26 +136,26 @@ impl Study {
         ))
     }
 
-    /// Where the file says anything of a rehearsal, the rehearsal must be possible.
+    /// Checks that the rehearsal is possible if the file has a section for it.
     pub(super) fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
         let Some(section) = reader.rehearsal_section() else { return Ok(()) };
         if !self.is_planar() {
-            return Err(reader.refuse_section(
+            return Err(reader.reject_section(
                 section,
                 format!(
-                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", and these have {:?}",
+                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", but these have {:?}",
                     self.dyad.axis_names()
                 ),
                 "Remove the section, or give both robots these axes.",
             ));
         }
-        let mut laboratory = self.laboratory().map_err(|error| reader.locate(error))?;
+        let mut laboratory = self.laboratory().map_err(|error| reader.with_line_of_field(error))?;
         if matches!(laboratory.target, rig::Target::Sampled(_)) {
-            // a target of Python has no samples yet; all else is checked
+            // A Python target has no samples yet; everything else is checked.
             laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };
         }
-        laboratory.check().map_err(|error| reader.locate(error))?;
-        self.protocol().map_err(|error| reader.locate(error))?;
+        laboratory.check().map_err(|error| reader.with_line_of_field(error))?;
+        self.protocol().map_err(|error| reader.with_line_of_field(error))?;
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! The sections [robot1] and [robot2].
+//! The sections `[robot1]` and `[robot2]`.
 
 use super::entry::{Entry, PerAxis};
 use super::reader::Reader;
@@ -6,21 +6,21 @@ use crate::error::Result;
 use crate::model::Robot;
 use crate::quantity::{self, Quantity};
 
-/// How far a robot's identified parameters may be off, per axis.
+/// The uncertainty of a robot's identified parameters, per axis.
 ///
-/// Mass and damping of one axis are normal with these standard deviations and this correlation; axes and
-/// robots are independent.
+/// Mass and damping of one axis are jointly normal with these standard deviations and this correlation;
+/// axes and robots are independent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Standard deviation of the mass, kg.
     pub mass_sd: Vec<f64>,
     /// Standard deviation of the damping, N·s/m.
     pub damping_sd: Vec<f64>,
-    /// Correlation of the two, −1 to 1.
+    /// Correlation of mass and damping, −1 to 1.
     pub correlation: Vec<f64>,
 }
 
-/// What the file says of a robot beside its mass and damping.
+/// The content of a robot section besides mass and damping.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RobotSection {
     pub name: Option<String>,
@@ -28,28 +28,28 @@ pub(super) struct RobotSection {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// The sections of both robots, which share their axes.
-pub(super) fn robots(reader: &Reader<'_>) -> Result<[(Robot, RobotSection); 2]> {
-    let named = [named(reader, "robot1")?, named(reader, "robot2")?];
-    let listed = [listed(reader, "robot1")?, listed(reader, "robot2")?];
+/// Reads the sections of both robots, which have the same axes.
+pub(super) fn read_robots(reader: &Reader<'_>) -> Result<[(Robot, RobotSection); 2]> {
+    let named = [read_axis_names(reader, "robot1")?, read_axis_names(reader, "robot2")?];
+    let listed = [axis_count_from_lists(reader, "robot1")?, axis_count_from_lists(reader, "robot2")?];
     let of = |own: usize, section: &str| {
-        // A robot of single numbers has the axes of its partner, and names given once hold for both.
+        // A robot with single numbers has the axes of its partner; names given once hold for both.
         let other = 1 - own;
         let count = named[own].as_ref().map(Vec::len).or(listed[own]);
         let count = count.or(named[other].as_ref().map(Vec::len)).or(listed[other]).unwrap_or(1);
         let lent = named[other].as_ref().filter(|names| names.len() == count);
-        robot(reader, section, count, named[own].as_ref().or(lent).cloned())
+        read_robot(reader, section, count, named[own].as_ref().or(lent).cloned())
     };
     Ok([of(0, "robot1")?, of(1, "robot2")?])
 }
 
-/// The names of a robot's axes, where it gives them.
-fn named(reader: &Reader<'_>, section: &str) -> Result<Option<Vec<String>>> {
-    reader.get(section, "axes").map(|entry| entry.texts()).transpose()
+/// Reads the names of a robot's axes, if given.
+fn read_axis_names(reader: &Reader<'_>, section: &str) -> Result<Option<Vec<String>>> {
+    reader.get(section, "axes").map(|entry| entry.text_list()).transpose()
 }
 
-/// The number of axes that a robot's lists tell, where it has any.
-fn listed(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
+/// The number of axes in a robot's lists, if it has any.
+fn axis_count_from_lists(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
     for (key, quantity) in [("mass", quantity::MASS), ("damping", quantity::DAMPING)] {
         let Some(entry) = reader.get(section, key) else { continue };
         if let Some(count) = entry.per_axis(quantity, false)?.count() {
@@ -59,35 +59,37 @@ fn listed(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
     Ok(None)
 }
 
-fn robot(
+/// Reads one robot with the given number of axes.
+fn read_robot(
     reader: &Reader<'_>,
     section: &str,
     count: usize,
     axes: Option<Vec<String>>,
 ) -> Result<(Robot, RobotSection)> {
-    let mass = reader.need(section, "mass", "mass = 1.0 (kg)")?;
-    let damping = reader.need(section, "damping", "damping = 5.0 (N·s/m)")?;
+    let mass = reader.require(section, "mass", "kg", "1.0")?;
+    let damping = reader.require(section, "damping", "N·s/m", "5.0")?;
     let masses = mass.per_axis(quantity::MASS, false)?;
     let dampings = damping.per_axis(quantity::DAMPING, false)?;
     let name = reader.get(section, "name").map(|entry| entry.text()).transpose()?;
     for (entry, values) in [(&mass, &masses), (&damping, &dampings)] {
-        check_count(entry, values, count)?;
+        check_axis_count(entry, values, count)?;
     }
-    let robot = Robot::new(lows(&masses, count), lows(&dampings, count), axes)
+    let robot = Robot::new(lower_ends(&masses, count), lower_ends(&dampings, count), axes)
         .map_err(|error| reader.place(section, error))?;
-    let coulomb = zero_or_each(reader, section, "coulomb", quantity::COULOMB, count)?;
-    Ok((robot, RobotSection { name, coulomb, uncertainty: uncertainty(reader, section, count)? }))
+    let coulomb = read_per_axis_or_zero(reader, section, "coulomb", quantity::COULOMB, count)?;
+    Ok((robot, RobotSection { name, coulomb, uncertainty: read_uncertainty(reader, section, count)? }))
 }
 
-fn uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<Option<Uncertainty>> {
+/// Reads the standard deviations and correlations of a robot.
+fn read_uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<Option<Uncertainty>> {
     const CORRELATION: &str = "mass_damping_correlation";
-    let mass_sd = zero_or_each(reader, section, "mass_sd", quantity::MASS_SD, count)?;
-    let damping_sd = zero_or_each(reader, section, "damping_sd", quantity::DAMPING_SD, count)?;
-    let correlation = zero_or_each(reader, section, CORRELATION, quantity::CORRELATION, count)?;
+    let mass_sd = read_per_axis_or_zero(reader, section, "mass_sd", quantity::MASS_SD, count)?;
+    let damping_sd = read_per_axis_or_zero(reader, section, "damping_sd", quantity::DAMPING_SD, count)?;
+    let correlation = read_per_axis_or_zero(reader, section, CORRELATION, quantity::CORRELATION, count)?;
     if let Some(entry) = reader.get(section, CORRELATION) {
         let certain = |axis: usize| mass_sd[axis] == 0.0 || damping_sd[axis] == 0.0;
         if (0..count).any(|axis| correlation[axis] != 0.0 && certain(axis)) {
-            return Err(entry.refuse(
+            return Err(entry.reject(
                 "a correlation needs mass_sd and damping_sd above 0 on the same axis",
                 "Add both standard deviations, or remove the correlation.",
             ));
@@ -97,12 +99,13 @@ fn uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<Optio
     Ok((!certain).then_some(Uncertainty { mass_sd, damping_sd, correlation }))
 }
 
-fn lows(values: &PerAxis, count: usize) -> Vec<f64> {
+/// The lower ends of a robot's values on all axes.
+fn lower_ends(values: &PerAxis, count: usize) -> Vec<f64> {
     values.spread(count).iter().map(|span| span.low).collect()
 }
 
-/// One value per axis, 0 where the key is not given.
-fn zero_or_each(
+/// Reads one value per axis; 0 if the key is missing.
+fn read_per_axis_or_zero(
     reader: &Reader<'_>,
     section: &str,
     key: &str,
@@ -111,15 +114,16 @@ fn zero_or_each(
 ) -> Result<Vec<f64>> {
     let Some(entry) = reader.get(section, key) else { return Ok(vec![0.0; count]) };
     let values = entry.per_axis(quantity, false)?;
-    check_count(&entry, &values, count)?;
-    // +0: a minus sign before a zero means nothing and would not be written
-    Ok(lows(&values, count).into_iter().map(|value| value + 0.0).collect())
+    check_axis_count(&entry, &values, count)?;
+    // +0 removes the sign of −0, which has no meaning and would not be written.
+    Ok(lower_ends(&values, count).into_iter().map(|value| value + 0.0).collect())
 }
 
-pub(super) fn check_count(entry: &Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
+/// Checks that a list has one value per axis.
+pub(super) fn check_axis_count(entry: &Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
     match values.count() {
-        Some(got) if got != count => Err(entry.refuse(
-            format!("one value per axis is needed, that is {count}, and here are {got}"),
+        Some(got) if got != count => Err(entry.reject(
+            format!("one value per axis is needed: {count}, not {got}"),
             "Give one value per axis, or a single number for all of them.",
         )),
         _ => Ok(()),

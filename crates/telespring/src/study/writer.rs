@@ -1,5 +1,4 @@
-//! A study as TOML text that reads back to the same study; sections that say what holds anyway are left
-//! away.
+//! Writes a study as TOML text that reads back to the same study; sections with default values are omitted.
 
 use std::fmt::Write;
 
@@ -10,26 +9,26 @@ use super::python::{OptionValue, PythonObject};
 use crate::model::Operator;
 use crate::rig::{Arm, Elbow};
 
-/// The text of a study file, units as comments.
+/// The text of a study file, with units as comments.
 pub(super) fn to_toml(study: &Study) -> String {
-    let mut text = Text(format!("name = {}\n", quoted(&study.name)));
+    let mut text = TomlText(format!("name = {}\n", quoted_text(&study.name)));
     for (i, section) in study.robots.iter().enumerate() {
         let robot = &study.dyad.robots()[i];
-        text.section(&format!("robot{}", i + 1));
+        text.write_section(&format!("robot{}", i + 1));
         if let Some(name) = &section.name {
-            text.line("name", quoted(name), "");
+            text.write_line("name", quoted_text(name), "");
         }
-        let axes: Vec<String> = robot.axes().iter().map(|name| quoted(name)).collect();
-        text.line("axes", format!("[{}]", axes.join(", ")), "");
-        text.line("mass", list(robot.mass()), "kg");
-        text.line("damping", list(robot.damping()), "N·s/m");
+        let axes: Vec<String> = robot.axes().iter().map(|name| quoted_text(name)).collect();
+        text.write_line("axes", format!("[{}]", axes.join(", ")), "");
+        text.write_line("mass", list_text(robot.mass()), "kg");
+        text.write_line("damping", list_text(robot.damping()), "N·s/m");
         if section.coulomb.iter().any(|&force| force != 0.0) {
-            text.line("coulomb", list(&section.coulomb), "N");
+            text.write_line("coulomb", list_text(&section.coulomb), "N");
         }
         if let Some(uncertainty) = &section.uncertainty {
-            text.line("mass_sd", list(&uncertainty.mass_sd), "kg");
-            text.line("damping_sd", list(&uncertainty.damping_sd), "N·s/m");
-            text.line("mass_damping_correlation", list(&uncertainty.correlation), "");
+            text.write_line("mass_sd", list_text(&uncertainty.mass_sd), "kg");
+            text.write_line("damping_sd", list_text(&uncertainty.damping_sd), "N·s/m");
+            text.write_line("mass_damping_correlation", list_text(&uncertainty.correlation), "");
         }
     }
     for i in 0..2 {
@@ -41,161 +40,176 @@ pub(super) fn to_toml(study: &Study) -> String {
         if *low == free && *high == free {
             continue;
         }
-        text.section(&format!("operator{}", i + 1));
-        text.line("mass", ranges(low.mass(), high.mass()), "kg");
-        text.line("damping", ranges(low.damping(), high.damping()), "N·s/m");
-        text.line("stiffness", ranges(low.stiffness(), high.stiffness()), "N/m");
+        text.write_section(&format!("operator{}", i + 1));
+        text.write_line("mass", ranges_text(low.mass(), high.mass()), "kg");
+        text.write_line("damping", ranges_text(low.damping(), high.damping()), "N·s/m");
+        text.write_line("stiffness", ranges_text(low.stiffness(), high.stiffness()), "N/m");
     }
-    text.section("coupling");
-    text.line("stiffness", float(study.stiffness), "N/m");
-    text.line("damping", float(study.dyad.coupling_damping()), "N·s/m");
-    text.section("network");
+    text.write_section("coupling");
+    text.write_line("stiffness", float_text(study.stiffness), "N/m");
+    text.write_line("damping", float_text(study.dyad.coupling_damping()), "N·s/m");
+    text.write_section("network");
     let delay = study.network.delay();
     let delay = if delay.forward() == delay.backward() {
-        float(delay.forward())
+        float_text(delay.forward())
     } else {
-        format!("{{forward = {}, backward = {}}}", float(delay.forward()), float(delay.backward()))
+        format!("{{forward = {}, backward = {}}}", float_text(delay.forward()), float_text(delay.backward()))
     };
-    text.line("delay", delay, "s, one way");
-    text.line("jitter", float(study.network.jitter()), "s");
-    text.line("max_gap", float(study.network.max_gap()), "s");
-    text.section("controller");
-    text.line("sample_period", float(study.network.sample_period()), "s");
-    text.line("computing_time", float(study.network.computing_time()), "s");
-    text.setup(&study.setup);
-    text.protocol(&study.protocol);
+    text.write_line("delay", delay, "s, one way");
+    text.write_line("jitter", float_text(study.network.jitter()), "s");
+    text.write_line("max_gap", float_text(study.network.max_gap()), "s");
+    text.write_section("controller");
+    text.write_line("sample_period", float_text(study.network.sample_period()), "s");
+    text.write_line("computing_time", float_text(study.network.computing_time()), "s");
+    text.write_setup(&study.setup);
+    text.write_protocol(&study.protocol);
     text.0
 }
 
-struct Text(String);
+struct TomlText(String);
 
-impl Text {
-    fn section(&mut self, name: &str) {
+impl TomlText {
+    /// Writes the header of a section.
+    fn write_section(&mut self, name: &str) {
         let _ = write!(self.0, "\n[{name}]\n");
     }
 
-    fn line(&mut self, key: &str, value: impl AsRef<str>, unit: &str) {
+    /// Writes a key with its value, and the unit as a comment.
+    fn write_line(&mut self, key: &str, value: impl AsRef<str>, unit: &str) {
         let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
         let _ = writeln!(self.0, "{key} = {}{comment}", value.as_ref());
     }
 
-    fn setup(&mut self, setup: &Setup) {
+    /// Writes the sections of the rehearsal setup that differ from the paper's.
+    fn write_setup(&mut self, setup: &Setup) {
         let paper = Setup::paper();
         for (i, arm) in setup.arms.iter().enumerate() {
             if *arm != MASSLESS {
-                self.section(&format!("arm{}", i + 1));
-                self.arm(arm);
+                self.write_section(&format!("arm{}", i + 1));
+                self.write_arm(arm);
             }
         }
         for (i, agent) in setup.agents.iter().enumerate() {
             if *agent != paper.agents[i] {
-                self.section(&format!("agent{}", i + 1));
-                self.agent(agent);
+                self.write_section(&format!("agent{}", i + 1));
+                self.write_agent(agent);
             }
         }
         if setup.task != paper.task {
-            self.section("task");
+            self.write_section("task");
             match &setup.task {
                 Task::FigureEight { amplitude, angular_frequency } => {
-                    self.line("kind", quoted("figure-eight"), "");
-                    self.line("amplitude", list(amplitude), "m");
-                    self.line("angular_frequency", float(*angular_frequency), "rad/s");
+                    self.write_line("kind", quoted_text("figure-eight"), "");
+                    self.write_line("amplitude", list_text(amplitude), "m");
+                    self.write_line("angular_frequency", float_text(*angular_frequency), "rad/s");
                 }
-                Task::Python(object) => self.python("function", object),
+                Task::Python(object) => self.write_python("function", object),
             }
         }
         let imperfect =
             Setup { arms: paper.arms, agents: paper.agents.clone(), task: paper.task.clone(), ..*setup };
         if imperfect != paper {
-            self.section("laboratory");
+            self.write_section("laboratory");
             if let Some(period) = setup.sample_period {
-                self.line("sample_period", float(period), "s");
+                self.write_line("sample_period", float_text(period), "s");
             }
-            self.line("computing_tick", setup.computing_tick.to_string(), "");
-            self.line("actuator_lag", float(setup.actuator_lag), "s");
-            self.line("encoder_resolution", float(setup.encoder_resolution), "m");
-            self.line("jitter", float(setup.jitter), "s");
-            self.line("loss", float(setup.loss), "");
+            self.write_line("computing_tick", setup.computing_tick.to_string(), "");
+            self.write_line("actuator_lag", float_text(setup.actuator_lag), "s");
+            self.write_line("encoder_resolution", float_text(setup.encoder_resolution), "m");
+            self.write_line("jitter", float_text(setup.jitter), "s");
+            self.write_line("loss", float_text(setup.loss), "");
         }
     }
 
-    fn arm(&mut self, arm: &Arm) {
+    /// Writes the keys of an arm.
+    fn write_arm(&mut self, arm: &Arm) {
         match arm {
             Arm::Lumped { mass, damping } => {
-                self.line("kind", quoted("lumped"), "");
-                self.line("mass", list(mass), "kg");
-                self.line("damping", list(damping), "N·s/m");
+                self.write_line("kind", quoted_text("lumped"), "");
+                self.write_line("mass", list_text(mass), "kg");
+                self.write_line("damping", list_text(damping), "N·s/m");
             }
             Arm::TwoLink(arm) => {
-                self.line("kind", quoted("two-link"), "");
-                self.line("base", list(&arm.base), "m");
-                self.line("elbow", quoted(if arm.elbow == Elbow::Left { "left" } else { "right" }), "");
-                self.line("link_length", list(&arm.link_length), "m");
-                self.line("link_mass", list(&arm.link_mass), "kg");
-                self.line("link_centre", list(&arm.link_centre), "m from the joint");
-                self.line("link_inertia", list(&arm.link_inertia), "kg·m²");
-                self.line("joint_damping", list(&arm.joint_damping), "N·m·s/rad");
-                self.line("rotor_inertia", list(&arm.rotor_inertia), "kg·m²");
+                self.write_line("kind", quoted_text("two-link"), "");
+                self.write_line("base", list_text(&arm.base), "m");
+                self.write_line(
+                    "elbow",
+                    quoted_text(if arm.elbow == Elbow::Left { "left" } else { "right" }),
+                    "",
+                );
+                self.write_line("link_length", list_text(&arm.link_length), "m");
+                self.write_line("link_mass", list_text(&arm.link_mass), "kg");
+                self.write_line("link_centre", list_text(&arm.link_centre), "m from the joint");
+                self.write_line("link_inertia", list_text(&arm.link_inertia), "kg·m²");
+                self.write_line("joint_damping", list_text(&arm.joint_damping), "N·m·s/rad");
+                self.write_line("rotor_inertia", list_text(&arm.rotor_inertia), "kg·m²");
                 if arm.torque_limit.iter().any(|limit| limit.is_finite()) {
-                    self.line("torque_limit", list(&arm.torque_limit), "N·m");
+                    self.write_line("torque_limit", list_text(&arm.torque_limit), "N·m");
                 }
             }
         }
     }
 
-    fn agent(&mut self, agent: &AgentChoice) {
+    /// Writes the keys of an agent.
+    fn write_agent(&mut self, agent: &AgentChoice) {
         match agent {
             AgentChoice::Skilled { stiffness, damping } => {
-                self.line("kind", quoted("skilled"), "");
-                self.line("stiffness", float(*stiffness), "N/m");
-                self.line("damping", float(*damping), "N·s/m");
+                self.write_line("kind", quoted_text("skilled"), "");
+                self.write_line("stiffness", float_text(*stiffness), "N/m");
+                self.write_line("damping", float_text(*damping), "N·s/m");
             }
             AgentChoice::Blurred { stiffness, spots } => {
-                self.line("kind", quoted("blurred"), "");
-                self.line("stiffness", float(*stiffness), "N/m");
-                self.line("spots", spots.count.to_string(), "");
-                self.line("spot_velocity", float(spots.velocity), "m/s");
-                self.line("spot_lifetime", float(spots.lifetime), "s");
+                self.write_line("kind", quoted_text("blurred"), "");
+                self.write_line("stiffness", float_text(*stiffness), "N/m");
+                self.write_line("spots", spots.count.to_string(), "");
+                self.write_line("spot_velocity", float_text(spots.velocity), "m/s");
+                self.write_line("spot_lifetime", float_text(spots.lifetime), "s");
             }
-            AgentChoice::Python(object) => self.python("class", object),
+            AgentChoice::Python(object) => self.write_python("class", object),
         }
     }
 
-    fn python(&mut self, key: &str, object: &PythonObject) {
-        self.line("kind", quoted("python"), "");
-        self.line(key, quoted(&object.path), "");
+    /// Writes the reference to a Python object and its options.
+    fn write_python(&mut self, key: &str, object: &PythonObject) {
+        self.write_line("kind", quoted_text("python"), "");
+        self.write_line(key, quoted_text(&object.path), "");
         if !object.options.is_empty() {
-            let each = object.options.iter().map(|(name, value)| {
-                // a name of letters beyond ASCII must be quoted
-                let name = if name.is_ascii() { name.clone() } else { quoted(name) };
-                format!("{name} = {}", option(value))
+            let options = object.options.iter().map(|(name, value)| {
+                // A non-ASCII name must be quoted.
+                let name = if name.is_ascii() { name.clone() } else { quoted_text(name) };
+                format!("{name} = {}", option_text(value))
             });
-            self.line("options", format!("{{{}}}", each.collect::<Vec<_>>().join(", ")), "");
+            self.write_line("options", format!("{{{}}}", options.collect::<Vec<_>>().join(", ")), "");
         }
     }
 
-    fn protocol(&mut self, protocol: &ProtocolChoice) {
+    /// Writes the section `[protocol]` if it differs from the paper's.
+    fn write_protocol(&mut self, protocol: &ProtocolChoice) {
         if *protocol == ProtocolChoice::paper() {
             return;
         }
-        self.section("protocol");
-        self.line("unconnected", protocol.unconnected.to_string(), "");
+        self.write_section("protocol");
+        self.write_line("unconnected", protocol.unconnected.to_string(), "");
         match &protocol.conditions {
             Conditions::Combinations { stiffness, delay } => {
                 for (key, values, unit) in [("stiffness", stiffness, "N/m"), ("delay", delay, "s, one way")] {
                     if let Some(values) = values {
-                        self.line(key, list(values), unit);
+                        self.write_line(key, list_text(values), unit);
                     }
                 }
             }
             Conditions::Listed(listed) => {
-                let each = listed
-                    .iter()
-                    .map(|&(k, delay)| format!("{{stiffness = {}, delay = {}}}", float(k), float(delay)));
-                self.line("conditions", format!("[{}]", each.collect::<Vec<_>>().join(", ")), "N/m and s");
+                let conditions = listed.iter().map(|&(k, delay)| {
+                    format!("{{stiffness = {}, delay = {}}}", float_text(k), float_text(delay))
+                });
+                self.write_line(
+                    "conditions",
+                    format!("[{}]", conditions.collect::<Vec<_>>().join(", ")),
+                    "N/m and s",
+                );
             }
         }
-        self.line("trials", protocol.trials.to_string(), "");
+        self.write_line("trials", protocol.trials.to_string(), "");
         let given = [
             ("duration", protocol.duration, "s"),
             ("discard", protocol.discard, "s"),
@@ -203,40 +217,50 @@ impl Text {
         ];
         for (key, value, unit) in given {
             if let Some(value) = value {
-                self.line(key, float(value), unit);
+                self.write_line(key, float_text(value), unit);
             }
         }
-        self.line("seed", protocol.seed.to_string(), "");
-        self.line("order", quoted(if protocol.shuffled { "shuffled" } else { "blocks" }), "");
+        self.write_line("seed", protocol.seed.to_string(), "");
+        self.write_line("order", quoted_text(if protocol.shuffled { "shuffled" } else { "blocks" }), "");
     }
 }
 
-/// The shortest text that reads back to the same number.
-fn float(value: f64) -> String {
+/// A number as the shortest text that reads back to the same value.
+fn float_text(value: f64) -> String {
     format!("{value:?}")
 }
 
-fn quoted(text: &str) -> String {
+/// A string in TOML syntax.
+fn quoted_text(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-fn option(value: &OptionValue) -> String {
+/// The value of an option in TOML syntax.
+fn option_text(value: &OptionValue) -> String {
     match value {
         OptionValue::Boolean(value) => value.to_string(),
         OptionValue::Whole(value) => value.to_string(),
-        OptionValue::Number(value) => float(*value),
-        OptionValue::Text(text) => quoted(text),
-        OptionValue::List(items) => format!("[{}]", items.iter().map(option).collect::<Vec<_>>().join(", ")),
+        OptionValue::Number(value) => float_text(*value),
+        OptionValue::Text(text) => quoted_text(text),
+        OptionValue::List(items) => {
+            format!("[{}]", items.iter().map(option_text).collect::<Vec<_>>().join(", "))
+        }
     }
 }
 
-fn list(values: &[f64]) -> String {
-    format!("[{}]", values.iter().map(|&value| float(value)).collect::<Vec<_>>().join(", "))
+/// A list of numbers in TOML syntax.
+fn list_text(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(|&value| float_text(value)).collect::<Vec<_>>().join(", "))
 }
 
-fn ranges(low: &[f64], high: &[f64]) -> String {
-    let each = low.iter().zip(high).map(|(&low, &high)| {
-        if low == high { float(low) } else { format!("{{min = {}, max = {}}}", float(low), float(high)) }
+/// A list of numbers or ranges in TOML syntax.
+fn ranges_text(low: &[f64], high: &[f64]) -> String {
+    let axes = low.iter().zip(high).map(|(&low, &high)| {
+        if low == high {
+            float_text(low)
+        } else {
+            format!("{{min = {}, max = {}}}", float_text(low), float_text(high))
+        }
     });
-    format!("[{}]", each.collect::<Vec<_>>().join(", "))
+    format!("[{}]", axes.collect::<Vec<_>>().join(", "))
 }

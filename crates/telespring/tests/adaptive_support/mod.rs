@@ -64,6 +64,7 @@ pub fn error(case: &Case<'_>, solution: &Solution<Infallible>) -> f64 {
 }
 
 /// Asserts that the error stays below `factor` times the tolerance at 1e-4 … 1e-11, and prints what was measured.
+#[expect(clippy::disallowed_macros, reason = "shows the errors to whoever asks for the output")]
 pub fn assert_accurate(case: &Case<'_>, factor: f64) {
     for rtol in [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11] {
         let solution = run(case, rtol);

@@ -142,6 +142,7 @@ pub fn difference(got: &[f64], expected: &[f64]) -> f64 {
 }
 
 #[track_caller]
+#[expect(clippy::disallowed_methods, clippy::disallowed_macros, reason = "shows the errors on request")]
 pub fn close(got: &[f64], expected: &[f64], tolerance: f64, what: &str) {
     let error = difference(got, expected);
     if std::env::var_os("TELESPRING_SHOW").is_some() {

@@ -1,26 +1,32 @@
-//! The critical stiffness with a handle held to the ground: the least point of a curve, enclosed by
-//! subdivision with Bernstein coefficients.
+//! The critical stiffness with a grounded operator: the lowest point of a curve, enclosed by subdivision
+//! with Bernstein coefficients.
 
 use crate::model::DyadAxis;
 use crate::poly::{Polynomial, Real, positive_roots};
 
-/// The certified range ends this far (relative) below the stiffness that is returned.
+/// The certified range ends this relative distance below the returned stiffness.
 const RESOLUTION: f64 = 1e-9;
 
 /// F(ξ, k) in powers of ξ = ω² (rows, to ξ⁴) and of k (columns, to k³: k⁴ cancels).
 type Tensor = [[f64; 4]; 5];
 
-pub(super) fn critical(axis: &DyadAxis) -> f64 {
-    let bound = stable_below(axis);
-    // An undamped side still meets the coupling damper: only a soft spring's limit is left to decide.
-    let softest = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
-    let Some(lowest) = bound.or(softest) else { return 0.0 };
-    let mut best = scan(axis, lowest);
-    // Each round either proves that F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
+/// The critical stiffness with a grounded operator, certified by subdivision.
+pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
+    let bound = stable_stiffness_bound(axis);
+    // An undamped side still has the coupling damper: only the limit of a soft spring is left to check.
+    let soft_spring = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
+    let Some(lowest) = bound.or(soft_spring) else { return 0.0 };
+    let mut best = scan_frequencies(axis, lowest);
+    // Each round either proves F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
     for _ in 0..64 {
-        match negative_point(axis, lowest, best.stiffness * (1.0 - RESOLUTION), best.squared_frequency) {
+        match frequency_of_negative_value(
+            axis,
+            lowest,
+            best.stiffness * (1.0 - RESOLUTION),
+            best.squared_frequency,
+        ) {
             None => break,
-            Some(squared_frequency) => best = descend(axis, squared_frequency, best),
+            Some(squared_frequency) => best = descend_along_curve(axis, squared_frequency, best),
         }
     }
     if bound.is_none() && best.stiffness < 1e3 * lowest { 0.0 } else { best.stiffness }
@@ -28,13 +34,13 @@ pub(super) fn critical(axis: &DyadAxis) -> f64 {
 
 /// A point on the curve F = 0.
 #[derive(Clone, Copy)]
-struct Point {
+struct CurvePoint {
     squared_frequency: f64,
     stiffness: f64,
 }
 
-/// A stiffness up to which each |Pᵢ(jω)|² ≥ k² + c²ω², so that F ≥ 0; None where there is none.
-fn stable_below(axis: &DyadAxis) -> Option<f64> {
+/// A stiffness up to which |Pᵢ(jω)|² ≥ k² + c²ω² on both sides, so that F ≥ 0; `None` if there is none.
+fn stable_stiffness_bound(axis: &DyadAxis) -> Option<f64> {
     let c = axis.coupling_damping;
     let bound = axis.sides.iter().fold(f64::INFINITY, |bound, side| {
         // m²ξ² + (d − 2m(k + k_h))ξ + (k + k_h)² − k² has no sign change for
@@ -45,44 +51,45 @@ fn stable_below(axis: &DyadAxis) -> Option<f64> {
     (bound > 0.0).then_some(bound)
 }
 
-/// A stiffness typical of the sides on their own, N/m.
+/// A typical stiffness of the sides without coupling, N/m.
 fn stiffness_scale(axis: &DyadAxis) -> f64 {
     let loss = |damping: f64, mass: f64| (damping + axis.coupling_damping).powi(2) / mass;
     axis.sides.iter().map(|side| side.ground_stiffness + loss(side.damping, side.mass)).sum()
 }
 
-/// A first point of the curve: the least stiffness over a grid of frequencies about the resonances.
-fn scan(axis: &DyadAxis, lowest: f64) -> Point {
-    let mut best = Point { squared_frequency: f64::NAN, stiffness: f64::INFINITY };
+/// A starting point on the curve: the smallest stiffness on a grid of frequencies around the resonances.
+fn scan_frequencies(axis: &DyadAxis, lowest: f64) -> CurvePoint {
+    let mut best = CurvePoint { squared_frequency: f64::NAN, stiffness: f64::INFINITY };
     for side in &axis.sides {
-        // At ω² = K/m the side's own stiffness and inertia cancel; the least k lies near it.
+        // At ω² = K/m the side's stiffness and inertia cancel; the smallest k lies near it.
         for step in -40..=120 {
             let stiffness = lowest * 1.25f64.powi(step);
             let squared_frequency = (stiffness + side.ground_stiffness) / side.mass;
-            best = lower(best, on_curve(axis, squared_frequency));
+            best = lower_stiffness(best, least_stiffness_at(axis, squared_frequency));
         }
     }
-    descend(axis, best.squared_frequency, best)
+    descend_along_curve(axis, best.squared_frequency, best)
 }
 
-fn lower(best: Point, candidate: Option<Point>) -> Point {
+/// The curve point with the smaller stiffness.
+fn lower_stiffness(best: CurvePoint, candidate: Option<CurvePoint>) -> CurvePoint {
     candidate.filter(|point| point.stiffness < best.stiffness).unwrap_or(best)
 }
 
-/// The least stiffness with F = 0 at this frequency.
-fn on_curve(axis: &DyadAxis, squared_frequency: f64) -> Option<Point> {
-    let tensor = expand::<f64>(axis);
+/// The smallest stiffness with F = 0 at a frequency.
+fn least_stiffness_at(axis: &DyadAxis, squared_frequency: f64) -> Option<CurvePoint> {
+    let tensor = crossing_tensor::<f64>(axis);
     let fine = || {
-        let tensor = expand::<twofloat::TwoFloat>(axis);
-        along_stiffness(&tensor, squared_frequency)
+        let tensor = crossing_tensor::<twofloat::TwoFloat>(axis);
+        polynomial_in_stiffness(&tensor, squared_frequency)
     };
-    let roots = positive_roots(&along_stiffness(&tensor, squared_frequency), fine);
+    let roots = positive_roots(&polynomial_in_stiffness(&tensor, squared_frequency), fine);
     let stiffness = roots.first()?.at;
-    Some(Point { squared_frequency, stiffness })
+    Some(CurvePoint { squared_frequency, stiffness })
 }
 
-/// F at a fixed frequency, as a polynomial in k.
-fn along_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Polynomial<R, 4> {
+/// The crossing polynomial F at a fixed frequency, as a polynomial in the stiffness k.
+fn polynomial_in_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Polynomial<R, 4> {
     let xi = R::from(squared_frequency);
     let mut coefficient = [R::from(0.0); 4];
     let mut magnitude = [0.0; 4];
@@ -95,18 +102,18 @@ fn along_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Pol
     Polynomial { coefficient, magnitude }
 }
 
-/// Follows the curve from a frequency to a local minimum of the stiffness, by golden section on
-/// the logarithm of the frequency.
-fn descend(axis: &DyadAxis, squared_frequency: f64, best: Point) -> Point {
-    let start = match on_curve(axis, squared_frequency) {
+/// Follows the curve from a frequency to a local minimum of the stiffness, by golden-section search on the
+/// logarithm of the frequency.
+fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint) -> CurvePoint {
+    let start = match least_stiffness_at(axis, squared_frequency) {
         Some(point) => point,
         None => return best,
     };
     let at = |logarithm: f64| {
-        on_curve(axis, logarithm.exp())
-            .unwrap_or(Point { squared_frequency: logarithm.exp(), stiffness: f64::INFINITY })
+        least_stiffness_at(axis, logarithm.exp())
+            .unwrap_or(CurvePoint { squared_frequency: logarithm.exp(), stiffness: f64::INFINITY })
     };
-    // A bracket about the start, widened downhill.
+    // A bracket around the start, widened downhill.
     let mut middle = start;
     let mut width = 1e-3;
     let (mut left, mut right) =
@@ -146,11 +153,11 @@ fn descend(axis: &DyadAxis, squared_frequency: f64, best: Point) -> Point {
             left = trial;
         }
     }
-    lower(best, Some(middle))
+    lower_stiffness(best, Some(middle))
 }
 
-/// F(ξ, k) expanded; formed in the arithmetic asked for.
-fn expand<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
+/// The coefficients of the crossing polynomial F(ξ, k), in the requested arithmetic.
+fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     let number = R::from;
     let two = number(2.0);
     let c = axis.coupling_damping;
@@ -188,16 +195,16 @@ fn expand<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     tensor
 }
 
-/// A frequency at which F < 0 for some stiffness from `lowest` to `highest`, or None where F > 0
-/// on that whole range of stiffness and at every frequency.
-fn negative_point(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
+/// A frequency at which F < 0 for some stiffness between `lowest` and `highest`; `None` if F > 0 there at
+/// every frequency.
+fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
     // ξ = scale · u/(1 − u) maps all frequencies onto 0 ≤ u ≤ 1.
     let lowest = lowest.min(highest);
-    let mut boxes = vec![(bernstein(axis, lowest, highest, scale), 0.0, 1.0, 0u32)];
+    let mut boxes = vec![(bernstein_tensor(axis, lowest, highest, scale), 0.0, 1.0, 0u32)];
     while let Some((tensor, left, right, depth)) = boxes.pop() {
         let size = tensor.iter().flatten().fold(0.0f64, |size, value| size.max(value.abs()));
         let least = tensor.iter().flatten().fold(f64::INFINITY, |least, &value| least.min(value));
-        // The coefficients enclose F on the box; those at the corners are values of F.
+        // The coefficients enclose F on the box; the corner coefficients are values of F.
         if least > -1e-14 * size {
             continue;
         }
@@ -207,17 +214,17 @@ fn negative_point(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Opt
                 return Some(scale * u / (1.0 - u));
             }
         }
-        // A box of this depth is narrower than rounding: what is left in it is rounding.
+        // A box of this depth is narrower than rounding.
         if depth > 120 {
             continue;
         }
         if spread_over_frequency(&tensor) >= spread_over_stiffness(&tensor) {
             let middle = 0.5 * (left + right);
-            let (low, high) = split_rows(&tensor);
+            let (low, high) = halve_frequency_range(&tensor);
             boxes.push((low, left, middle, depth + 1));
             boxes.push((high, middle, right, depth + 1));
         } else {
-            let (low, high) = split_columns(&tensor);
+            let (low, high) = halve_stiffness_range(&tensor);
             boxes.push((low, left, right, depth + 1));
             boxes.push((high, left, right, depth + 1));
         }
@@ -226,10 +233,10 @@ fn negative_point(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Opt
 }
 
 /// The Bernstein coefficients of F (1 − u)⁴ over u in 0..1 and k in `lowest..highest`.
-fn bernstein(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Tensor {
+fn bernstein_tensor(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Tensor {
     let binomial_4 = [1.0, 4.0, 6.0, 4.0, 1.0];
     let width = highest - lowest;
-    let mut tensor = expand::<f64>(axis);
+    let mut tensor = crossing_tensor::<f64>(axis);
     for (i, row) in tensor.iter_mut().enumerate() {
         let factor = scale.powi(i as i32) / binomial_4[i];
         let [c0, c1, c2, c3] = row.map(|value| value * factor);
@@ -243,6 +250,7 @@ fn bernstein(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Tensor {
     tensor
 }
 
+/// The largest difference of Bernstein coefficients along the frequency.
 fn spread_over_frequency(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for i in 0..4 {
@@ -253,6 +261,7 @@ fn spread_over_frequency(tensor: &Tensor) -> f64 {
     spread
 }
 
+/// The largest difference of Bernstein coefficients along the stiffness.
 fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for row in tensor {
@@ -263,8 +272,8 @@ fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     spread
 }
 
-/// De Casteljau's halving over the rows (frequency).
-fn split_rows(tensor: &Tensor) -> (Tensor, Tensor) {
+/// De Casteljau subdivision of the Bernstein coefficients along the frequency (rows).
+fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for j in 0..4 {
         for step in 1..5 {
@@ -279,8 +288,8 @@ fn split_rows(tensor: &Tensor) -> (Tensor, Tensor) {
     (low, high)
 }
 
-/// De Casteljau's halving over the columns (stiffness).
-fn split_columns(tensor: &Tensor) -> (Tensor, Tensor) {
+/// De Casteljau subdivision of the Bernstein coefficients along the stiffness (columns).
+fn halve_stiffness_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for i in 0..5 {
         for step in 1..4 {

@@ -1,40 +1,41 @@
-//! Break points that come back through a varying delay: roots of t − τ(t) = ξ inside a step.
+//! Break points that propagate through a varying delay: roots of t − τ(t) = ξ within a step.
 
-use super::discontinuity::{Discontinuity, Ledger, resolution};
+use super::discontinuity::{Discontinuities, Discontinuity, resolution};
 use super::equation::{Delayed, Interrupt};
+use super::history::StateHistory;
 use super::interpolant;
-use super::past::Past;
 
-/// Places in a step at which the argument is compared with the break points; between two of them a pair of
-/// crossings can hide, which is then left to the error control.
+/// Points per step at which the delayed argument is compared with the break points. A pair of crossings
+/// between two points can be missed; the error control then handles it.
 const SAMPLES: usize = 4;
 
-/// The span of one step as a crossing search sees it.
+/// The interval of one step in a search for crossings.
 pub(super) struct Window<'c> {
     pub(super) start: f64,
     pub(super) end: f64,
-    /// What callbacks are shown for the two ends.
+    /// The times passed to callbacks at both ends.
     pub(super) seen: (f64, f64),
-    pub(super) state: State<'c>,
+    pub(super) state: StateSource<'c>,
 }
 
-/// The state along the step: known to be unneeded, or the polynomial of a trial.
-pub(super) enum State<'c> {
+/// The state along the step: not needed, or the polynomial of an attempted step.
+pub(super) enum StateSource<'c> {
     Unneeded(&'c [f64]),
-    Trial(&'c [f64]),
+    Attempt(&'c [f64]),
 }
 
-impl<'a, E, F, H> Past<'a, E, F, H>
+impl<'a, E, F, H> StateHistory<'a, E, F, H>
 where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
-    /// The first break in `window` that comes through delay `index`, its start left out and its end included.
-    pub(super) fn crossing(
+    /// The first break in `window` that propagates through delay `index`; the start is excluded, the end
+    /// included.
+    pub(super) fn delayed_crossing(
         &mut self,
         index: usize,
         window: &Window<'_>,
-        ledger: &Ledger,
+        discontinuities: &Discontinuities,
     ) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let width = window.end - window.start;
         let mut scratch = vec![0.0; self.equation.dimension];
@@ -47,24 +48,31 @@ where
             let after = self.argument_in(index, window, later, &mut scratch)?;
             let slack = self.slack(index, later, after);
             let (low, high) = (before.min(after) - slack, before.max(after) + slack);
-            for source in ledger.reached_between(low, high) {
+            for source in discontinuities.reached_between(low, high) {
                 let gap_before = before - source.time;
                 let gap_after = after - source.time;
                 let leaving = sample == 1 && gap_before.abs() <= self.slack(index, earlier, before);
                 let time = if last && gap_after.abs() <= slack {
                     window.end
                 } else if !leaving && (gap_before < 0.0) != (gap_after < 0.0) {
-                    self.root(index, window, source.time, (earlier, gap_before), later, &mut scratch)?
+                    self.bisect_crossing(
+                        index,
+                        window,
+                        source.time,
+                        (earlier, gap_before),
+                        later,
+                        &mut scratch,
+                    )?
                 } else {
                     continue;
                 };
-                let found = Discontinuity { time, order: source.order + 1 };
+                let crossing = Discontinuity { time, order: source.order + 1 };
                 first = Some(match first {
                     Some(known) if known.time < time - resolution(time) => known,
                     Some(known) if known.time <= time + resolution(time) => {
-                        Discontinuity { time: known.time, order: known.order.min(found.order) }
+                        Discontinuity { time: known.time, order: known.order.min(crossing.order) }
                     }
-                    _ => found,
+                    _ => crossing,
                 });
             }
             if first.is_some() {
@@ -72,10 +80,10 @@ where
             }
             (before, earlier) = (after, later);
         }
-        Ok(first.filter(|found| found.time > window.start + resolution(window.start)))
+        Ok(first.filter(|crossing| crossing.time > window.start + resolution(window.start)))
     }
 
-    /// The argument at `t` in the window.
+    /// The delayed argument t − τ at `t` in the window of a step.
     fn argument_in(
         &mut self,
         index: usize,
@@ -91,18 +99,18 @@ where
             t
         };
         match window.state {
-            State::Unneeded(y) => self.equation.argument(index, t, seen, y),
-            State::Trial(coefficients) => {
+            StateSource::Unneeded(y) => self.equation.argument(index, t, seen, y),
+            StateSource::Attempt(coefficients) => {
                 let theta = (t - window.start) / (window.end - window.start);
-                interpolant::evaluate(coefficients, theta, scratch);
+                interpolant::evaluate_polynomial(coefficients, theta, scratch);
                 self.equation.argument(index, t, seen, scratch)
             }
         }
     }
 
-    /// The root of argument = `level` between `low`, given with its gap there, and `high`, by bisection down to
-    /// neighbouring numbers: a break is landed on to the last digit, and delays need not be smooth.
-    fn root(
+    /// The root of argument = `level` between `low`, given with its gap, and `high`, by bisection to
+    /// neighbouring numbers: breaks are located to the last digit, and delays need not be smooth.
+    fn bisect_crossing(
         &mut self,
         index: usize,
         window: &Window<'_>,

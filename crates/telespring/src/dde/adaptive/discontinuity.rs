@@ -1,19 +1,19 @@
-//! Break points: where they start, how they travel through the delays, and which come next.
+//! Break points of the solution: their times and orders, and their propagation through the delays.
 
 use super::interpolant::ORDER;
 
-/// Two times closer than this many roundings are one.
+/// Two times within this many roundings are one.
 const ROUNDINGS: f64 = 32.0;
 
-/// The distance below which `time` cannot be told from its neighbour.
+/// The distance below which two times near `time` count as one.
 pub(super) fn resolution(time: f64) -> f64 {
     ROUNDINGS * f64::EPSILON * time.abs()
 }
 
-/// A time at which a derivative of the solution jumps, with the order of the lowest derivative that does.
+/// A time at which a derivative of the solution jumps, with the order of the lowest such derivative.
 ///
-/// Order 0 is a jump of the value itself, order 1 a kink, and so on. A break at ξ of order k comes back through
-/// a delay τ at the time t with t − τ(t) = ξ, one order smoother, since y'(t) depends on y(t − τ).
+/// Order 0 is a jump of the value, order 1 a kink, and so on. A break of order k at ξ propagates through a
+/// delay τ to the time t with t − τ(t) = ξ, one order smoother, since y'(t) depends on y(t − τ).
 ///
 /// # Examples
 ///
@@ -25,27 +25,27 @@ pub(super) fn resolution(time: f64) -> f64 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discontinuity {
-    /// When, in the problem's unit of time.
+    /// The time, in the unit of the problem.
     pub time: f64,
     /// The lowest derivative of the solution that jumps; 0 is the solution itself.
     pub order: u32,
 }
 
 impl Discontinuity {
-    /// A jump of the solution's first derivative: a force that switches on.
+    /// A break point where the first derivative jumps: a force that switches on.
     pub fn kink(time: f64) -> Self {
         Self { time, order: 1 }
     }
 
-    /// A jump of the value itself, which only a history can have.
+    /// A break point where the value jumps, possible only in a history.
     pub fn jump(time: f64) -> Self {
         Self { time, order: 0 }
     }
 }
 
-/// The breaks behind the current time and those known to lie ahead.
+/// The break points reached so far and the known ones ahead.
 #[derive(Debug)]
-pub(super) struct Ledger {
+pub(super) struct Discontinuities {
     /// Sorted by time; those before the start belong to the history.
     reached: Vec<Discontinuity>,
     /// Sorted by time, all later than the last reached one.
@@ -54,30 +54,30 @@ pub(super) struct Ledger {
     end: f64,
 }
 
-impl Ledger {
-    /// The ledger at `start`, with the breaks that the caller declared in the history and ahead.
+impl Discontinuities {
+    /// The break points at `start`, including those declared by the caller in the history and ahead.
     pub(super) fn new(
         constant_delays: Vec<f64>,
         start: Discontinuity,
         end: f64,
         declared: &[Discontinuity],
     ) -> Self {
-        let mut ledger = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
-        // Declared times go in first, so that a propagated one which rounds elsewhere yields to them.
-        for &each in declared.iter().filter(|d| d.time > start.time) {
-            ledger.expect(each, resolution(each.time));
+        let mut discontinuities = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
+        // Declared times go first, so that a propagated time that differs by rounding yields to them.
+        for &breakpoint in declared.iter().filter(|d| d.time > start.time) {
+            discontinuities.add_pending(breakpoint, resolution(breakpoint.time));
         }
-        let mut past: Vec<_> = declared.iter().copied().filter(|d| d.time < start.time).collect();
-        past.sort_by(|a, b| a.time.total_cmp(&b.time));
-        for each in past {
-            ledger.arrive(each, start.time);
+        let mut in_history: Vec<_> = declared.iter().copied().filter(|d| d.time < start.time).collect();
+        in_history.sort_by(|a, b| a.time.total_cmp(&b.time));
+        for breakpoint in in_history {
+            discontinuities.reach(breakpoint, start.time);
         }
-        ledger.arrive(start, start.time);
-        ledger
+        discontinuities.reach(start, start.time);
+        discontinuities
     }
 
-    /// Notes a break ahead, or sharpens the one that is already there.
-    fn expect(&mut self, new: Discontinuity, slack: f64) {
+    /// Adds a break ahead, or lowers the order of an existing one.
+    fn add_pending(&mut self, new: Discontinuity, slack: f64) {
         if new.time > self.end || new.order > ORDER {
             return;
         }
@@ -90,44 +90,44 @@ impl Ledger {
         }
     }
 
-    /// The next break that is known to come.
-    pub(super) fn next(&self) -> Option<Discontinuity> {
+    /// The next known break point ahead.
+    pub(super) fn next_pending(&self) -> Option<Discontinuity> {
         self.pending.first().copied()
     }
 
-    /// Records that the solution has reached `here` and sends it on through the constant delays.
-    pub(super) fn arrive(&mut self, here: Discontinuity, start: f64) {
+    /// Records a break as reached and propagates it through the constant delays.
+    pub(super) fn reach(&mut self, here: Discontinuity, start: f64) {
         let done = self.pending.partition_point(|d| d.time <= here.time + resolution(here.time));
         self.pending.drain(..done);
         self.reached.push(here);
         for i in 0..self.constant_delays.len() {
             let delay = self.constant_delays[i];
             let time = here.time + delay;
-            // The sum is as uncertain as its larger part, however close to zero it falls.
+            // The sum is as uncertain as its larger part, however close to zero it is.
             let slack = resolution(here.time.abs().max(delay));
             if time > start.max(here.time) + slack {
-                self.expect(Discontinuity { time, order: here.order + 1 }, slack);
+                self.add_pending(Discontinuity { time, order: here.order + 1 }, slack);
             }
         }
     }
 
-    /// The breaks from `low` to `high` whose image, one order smoother, still matters to the method.
+    /// The breaks from `low` to `high` whose image, one order smoother, still affects the method.
     pub(super) fn reached_between(&self, low: f64, high: f64) -> impl Iterator<Item = Discontinuity> + '_ {
         let from = self.reached.partition_point(|d| d.time < low);
         self.reached[from..].iter().take_while(move |d| d.time <= high).copied().filter(|d| d.order < ORDER)
     }
 
-    /// Jumps of the value itself.
+    /// The times of the break points at which the value jumps.
     pub(super) fn jumps(&self) -> Vec<f64> {
         self.reached.iter().filter(|d| d.order == 0).map(|d| d.time).collect()
     }
 
     /// Whether the solution has just reached a break at `time`.
-    pub(super) fn breaks_at(&self, time: f64) -> bool {
+    pub(super) fn has_break_at(&self, time: f64) -> bool {
         self.reached.last().is_some_and(|d| d.time == time)
     }
 
-    /// All breaks reached at or after `start`.
+    /// All break points reached at or after `start`.
     pub(super) fn since(&self, start: f64) -> Vec<Discontinuity> {
         self.reached.iter().copied().filter(|d| d.time >= start).collect()
     }
@@ -139,11 +139,11 @@ mod tests {
 
     #[test]
     fn law_breaks_travel_one_order_smoother_and_end_at_the_method_order() {
-        let mut ledger = Ledger::new(vec![0.5], Discontinuity::jump(0.0), 10.0, &[]);
+        let mut discontinuities = Discontinuities::new(vec![0.5], Discontinuity::jump(0.0), 10.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = ledger.next() {
+        while let Some(next) = discontinuities.next_pending() {
             seen.push(next);
-            ledger.arrive(next, 0.0);
+            discontinuities.reach(next, 0.0);
         }
         let expected: Vec<_> =
             (1..=ORDER).map(|order| Discontinuity { time: 0.5 * f64::from(order), order }).collect();
@@ -152,11 +152,12 @@ mod tests {
 
     #[test]
     fn law_routes_that_differ_by_rounding_are_one_break() {
-        let mut ledger = Ledger::new(vec![1.0 / 3.0, 0.2], Discontinuity::kink(0.0), 1.0, &[]);
+        let mut discontinuities =
+            Discontinuities::new(vec![1.0 / 3.0, 0.2], Discontinuity::kink(0.0), 1.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = ledger.next() {
+        while let Some(next) = discontinuities.next_pending() {
             seen.push(next.time);
-            ledger.arrive(next, 0.0);
+            discontinuities.reach(next, 0.0);
         }
         assert!(seen.windows(2).all(|w| w[1] - w[0] > 1e-3), "{seen:?}");
     }
@@ -164,7 +165,8 @@ mod tests {
     #[test]
     fn law_a_declared_time_is_kept_to_the_last_digit() {
         let declared = Discontinuity { time: 0.3, order: 3 };
-        let ledger = Ledger::new(vec![0.1 + 0.2], Discontinuity::jump(0.0), 1.0, &[declared]);
-        assert_eq!(ledger.next(), Some(Discontinuity { time: 0.3, order: 1 }));
+        let discontinuities =
+            Discontinuities::new(vec![0.1 + 0.2], Discontinuity::jump(0.0), 1.0, &[declared]);
+        assert_eq!(discontinuities.next_pending(), Some(Discontinuity { time: 0.3, order: 1 }));
     }
 }

@@ -1,18 +1,18 @@
-//! The equation as the caller states it: right-hand side, delays, history, and what may go wrong in them.
+//! The delay differential equation: right-hand side, delays, history, and their failures.
 
 use super::discontinuity::resolution;
 use crate::error::{InvalidInput, Result};
 
-/// A delay that a callback computes from the time and, where it depends on it, the state.
+/// A delay computed by a callback from time and state.
 type StateDelay<'a, E> = Box<dyn FnMut(f64, &[f64]) -> std::result::Result<f64, E> + 'a>;
-/// A delay that a callback computes from the time.
+/// A delay computed by a callback from time.
 type TimeDelay<'a, E> = Box<dyn FnMut(f64) -> std::result::Result<f64, E> + 'a>;
 
-/// One delay τ of the equation; it is never negative.
+/// One delay τ of the equation, never negative.
 ///
 /// # Examples
 ///
-/// A delay that swings about 0.2 and one that grows with the state:
+/// A delay that oscillates around 0.2 and one that grows with the state:
 ///
 /// ```
 /// use telespring::dde::adaptive::DelayKind;
@@ -23,9 +23,9 @@ type TimeDelay<'a, E> = Box<dyn FnMut(f64) -> std::result::Result<f64, E> + 'a>;
 /// # let _ = (swinging, growing, may_fail);
 /// ```
 pub enum DelayKind<'a, E> {
-    /// The same at all times. Break points travel through it exactly.
+    /// Constant. Break points propagate through it exactly.
     Constant(f64),
-    /// A function of time. Break points are found as roots of t − τ(t) = ξ. Where τ itself jumps or has a kink,
+    /// A function of time. Break points are roots of t − τ(t) = ξ. Where τ itself jumps or has a kink,
     /// declare the time in [`Options::breakpoints`](super::Options::breakpoints).
     Time(TimeDelay<'a, E>),
     /// A function of time and state, τ(t, y(t)).
@@ -33,12 +33,12 @@ pub enum DelayKind<'a, E> {
 }
 
 impl<'a, E> DelayKind<'a, E> {
-    /// A delay given as a function of time that cannot fail; [`DelayKind::Time`] takes one that can.
+    /// A delay as a function of time that cannot fail; [`DelayKind::Time`] takes one that can.
     pub fn time(mut delay: impl FnMut(f64) -> f64 + 'a) -> Self {
         Self::Time(Box::new(move |t| Ok(delay(t))))
     }
 
-    /// A delay given as a function of time and state that cannot fail; [`DelayKind::State`] takes one that can.
+    /// A delay as a function of time and state that cannot fail; [`DelayKind::State`] takes one that can.
     pub fn state(mut delay: impl FnMut(f64, &[f64]) -> f64 + 'a) -> Self {
         Self::State(Box::new(move |t, y| Ok(delay(t, y))))
     }
@@ -54,7 +54,7 @@ impl<E> std::fmt::Debug for DelayKind<'_, E> {
     }
 }
 
-/// The delayed states that a right-hand side sees: `delayed[j][i]` is component i of y(t − τ_j).
+/// The delayed states passed to the right-hand side: `delayed[j][i]` is component i of y(t − τ_j).
 #[derive(Debug, Clone, Copy)]
 pub struct Delayed<'a> {
     values: &'a [f64],
@@ -76,25 +76,25 @@ impl std::ops::Index<usize> for Delayed<'_> {
     }
 }
 
-/// Why an evaluation did not yield a number.
+/// Why an evaluation failed.
 #[derive(Debug)]
 pub(super) enum Interrupt<E> {
     /// A callback failed.
     Callback(E),
-    /// A callback yielded an infinity or a NaN.
+    /// A callback returned an infinity or a NaN.
     NonFinite,
-    /// A delay asks for the future or is no number.
+    /// A delay is negative or not a number.
     Delay { at: f64, delay: usize, value: f64 },
 }
 
-/// The three callbacks behind one door that counts and checks.
+/// The equation with its callbacks, which counts and checks every evaluation.
 pub(super) struct Equation<'a, E, F, H> {
     pub(super) right_hand_side: F,
     pub(super) delays: Vec<DelayKind<'a, E>>,
     pub(super) history: H,
     pub(super) dimension: usize,
     pub(super) evaluations: usize,
-    /// How far below zero the error of the state may carry a state-dependent delay, relative to the time.
+    /// How far below zero an error of the state may move a state-dependent delay, relative to the time.
     pub(super) state_slack: f64,
 }
 
@@ -103,7 +103,7 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> std::result::Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> std::result::Result<(), E>,
 {
-    /// y' at `t`; `delayed` holds one row per delay.
+    /// The derivative y' at `t`; `delayed` has one row per delay.
     pub(super) fn slope(
         &mut self,
         t: f64,
@@ -114,19 +114,20 @@ where
         self.evaluations += 1;
         let delayed = Delayed { values: delayed, dimension: self.dimension };
         (self.right_hand_side)(t, y, delayed, out).map_err(Interrupt::Callback)?;
-        finite(out)
+        check_finite(out)
     }
 
-    /// The history at `t`.
-    pub(super) fn past(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
+    /// The history of the equation at `t`.
+    pub(super) fn history_at(&mut self, t: f64, out: &mut [f64]) -> std::result::Result<(), Interrupt<E>> {
         (self.history)(t, out).map_err(Interrupt::Callback)?;
-        finite(out)
+        check_finite(out)
     }
 
-    /// The argument t − τ of delay `index`. `nominal` is the time of the mesh and `seen` the one that callbacks
-    /// are shown, which stands a few roundings aside at declared breaks. A state-dependent delay is negative at
-    /// times only because a trial state is rough: its argument is returned as it is and judged once the step is
-    /// kept. Any other negative delay is refused at once; a rounding below zero counts as zero.
+    /// The delayed argument t − τ of delay `index`. `nominal` is the mesh time and `seen` the time passed
+    /// to callbacks, which differs by a few roundings at declared breaks. A state-dependent delay may be
+    /// negative in an attempted step with a rough state: its argument is returned unchanged and checked
+    /// when the step is accepted. Any other negative delay fails at once; a rounding below zero counts as
+    /// zero.
     pub(super) fn argument(
         &mut self,
         index: usize,
@@ -148,8 +149,8 @@ where
         Ok(if rough { nominal - delay } else { nominal - delay.max(0.0) })
     }
 
-    /// Judges the state-dependent delays at the end of a step that is to be kept.
-    pub(super) fn judge_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+    /// Checks the state-dependent delays at the end of a step to be accepted.
+    pub(super) fn check_state_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
         for index in 0..self.delays.len() {
             if matches!(self.delays[index], DelayKind::State(_)) {
                 let value = t - self.argument(index, t, t, y)?;
@@ -161,8 +162,8 @@ where
         Ok(())
     }
 
-    /// Whether delay `index` varies with time alone.
-    pub(super) fn is_timed(&self, index: usize) -> bool {
+    /// Whether delay `index` depends on time alone.
+    pub(super) fn is_time_dependent(&self, index: usize) -> bool {
         matches!(self.delays[index], DelayKind::Time(_))
     }
 
@@ -171,7 +172,7 @@ where
         matches!(self.delays[index], DelayKind::State(_))
     }
 
-    /// The constant delays, zero ones left out: they send no break anywhere.
+    /// The nonzero constant delays; a zero delay propagates no break.
     pub(super) fn constant_delays(&self) -> Vec<f64> {
         self.delays
             .iter()
@@ -183,12 +184,13 @@ where
     }
 }
 
-fn finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
+/// Checks that a callback returned finite values.
+fn check_finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
     if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }
 }
 
-/// Refuses constant delays that are negative or no number.
-pub(super) fn check_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
+/// Rejects constant delays that are negative or not finite.
+pub(super) fn check_constant_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
     for (j, delay) in delays.iter().enumerate() {
         if let DelayKind::Constant(value) = delay
             && !(*value >= 0.0 && value.is_finite())
@@ -196,7 +198,7 @@ pub(super) fn check_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
             return Err(InvalidInput::new(
                 format!("delays[{j}]"),
                 value,
-                "a delay must be a finite number not below zero",
+                "a delay must be a finite number of 0 or more",
                 "Check the sign: y(t - delay) looks back for a positive delay.",
             ));
         }

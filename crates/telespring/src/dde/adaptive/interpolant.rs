@@ -1,24 +1,24 @@
-//! The pair of Dormand and Prince and its continuous extension: coefficients and the polynomial of one step.
+//! The Dormand–Prince pair and its continuous extension: coefficients and the polynomial of one step.
 //!
 //! J. R. Dormand and P. J. Prince (1980), "A family of embedded Runge-Kutta formulae", J. Comput. Appl. Math. 6,
 //! 19-26; continuous extension of order 4 by Shampine as in Hairer, Nørsett and Wanner (1993), "Solving Ordinary
 //! Differential Equations I", 2nd ed., section II.6. A delay equation whose lookups carry a local error of h⁵
 //! still converges with the pair's order 5, since the right-hand side is multiplied by h.
 
-/// The order of the formula that is carried on.
+/// The order of the advancing formula.
 pub(super) const ORDER: u32 = 5;
 
-/// Stages of the pair; the last is the first of the next step where nothing breaks in between.
+/// The stages of the pair; the last is the first of the next step unless a break lies between.
 pub(super) const STAGES: usize = 7;
 
-/// Polynomial coefficients kept for each component of each step.
+/// Polynomial coefficients per component and step.
 pub(super) const COEFFICIENTS: usize = 5;
 
-/// Where in the step each stage looks, as a fraction of the step.
+/// The nodes of the stages, as fractions of the step.
 pub(super) const NODES: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 
-/// Row i gives the weights of the earlier stages in the argument of stage i + 1; the last row is also the
-/// formula of order 5.
+/// Row i has the weights of the earlier stages for stage i + 1; the last row is also the formula of order
+/// 5.
 pub(super) const WEIGHTS: [&[f64]; STAGES - 1] = [
     &[0.2],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -28,11 +28,11 @@ pub(super) const WEIGHTS: [&[f64]; STAGES - 1] = [
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 
-/// The formula of order 5 less the embedded one of order 4.
+/// The formula of order 5 minus the embedded formula of order 4.
 pub(super) const ERROR: [f64; STAGES] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// The weights that lift the cubic Hermite polynomial of a step to order 4.
+/// The weights that raise the cubic Hermite polynomial of a step to order 4.
 const DENSE: [f64; STAGES] = [
     -12_715_105_075.0 / 11_282_082_432.0,
     0.0,
@@ -43,9 +43,9 @@ const DENSE: [f64; STAGES] = [
     69_997_945.0 / 29_380_423.0,
 ];
 
-/// Writes the polynomial of the step of width `width` from `old` to `new` into `coefficients`, five blocks of
-/// one value per component.
-pub(super) fn fit(
+/// Writes the polynomial of a step of width `width` from `old` to `new` into `coefficients`: five blocks
+/// with one value per component.
+pub(super) fn fit_polynomial(
     width: f64,
     old: &[f64],
     new: &[f64],
@@ -70,7 +70,7 @@ pub(super) fn fit(
 }
 
 /// Writes the straight line from `old` with slope `slope` in the same form.
-pub(super) fn straight(width: f64, old: &[f64], slope: &[f64], coefficients: &mut [f64]) {
+pub(super) fn straight_line(width: f64, old: &[f64], slope: &[f64], coefficients: &mut [f64]) {
     let dimension = old.len();
     coefficients.fill(0.0);
     for i in 0..dimension {
@@ -79,8 +79,8 @@ pub(super) fn straight(width: f64, old: &[f64], slope: &[f64], coefficients: &mu
     }
 }
 
-/// The polynomial at the fraction `theta` of its step.
-pub(super) fn evaluate(coefficients: &[f64], theta: f64, out: &mut [f64]) {
+/// The step polynomial at the fraction `theta` of its step.
+pub(super) fn evaluate_polynomial(coefficients: &[f64], theta: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;
     for (i, value) in out.iter_mut().enumerate() {
@@ -89,8 +89,8 @@ pub(super) fn evaluate(coefficients: &[f64], theta: f64, out: &mut [f64]) {
     }
 }
 
-/// The derivative of the polynomial with respect to time, `width` being the step's.
-pub(super) fn differentiate(coefficients: &[f64], theta: f64, width: f64, out: &mut [f64]) {
+/// The time derivative of the step polynomial of a step of width `width`.
+pub(super) fn differentiate_polynomial(coefficients: &[f64], theta: f64, width: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;
     for (i, value) in out.iter_mut().enumerate() {

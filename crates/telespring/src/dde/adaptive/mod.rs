@@ -1,30 +1,30 @@
-//! An adaptive solver for any right-hand side with delays.
+//! An adaptive solver for delay differential equations with any right-hand side.
 //!
-//! y'(t) = f(t, y(t), y(t − τ₁), …, y(t − τ_d)) with delays that are constant, functions of time or of time and
-//! state, from a history for t ≤ t₀. It serves where the dyad is no longer linear (friction, saturation) or its
-//! delay is not constant; for the linear dyad at constant delay [`linear`](super::linear) is exact and faster.
+//! y'(t) = f(t, y(t), y(t − τ₁), …, y(t − τ_d)) with delays that are constant or depend on time or on time
+//! and state, from a history for t ≤ t₀. Use it if the dyad is nonlinear (friction, saturation) or its
+//! delay varies; for the linear dyad at constant delay [`linear`](super::linear) is exact and faster.
 //!
 //! | file | job |
 //! |---|---|
-//! | `equation`, `options` | what the caller states, and its checks |
+//! | `equation`, `options` | the problem as given by the caller, and its checks |
 //! | `interpolant` | the Runge-Kutta pair and the polynomial of one step |
-//! | `discontinuity` | break points: time, order, how they travel |
-//! | `crossing` | break points that come back through a varying delay |
-//! | `past` | lookups of delayed values |
-//! | `step` | one trial step, repeated where it looks into itself |
+//! | `discontinuity` | break points: time, order, propagation |
+//! | `crossing` | break points that propagate through a varying delay |
+//! | `history` | lookups of delayed states |
+//! | `step` | one attempted step, iterated if it overlaps its own delay |
 //! | `solver` | the loop over steps and its step size |
-//! | `solution` | the polynomials of all steps, and how the computation ended |
+//! | `solution` | the polynomials of all steps and the status |
 //!
-//! The method is the explicit pair of Dormand and Prince with its continuous extension, used as in RETARD
-//! (Hairer, Nørsett and Wanner 1993, section II.17): steps end on break points, and a step longer than the delay
-//! is repeated on its own polynomial until that settles.
+//! The method is the explicit Dormand–Prince pair with its continuous extension, used as in RETARD (Hairer,
+//! Nørsett and Wanner 1993, section II.17): steps end on break points, and a step longer than the delay is
+//! iterated on its own polynomial until it converges.
 
 mod crossing;
 mod discontinuity;
 mod equation;
+mod history;
 mod interpolant;
 mod options;
-mod past;
 mod solution;
 mod solver;
 mod step;
@@ -36,30 +36,31 @@ pub use solution::{Solution, Status};
 
 use crate::error::{InvalidInput, Result};
 use equation::{Equation, Interrupt};
-use past::aside;
+use history::offset_by_roundings;
 
 /// Solves y'(t) = f(t, y(t), y(t − τ₁), …, y(t − τ_d)) over `span`.
 ///
 /// - `right_hand_side(t, y, delayed, out)` writes y'(t); `delayed[j][i]` is component i of y(t − τ_j).
-/// - `history(t, out)` writes y(t) for t ≤ t₀. It is asked only there.
-/// - `initial` is y(t₀) where it differs from the history's end (a jump); `None` takes the history at t₀. With
-///   a value, the history's end is taken a few roundings before t₀, so it does not matter what the callback
-///   answers at t₀ itself. `dimension` is the number of components.
+/// - `history(t, out)` writes y(t) for t ≤ t₀. It is called only there.
+/// - `initial` is y(t₀) if it differs from the end of the history (a jump); `None` uses the history at t₀.
+///   With a value, the end of the history is evaluated a few roundings before t₀, so the callback's value
+///   at t₀ itself does not matter. `dimension` is the number of components.
 /// - `span` is (t₀, t₁), t₁ > t₀.
 ///
-/// Callbacks may fail; their error stops the computation and is handed back in [`Solution::failure`].
+/// Callbacks may fail; their error stops the computation and is returned in [`Solution::failure`].
 ///
-/// The solution is accurate to about the tolerance times the problem's own amplification. Break points travel
-/// through constant delays exactly and through varying ones as roots of t − τ(t) = ξ, up to the order of the
-/// method; a state-dependent one is landed on within the tolerance. A right-hand side that switches with the
-/// state (Coulomb friction) is met by shorter steps; one that would hold the state on the switch (sticking) ends
-/// with [`Status::TooManySteps`] or [`Status::StepTooSmall`] and should be smoothed. Derivatives of delayed
-/// values (neutral equations) are not offered.
+/// The error is about the tolerance times the amplification of the problem itself. Break points propagate
+/// exactly through constant delays and as roots of t − τ(t) = ξ through varying ones, up to the order of
+/// the method; those of a state-dependent delay are located within the tolerance. A right-hand side that
+/// switches with the state (Coulomb friction) leads to shorter steps; one that keeps the state on the
+/// switch (sticking) ends with [`Status::TooManySteps`] or [`Status::StepTooSmall`] and should be smoothed.
+/// Derivatives of delayed states (neutral equations) are not supported.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] for an empty or reversed span, no component, an `initial` of another length or not finite, a
-/// negative constant delay and bad options. How the computation ended is [`Solution::status`].
+/// [`InvalidInput`] for an empty or reversed span, zero components, an `initial` of the wrong length or not
+/// finite, a negative constant delay, or invalid options. [`Solution::status`] says how the computation
+/// ended.
 ///
 /// # Examples
 ///
@@ -93,9 +94,9 @@ use past::aside;
 /// # Source
 ///
 /// E. Hairer, S. P. Nørsett and G. Wanner (1993), "Solving Ordinary Differential Equations I", 2nd ed.,
-/// sections II.4 to II.6 and II.17; W. H. Enright and H. Hayashi (1997), "A delay differential equation solver
-/// based on a continuous Runge-Kutta method with defect control", Numer. Algorithms 16, 349-364, for steps that
-/// look into themselves.
+/// sections II.4 to II.6 and II.17; W. H. Enright and H. Hayashi (1997), "A delay differential equation
+/// solver based on a continuous Runge-Kutta method with defect control", Numer. Algorithms 16, 349-364, for
+/// steps longer than the delay.
 pub fn solve<'a, E, F, H>(
     right_hand_side: F,
     delays: Vec<DelayKind<'a, E>>,
@@ -115,21 +116,22 @@ where
             "span",
             format!("({start}, {end})"),
             "the span must be two finite times, the second after the first",
-            "Give the start and the end in this order.",
+            "Give the start first, then the end.",
         ));
     }
     check_initial(dimension, initial)?;
-    equation::check_delays(&delays)?;
+    equation::check_constant_delays(&delays)?;
     let checked = options.check(dimension, start)?;
     let state_slack = checked.rtol.iter().copied().fold(0.0, f64::max);
     let mut equation = Equation { right_hand_side, delays, history, dimension, evaluations: 0, state_slack };
-    let (begin, state) = match begin(&mut equation, initial, span) {
-        Ok(found) => found,
-        Err(interrupt) => return Ok(not_begun(interrupt, start, dimension)),
+    let (first_break, state) = match initial_discontinuity(&mut equation, initial, span) {
+        Ok(pair) => pair,
+        Err(interrupt) => return Ok(failed_at_start(interrupt, start, dimension)),
     };
-    Ok(solver::Solver::new(equation, state, begin, end, checked).run())
+    Ok(solver::Solver::new(equation, state, first_break, end, checked).run())
 }
 
+/// Checks the dimension and the initial state of a delay differential equation.
 fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
     if dimension == 0 {
         return Err(InvalidInput::new(
@@ -144,8 +146,8 @@ fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
         return Err(InvalidInput::new(
             "initial",
             format!("{} value(s)", values.len()),
-            format!("one value per component is needed, that is {dimension}"),
-            "Give the state at the start, or leave it out to take the history's.",
+            format!("{dimension} values are needed, one per component"),
+            "Give the state at the start, or omit it to use the history.",
         ));
     }
     match values.iter().position(|v| !v.is_finite()) {
@@ -159,8 +161,9 @@ fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
     }
 }
 
-/// The break at the start with the state there: a jump where the initial state differs from the history's end.
-fn begin<E, F, H>(
+/// The break point and the state at the start: a jump if the initial state differs from the end of the
+/// history.
+fn initial_discontinuity<E, F, H>(
     equation: &mut Equation<'_, E, F, H>,
     initial: Option<&[f64]>,
     (start, end): (f64, f64),
@@ -171,17 +174,17 @@ where
 {
     let mut state = vec![0.0; equation.dimension];
     let Some(values) = initial else {
-        equation.past(start, &mut state)?;
+        equation.history_at(start, &mut state)?;
         return Ok((Discontinuity::kink(start), state));
     };
-    equation.past(aside(start, -1.0, end - start), &mut state)?;
+    equation.history_at(offset_by_roundings(start, -1.0, end - start), &mut state)?;
     let order = u32::from(state == values);
     state.copy_from_slice(values);
     Ok((Discontinuity { time: start, order }, state))
 }
 
-/// The solution where not even the first state could be had.
-fn not_begun<E>(interrupt: Interrupt<E>, start: f64, dimension: usize) -> Solution<E> {
+/// The solution if the state at the start cannot be evaluated.
+fn failed_at_start<E>(interrupt: Interrupt<E>, start: f64, dimension: usize) -> Solution<E> {
     let (status, failure) = match interrupt {
         Interrupt::Callback(error) => (Status::Stopped { at: start }, Some(error)),
         Interrupt::NonFinite => (Status::NonFinite { at: start }, None),

@@ -1,9 +1,9 @@
-//! What the caller may choose: tolerances, limits and declared break points.
+//! Options of the adaptive solver: tolerances, limits and declared break points.
 
 use super::discontinuity::Discontinuity;
 use crate::error::{InvalidInput, Result};
 
-/// One tolerance for all components, or one for each.
+/// One tolerance for all components, or one per component.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tolerance {
     /// The same for all components.
@@ -25,7 +25,7 @@ impl From<Vec<f64>> for Tolerance {
 }
 
 impl Tolerance {
-    /// One value per component, checked.
+    /// Expands a tolerance to one checked value per component.
     fn expand(&self, field: &str, dimension: usize, minimum: f64) -> Result<Vec<f64>> {
         let values = match self {
             Self::Uniform(value) => vec![*value; dimension],
@@ -35,7 +35,7 @@ impl Tolerance {
             return Err(InvalidInput::new(
                 field,
                 format!("{} value(s)", values.len()),
-                format!("one value per component is needed, that is {dimension}"),
+                format!("{dimension} values are needed, one per component"),
                 "Give one number for all components or one for each.",
             ));
         }
@@ -48,7 +48,7 @@ impl Tolerance {
                 return Err(InvalidInput::new(
                     place,
                     value,
-                    format!("a tolerance here must be a finite number from {minimum:e} up"),
+                    format!("a tolerance must be a finite number of at least {minimum:e}"),
                     "Give a tolerance that double precision can reach.",
                 ));
             }
@@ -57,8 +57,8 @@ impl Tolerance {
     }
 }
 
-/// Tolerances, limits and declared break points. The local error of component i is held below
-/// `atol[i] + rtol[i] |y_i|` in every step.
+/// Tolerances, limits and declared break points. The local error of component i stays below `atol[i] +
+/// rtol[i] |y_i|` in every step.
 ///
 /// # Examples
 ///
@@ -78,16 +78,16 @@ pub struct Options {
     pub rtol: Tolerance,
     /// Absolute tolerance in the components' units, above zero; by default 1e-9.
     pub atol: Tolerance,
-    /// Steps, kept or rejected, after which the computation ends with a status; by default 100 000.
+    /// The maximum number of steps, accepted or rejected; by default 100 000.
     pub max_steps: usize,
-    /// The first step to try, in the problem's unit of time; chosen from the first slopes where absent.
+    /// The first step to try, in the unit of time of the problem; chosen automatically if `None`.
     pub initial_step: Option<f64>,
-    /// The longest step, in the problem's unit of time; unlimited where absent.
+    /// The longest step, in the unit of time of the problem; unlimited if `None`.
     pub max_step: Option<f64>,
-    /// Break points that only the caller can know. Before the start: jumps and kinks of the history. After it:
-    /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end on
-    /// them exactly. Callbacks are shown a time a few roundings before such a point when a step ends there and a
-    /// few after it when one starts, so that it does not matter which side they assign the point itself to.
+    /// Break points that only the caller knows. Before the start: jumps and kinks of the history. After it:
+    /// times at which the right-hand side or a delay switches (order 1) or has a kink (order 2). Steps end
+    /// exactly on them. Callbacks receive a time a few roundings before such a point at the end of a step,
+    /// and a few after it at the start, so the side to which they assign the point does not matter.
     pub breakpoints: Vec<Discontinuity>,
 }
 
@@ -104,9 +104,9 @@ impl Default for Options {
     }
 }
 
-/// The options after their check.
+/// The checked options.
 #[derive(Debug)]
-pub(super) struct Checked {
+pub(super) struct CheckedOptions {
     pub(super) rtol: Vec<f64>,
     pub(super) atol: Vec<f64>,
     pub(super) max_steps: usize,
@@ -116,7 +116,8 @@ pub(super) struct Checked {
 }
 
 impl Options {
-    pub(super) fn check(&self, dimension: usize, start: f64) -> Result<Checked> {
+    /// Checks the options of the adaptive solver.
+    pub(super) fn check(&self, dimension: usize, start: f64) -> Result<CheckedOptions> {
         let rtol = self.rtol.expand("rtol", dimension, 1e-13)?;
         let atol = self.atol.expand("atol", dimension, f64::MIN_POSITIVE)?;
         for (field, step) in [("initial_step", self.initial_step), ("max_step", self.max_step)] {
@@ -127,7 +128,7 @@ impl Options {
                     field,
                     step,
                     "a step must be a finite number above zero",
-                    "Leave it out to have it chosen.",
+                    "Omit it for an automatic choice.",
                 ));
             }
         }
@@ -150,7 +151,7 @@ impl Options {
                 ));
             }
         }
-        Ok(Checked {
+        Ok(CheckedOptions {
             rtol,
             atol,
             max_steps: self.max_steps,

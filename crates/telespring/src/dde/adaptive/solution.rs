@@ -1,43 +1,43 @@
-//! The computed solution: the polynomials of all steps and how the computation ended.
+//! The solution of a delay differential equation: the polynomials of all steps and the status.
 
 use super::discontinuity::Discontinuity;
 use super::interpolant::{self, COEFFICIENTS};
 use crate::error::{InvalidInput, Result};
 
-/// How a computation ended. Whatever the status, the solution up to [`Solution::end`] can be read.
+/// How a computation ended. The solution is valid up to [`Solution::end`] for every status.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Status {
     /// The whole span was solved.
     Completed,
-    /// The tolerance asked for a step too small to be told from zero; the usual causes are a solution that
-    /// runs to infinity and a right-hand side that switches back and forth without end.
+    /// The tolerance required a step too small to resolve. Usual causes: a solution that diverges, or a
+    /// right-hand side that switches back and forth without end.
     StepTooSmall {
-        /// The time that was reached.
+        /// The time reached.
         at: f64,
     },
-    /// [`Options::max_steps`](super::Options::max_steps) were used up.
+    /// [`Options::max_steps`](super::Options::max_steps) was reached.
     TooManySteps {
-        /// The time that was reached.
+        /// The time reached.
         at: f64,
     },
-    /// The right-hand side, the history or the solution was infinite or not a number, however small the step.
+    /// The right-hand side, the history or the solution was infinite or not a number at any step size.
     NonFinite {
-        /// The time that was reached.
+        /// The time reached.
         at: f64,
     },
-    /// A delay was negative (it asks for the future) or not a number.
+    /// A delay was negative or not a number.
     InvalidDelay {
-        /// The time at which it was asked for.
+        /// The time of the evaluation.
         at: f64,
-        /// Its place in the list of delays.
+        /// The index of the delay.
         delay: usize,
-        /// Its value.
+        /// The value of the delay.
         value: f64,
     },
     /// A callback failed; its error is in [`Solution::failure`].
     Stopped {
-        /// The time that was reached.
+        /// The time reached.
         at: f64,
     },
 }
@@ -54,13 +54,13 @@ impl std::fmt::Display for Status {
                 )
             }
             Self::TooManySteps { at } => {
-                write!(f, "the steps were used up at t = {at}: raise max_steps or loosen the tolerance")
+                write!(f, "the step limit was reached at t = {at}: raise max_steps or loosen the tolerance")
             }
             Self::NonFinite { at } => {
                 write!(f, "the solution or its derivative is not finite after t = {at}")
             }
             Self::InvalidDelay { at, delay, value } => {
-                write!(f, "delay {delay} is {value} at t = {at}: a delay must be a number not below zero")
+                write!(f, "delay {delay} is {value} at t = {at}: a delay must be a number of 0 or more")
             }
             Self::Stopped { at } => write!(f, "a callback failed after t = {at}"),
         }
@@ -76,27 +76,31 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
+    /// A mesh without steps.
     pub(super) fn new(start: f64, dimension: usize) -> Self {
         Self { dimension, knots: vec![start], coefficients: Vec::new() }
     }
 
+    /// Appends the polynomial of a step to the mesh.
     pub(super) fn push(&mut self, end: f64, coefficients: &[f64]) {
         self.knots.push(end);
         self.coefficients.extend_from_slice(coefficients);
     }
 
+    /// The number of steps in the mesh.
     pub(super) fn steps(&self) -> usize {
         self.knots.len() - 1
     }
 
-    /// The polynomial of step `index`, its start and its width.
+    /// The polynomial of step `index` of the mesh, its start and its width.
     pub(super) fn step(&self, index: usize) -> (&[f64], f64, f64) {
         let length = COEFFICIENTS * self.dimension;
         let (start, end) = (self.knots[index], self.knots[index + 1]);
         (&self.coefficients[index * length..(index + 1) * length], start, end - start)
     }
 
-    /// The step that holds `t`; a knot belongs to the step that starts there. `hint` is tried first.
+    /// The index of the step that contains `t`; a knot belongs to the step that starts there. `hint` is
+    /// tried first.
     fn locate(&self, t: f64, hint: usize) -> usize {
         let last = self.steps() - 1;
         for guess in [hint, hint + 1] {
@@ -107,36 +111,38 @@ impl Mesh {
         self.knots[1..=last].partition_point(|&knot| knot <= t)
     }
 
-    /// The solution at `t`, which must lie within the steps; returns the step used, the next call's hint.
+    /// The solution at `t`, which must lie within the steps; returns the index of the step as the next
+    /// hint.
     pub(super) fn evaluate(&self, t: f64, hint: usize, out: &mut [f64]) -> usize {
         let index = self.locate(t, hint);
         let (coefficients, start, width) = self.step(index);
-        interpolant::evaluate(coefficients, (t - start) / width, out);
+        interpolant::evaluate_polynomial(coefficients, (t - start) / width, out);
         index
     }
 }
 
-/// The solution of a delay differential equation as a continuous function, with the record of its computation.
+/// The solution of a delay differential equation as a continuous function, with statistics of its
+/// computation.
 #[derive(Debug, Clone)]
 pub struct Solution<E> {
     /// How the computation ended.
     pub status: Status,
-    /// The error of the callback that stopped the computation, untouched.
+    /// The error of the callback that stopped the computation.
     pub failure: Option<E>,
-    /// Steps that were kept.
+    /// The number of accepted steps.
     pub steps: usize,
-    /// Steps that were tried and thrown away.
+    /// The number of rejected steps.
     pub rejected: usize,
-    /// Calls of the right-hand side.
+    /// The number of evaluations of the right-hand side.
     pub evaluations: usize,
-    /// The break points that steps ended on, from the start on, sorted by time.
+    /// The break points at which steps ended, from the start, sorted by time.
     pub discontinuities: Vec<Discontinuity>,
     pub(super) mesh: Mesh,
     pub(super) initial: Vec<f64>,
 }
 
 impl<E> Solution<E> {
-    /// The number of components.
+    /// The number of components of the solution.
     pub fn dimension(&self) -> usize {
         self.initial.len()
     }
@@ -146,24 +152,25 @@ impl<E> Solution<E> {
         self.mesh.knots[0]
     }
 
-    /// The last time of the solution: that of the span where the status is [`Status::Completed`], otherwise the
-    /// end of the last step that was kept.
+    /// The last time of the solution: the end of the span if the status is [`Status::Completed`], else the
+    /// end of the last accepted step.
     pub fn end(&self) -> f64 {
         *self.mesh.knots.last().unwrap_or(&f64::NAN)
     }
 
-    /// The times at which steps start and end.
+    /// The knots of the solution: the times at which steps start and end.
     pub fn knots(&self) -> &[f64] {
         &self.mesh.knots
     }
 
+    /// Checks that a time lies within the solution and an output array has the right length.
     fn check(&self, t: f64, length: usize, expected: usize) -> Result<()> {
         if !(self.start()..=self.end()).contains(&t) {
             return Err(InvalidInput::new(
                 "t",
                 t,
                 format!("the solution is known from {} to {}", self.start(), self.end()),
-                "Ask for a time in that span, and look at the status for why it ends there.",
+                "Choose a time in that span; the status says why it ends there.",
             ));
         }
         if length != expected {
@@ -171,7 +178,7 @@ impl<E> Solution<E> {
                 "out",
                 format!("{length} value(s)"),
                 format!("{expected} are needed"),
-                "Give room for one value per component and time.",
+                "Give an array with one value per component and time.",
             ));
         }
         Ok(())
@@ -181,8 +188,8 @@ impl<E> Solution<E> {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where `t` lies outside [`start`](Self::start) to [`end`](Self::end) or `out` has
-    /// another length than the solution.
+    /// [`InvalidInput`] if `t` is outside [`start`](Self::start) to [`end`](Self::end) or `out` has the
+    /// wrong length.
     pub fn evaluate(&self, t: f64, out: &mut [f64]) -> Result<()> {
         self.check(t, out.len(), self.dimension())?;
         if self.mesh.steps() == 0 {
@@ -193,29 +200,29 @@ impl<E> Solution<E> {
         Ok(())
     }
 
-    /// Writes y'(`t`), the derivative of the same polynomial, one order less accurate than the value. At a kink
-    /// it is the derivative to the right.
+    /// Writes y'(`t`), the derivative of the step polynomial, one order less accurate than the value. At a
+    /// kink it is the right derivative.
     ///
     /// # Errors
     ///
-    /// As [`evaluate`](Self::evaluate), and where no step was kept.
+    /// As [`evaluate`](Self::evaluate), and if no step was accepted.
     pub fn derivative(&self, t: f64, out: &mut [f64]) -> Result<()> {
         self.check(t, out.len(), self.dimension())?;
         if self.mesh.steps() == 0 {
             return Err(InvalidInput::new(
                 "t",
                 t,
-                "the derivative is known once a step was kept",
-                "Look at the status for why none was.",
+                "the derivative is known only after an accepted step",
+                "The status gives the reason.",
             ));
         }
         let (coefficients, start, width) = self.mesh.step(self.mesh.locate(t, 0));
-        interpolant::differentiate(coefficients, (t - start) / width, width, out);
+        interpolant::differentiate_polynomial(coefficients, (t - start) / width, width, out);
         Ok(())
     }
 
-    /// The solution at many times as one array, time by time (`times.len()` rows, one column per component).
-    /// Ascending times are fastest.
+    /// The solution at many times as one array, time by time (`times.len()` rows, one column per
+    /// component). Ascending times are fastest.
     ///
     /// # Errors
     ///

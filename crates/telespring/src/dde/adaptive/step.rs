@@ -1,32 +1,34 @@
-//! One trial step: the seven stages, and their repetition where the step looks into itself.
+//! One attempted Runge-Kutta step: its seven stages, iterated if it overlaps its own delay.
 
 use super::equation::{Delayed, Interrupt};
+use super::history::StateHistory;
 use super::interpolant::{self, COEFFICIENTS, ERROR, NODES, STAGES, WEIGHTS};
-use super::past::Past;
 
-/// How often a step that looks into itself is repeated before it is given up.
+/// The maximum number of iterations of a step that overlaps its own delay.
 const REPETITIONS: usize = 12;
 
-/// What is left of the repetition's error when it ends, as a part of the tolerance.
+/// The remaining iteration error at the end, as a fraction of the tolerance.
 const SETTLED: f64 = 0.01;
 
-/// How much larger than the error estimate the defect in the middle of a step may be.
+/// The allowed ratio of the defect in the middle of a step to the error estimate.
 ///
-/// The pair's own estimate weighs a jump of the slope between 0 and 0.8 of the step by 0.003 or less where the
-/// error is a quarter of it, so a switch of friction could pass at a hundred times the tolerance. The defect
-/// sees such a jump whole (Enright and Hayashi 1997 control it alone). In smooth steps a tenth of it is about as
-/// large as the estimate, and it also holds the dense output to the tolerance.
+/// The pair's error estimate gives a jump of the slope between 0 and 0.8 of the step a weight of 0.003 or
+/// less although the error is a quarter of it, so a friction switch could pass at a hundred times the
+/// tolerance. The defect contains such a jump in full (Enright and Hayashi 1997 control it alone). In
+/// smooth steps a tenth of it is about as large as the estimate, and it also keeps the dense output within
+/// the tolerance.
 const DEFECT: f64 = 10.0;
 
-/// The two ends of a step: the mesh times, and the times that callbacks are shown there.
+/// The interval of a step: mesh times, and the times passed to callbacks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ends {
+pub(super) struct StepInterval {
     pub(super) start: f64,
     pub(super) end: f64,
     pub(super) seen_end: f64,
 }
 
-impl Ends {
+impl StepInterval {
+    /// The width of the step.
     pub(super) fn width(&self) -> f64 {
         self.end - self.start
     }
@@ -34,13 +36,13 @@ impl Ends {
 
 /// The tolerances, one per component.
 #[derive(Debug)]
-pub(super) struct Scale {
+pub(super) struct ErrorScale {
     pub(super) rtol: Vec<f64>,
     pub(super) atol: Vec<f64>,
 }
 
-impl Scale {
-    /// The largest of |difference| measured by its component's tolerance; a NaN comes through.
+impl ErrorScale {
+    /// The largest |difference| relative to the tolerance of its component; NaN if one is NaN.
     pub(super) fn measure(&self, old: &[f64], new: &[f64], difference: impl Fn(usize) -> f64) -> f64 {
         let mut largest = 0.0;
         for i in 0..old.len() {
@@ -55,9 +57,9 @@ impl Scale {
     }
 }
 
-/// The room in which a step is tried.
+/// The memory of an attempted step.
 #[derive(Debug)]
-pub(super) struct Trial {
+pub(super) struct StepAttempt {
     pub(super) stages: [Vec<f64>; STAGES],
     pub(super) new: Vec<f64>,
     pub(super) coefficients: Vec<f64>,
@@ -66,16 +68,17 @@ pub(super) struct Trial {
     reached: [Vec<f64>; 2],
 }
 
-/// What became of a trial.
+/// The outcome of an attempted step.
 #[derive(Debug, PartialEq)]
 pub(super) enum Outcome {
-    /// The error as a part of the tolerance; to be kept where at most 1.
+    /// The error as a fraction of the tolerance; acceptable up to 1.
     Error(f64),
-    /// The repetition did not settle: the step is too long for the delay.
+    /// The iteration did not converge: the step is too long for the delay.
     Unsettled,
 }
 
-impl Trial {
+impl StepAttempt {
+    /// Memory for attempted steps of a system with this dimension.
     pub(super) fn new(dimension: usize) -> Self {
         let room = || vec![0.0; dimension];
         Self {
@@ -88,14 +91,14 @@ impl Trial {
         }
     }
 
-    /// Tries the step `ends` from `old`; the first stage is there already. Where lookups fall into the step, its
-    /// own polynomial answers them, and the step is repeated until that polynomial settles.
-    pub(super) fn attempt<E, F, H>(
+    /// Tries the step over `ends` from `old`; the first stage is given. Lookups within the step use its own
+    /// polynomial, and the step is iterated until that polynomial converges.
+    pub(super) fn try_step<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
-        ends: Ends,
+        history: &mut StateHistory<'_, E, F, H>,
+        ends: StepInterval,
         old: &[f64],
-        scale: &Scale,
+        scale: &ErrorScale,
     ) -> Result<Outcome, Interrupt<E>>
     where
         F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
@@ -105,16 +108,20 @@ impl Trial {
         let checkpoints = [ends.start + 0.5 * width, ends.end];
         let mut last_change = f64::INFINITY;
         for repetition in 0.. {
-            past.looked_ahead = false;
-            self.run_stages(past, ends, old)?;
-            interpolant::fit(width, old, &self.new, &self.stages, &mut self.coefficients);
-            if !past.looked_ahead {
+            history.looked_ahead = false;
+            self.run_stages(history, ends, old)?;
+            interpolant::fit_polynomial(width, old, &self.new, &self.stages, &mut self.coefficients);
+            if !history.looked_ahead {
                 break;
             }
             let mut change = 0.0;
             for (k, &time) in checkpoints.iter().enumerate() {
-                past.predictor.evaluate(time, &mut self.guess[k]);
-                interpolant::evaluate(&self.coefficients, (time - ends.start) / width, &mut self.reached[k]);
+                history.predictor.evaluate(time, &mut self.guess[k]);
+                interpolant::evaluate_polynomial(
+                    &self.coefficients,
+                    (time - ends.start) / width,
+                    &mut self.reached[k],
+                );
                 let (guess, reached) = (&self.guess[k], &self.reached[k]);
                 let here = scale.measure(guess, reached, |i| reached[i] - guess[i]);
                 if !here.is_finite() {
@@ -122,7 +129,7 @@ impl Trial {
                 }
                 change = f64::max(change, here);
             }
-            // What further repetitions would still change, by the ratio of the last two changes.
+            // The change left in further iterations, from the ratio of the last two changes.
             let ratio = change / last_change;
             let left = if last_change.is_finite() { change * ratio / (1.0 - ratio).max(0.1) } else { change };
             if change <= SETTLED * SETTLED || left <= SETTLED {
@@ -132,9 +139,9 @@ impl Trial {
                 return Ok(Outcome::Unsettled);
             }
             last_change = change;
-            past.predictor.coefficients.copy_from_slice(&self.coefficients);
-            past.predictor.origin = ends.start;
-            past.predictor.width = width;
+            history.predictor.coefficients.copy_from_slice(&self.coefficients);
+            history.predictor.origin = ends.start;
+            history.predictor.width = width;
         }
         let stages = &self.stages;
         let error = scale.measure(old, &self.new, |i| {
@@ -143,16 +150,16 @@ impl Trial {
         if error.is_nan() || error > 1.0 {
             return Ok(Outcome::Error(error));
         }
-        Ok(Outcome::Error(error.max(self.defect(past, ends, scale)? / DEFECT)))
+        Ok(Outcome::Error(error.max(self.defect(history, ends, scale)? / DEFECT)))
     }
 
-    /// How far the polynomial misses the equation in the middle of the step, times the step, as a part of the
-    /// tolerance.
+    /// The defect: the residual of the polynomial in the equation in the middle of the step, times the
+    /// step, as a fraction of the tolerance.
     fn defect<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
-        ends: Ends,
-        scale: &Scale,
+        history: &mut StateHistory<'_, E, F, H>,
+        ends: StepInterval,
+        scale: &ErrorScale,
     ) -> Result<f64, Interrupt<E>>
     where
         F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
@@ -160,18 +167,18 @@ impl Trial {
     {
         let (width, time) = (ends.width(), ends.start + 0.5 * ends.width());
         let [state, rise] = &mut self.reached;
-        interpolant::evaluate(&self.coefficients, 0.5, state);
-        interpolant::differentiate(&self.coefficients, 0.5, width, rise);
-        past.slope(time, time, state, &mut self.argument)?;
+        interpolant::evaluate_polynomial(&self.coefficients, 0.5, state);
+        interpolant::differentiate_polynomial(&self.coefficients, 0.5, width, rise);
+        history.slope(time, time, state, &mut self.argument)?;
         let slope = &self.argument;
         Ok(scale.measure(state, &self.new, |i| width * (rise[i] - slope[i])))
     }
 
-    /// The stages after the first; the last one's argument is the new state.
+    /// Evaluates the stages after the first; the argument of the last one is the new state.
     fn run_stages<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
-        ends: Ends,
+        history: &mut StateHistory<'_, E, F, H>,
+        ends: StepInterval,
         old: &[f64],
     ) -> Result<(), Interrupt<E>>
     where
@@ -194,7 +201,7 @@ impl Trial {
                 let time = ends.start + NODES[stage] * width;
                 (time, time)
             };
-            past.slope(nominal, seen, &self.argument, &mut self.stages[stage])?;
+            history.slope(nominal, seen, &self.argument, &mut self.stages[stage])?;
         }
         self.new.copy_from_slice(&self.argument);
         if self.new.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }

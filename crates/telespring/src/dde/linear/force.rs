@@ -1,12 +1,12 @@
-//! The forces that act on a robot, as functions of that robot's own time.
+//! Forces on a robot as functions of its own time.
 
-use super::LIMIT;
+use super::MAGNITUDE_LIMIT;
 use super::piecewise::PiecewisePolynomial;
 use super::series::{Coefficients, Instant};
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
 
-/// One sine: amplitude · sin(angular_frequency · t + phase).
+/// A sine: amplitude · sin(angular_frequency · t + phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sine {
     /// Amplitude, N.
@@ -17,12 +17,12 @@ pub struct Sine {
     pub phase: f64,
 }
 
-/// What a sampled signal is between its samples.
+/// The value of a sampled signal between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hold {
-    /// Each value holds until the next sample (zero-order hold): what a digital controller applies.
+    /// Zero-order hold: each value is held until the next sample, as a digital controller does.
     Zero,
-    /// Straight lines from sample to sample.
+    /// Linear interpolation between samples.
     Linear,
 }
 
@@ -35,12 +35,12 @@ pub struct SampledForce {
 }
 
 impl SampledForce {
-    /// A sampled force from its values (N), rate (Hz) and what it is between the samples.
+    /// Creates a sampled force from its values (N), rate (Hz) and interpolation.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where there is no value, a value is not finite or beyond 1e12 N, or the rate is out
-    /// of range.
+    /// [`InvalidInput`] if there is no value, a value is not finite or beyond 1e12 N, or the rate is out of
+    /// range.
     pub fn new(values: Vec<f64>, rate: f64, hold: Hold) -> Result<Self> {
         quantity::RATE.check("rate", rate)?;
         if values.is_empty() {
@@ -52,17 +52,18 @@ impl SampledForce {
             ));
         }
         for (i, &value) in values.iter().enumerate() {
-            check_number(&format!("values[{i}]"), value, "N")?;
+            check_magnitude(&format!("values[{i}]"), value, "N")?;
         }
         Ok(Self { values, rate, hold })
     }
 
+    /// The sample of the force at an index, held after the last.
     fn value(&self, index: usize) -> f64 {
         self.values[index.min(self.values.len() - 1)]
     }
 
-    /// True where something changes at sample `index` (from 1 on).
-    fn changes_at(&self, index: usize) -> bool {
+    /// True if the signal changes at sample `index` (from 1 on).
+    fn changes_at_sample(&self, index: usize) -> bool {
         let (before, here) = (self.value(index - 1), self.value(index));
         match self.hold {
             Hold::Zero => here != before,
@@ -71,7 +72,7 @@ impl SampledForce {
     }
 }
 
-/// The force of a person (or a motor) on one robot, from t = 0 of that robot on.
+/// The force of a person or motor on one robot, from t = 0 of that robot's clock.
 ///
 /// # Examples
 ///
@@ -100,30 +101,31 @@ pub enum Force {
     Polynomial(PiecewisePolynomial),
 }
 
-/// A time at which a force (or a history) is not smooth.
+/// A break point: a time at which a force or a history is not smooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Break {
-    /// On the robot's own clock, s.
+    /// The time on the robot's own clock, s.
     pub time: f64,
-    /// Lowest derivative of the position that may jump there.
+    /// The lowest derivative of the position that may jump there.
     pub order: usize,
-    /// Size of the jump's effect, relative to the signal.
+    /// The effect of the jump, relative to the signal.
     pub effect: f64,
 }
 
-/// The effect of an edge that only ends a piece of an approximated smooth function.
+/// The effect of an edge between pieces of a smooth approximation.
 pub(super) const SMOOTH_EDGE: f64 = 1e-13;
 
 impl Force {
-    /// A force from a function of time (s) over `duration` (s), which may jump or bend at `breakpoints`.
+    /// Approximates a function of time (s) over `duration` (s) that may jump or have kinks at
+    /// `breakpoints`.
     ///
-    /// [`Force::error`] tells how well it is approximated; see [`PiecewisePolynomial::from_function`].
-    /// After `duration` the last value is held.
+    /// [`Force::error`] gives the approximation error; see [`PiecewisePolynomial::from_function`]. After
+    /// `duration` the last value is held.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the duration is out of range or the function returns a value that is not
-    /// finite or is beyond 1e12 N.
+    /// [`InvalidInput`] if the duration is out of range, or the function returns a value that is not finite
+    /// or is beyond 1e12 N.
     pub fn from_function(
         function: &mut dyn FnMut(f64) -> f64,
         breakpoints: &[f64],
@@ -133,7 +135,7 @@ impl Force {
         PiecewisePolynomial::from_function(function, breakpoints, 0.0, duration).map(Self::Polynomial)
     }
 
-    /// The approximation error found, N; 0 for everything but functions.
+    /// The estimated approximation error, N; 0 unless the force came from a function.
     pub fn error(&self) -> f64 {
         match self {
             Self::Polynomial(pieces) => pieces.error(),
@@ -141,19 +143,20 @@ impl Force {
         }
     }
 
+    /// Checks the amplitudes, frequencies and phases of a force.
     pub(super) fn check(&self, field: &str) -> Result<()> {
         match self {
-            Self::Step(value) => check_number(field, *value, "N"),
+            Self::Step(value) => check_magnitude(field, *value, "N"),
             Self::Sines { constant, sines } => {
-                check_number(&format!("{field}.constant"), *constant, "N")?;
+                check_magnitude(&format!("{field}.constant"), *constant, "N")?;
                 for (i, sine) in sines.iter().enumerate() {
-                    check_number(&format!("{field}.sines[{i}].amplitude"), sine.amplitude, "N")?;
-                    check_number(
+                    check_magnitude(&format!("{field}.sines[{i}].amplitude"), sine.amplitude, "N")?;
+                    check_magnitude(
                         &format!("{field}.sines[{i}].angular_frequency"),
                         sine.angular_frequency,
                         "rad/s",
                     )?;
-                    check_number(&format!("{field}.sines[{i}].phase"), sine.phase, "rad")?;
+                    check_magnitude(&format!("{field}.sines[{i}].phase"), sine.phase, "rad")?;
                 }
                 Ok(())
             }
@@ -161,15 +164,15 @@ impl Force {
         }
     }
 
-    /// The fastest rate that the force itself brings in, 1/s.
-    pub(super) fn fastest(&self) -> f64 {
+    /// The fastest rate of the force itself, 1/s.
+    pub(super) fn fastest_rate(&self) -> f64 {
         match self {
             Self::Sines { sines, .. } => sines.iter().map(|s| s.angular_frequency.abs()).fold(0.0, f64::max),
             _ => 0.0,
         }
     }
 
-    /// How many breaks lie before `end` (s), at most.
+    /// The maximum number of breaks before `end` (s).
     pub(super) fn breaks_before(&self, end: f64) -> f64 {
         match self {
             Self::Sampled(sampled) => (sampled.values.len() as f64).min(end * sampled.rate),
@@ -178,13 +181,13 @@ impl Force {
         }
     }
 
-    /// The first break at or after index `cursor`, which is moved to it.
+    /// The first break at or after index `cursor`; moves `cursor` to it.
     pub(super) fn next_break(&self, cursor: &mut usize) -> Option<Break> {
         match self {
             Self::Step(_) | Self::Sines { .. } => None,
             Self::Sampled(sampled) => {
                 *cursor = (*cursor).max(1);
-                while *cursor < sampled.values.len() && !sampled.changes_at(*cursor) {
+                while *cursor < sampled.values.len() && !sampled.changes_at_sample(*cursor) {
                     *cursor += 1;
                 }
                 let order = if sampled.hold == Hold::Zero { 2 } else { 3 };
@@ -207,7 +210,8 @@ impl Force {
         }
     }
 
-    /// Writes the series over [start, start + length] and returns how many coefficients it has.
+    /// Writes the Taylor series of the force over [start, start + length]; returns the number of
+    /// coefficients.
     pub(super) fn series(
         &self,
         start: Instant,
@@ -224,7 +228,7 @@ impl Force {
                 into[..=degree].fill(0.0);
                 into[0] = *constant;
                 for sine in sines {
-                    add_sine(sine, start, length, &mut into[..=degree]);
+                    add_sine_series(sine, start, length, &mut into[..=degree]);
                 }
                 degree + 1
             }
@@ -247,9 +251,10 @@ impl Force {
     }
 }
 
-fn add_sine(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
+/// Adds the Taylor series of a sine over one step.
+fn add_sine_series(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     let omega = sine.angular_frequency;
-    // the angle to twice the working precision: at 1e5 rad a rounded one would cost 1e-11
+    // The angle to twice the working precision: rounding it at 1e5 rad would cost 1e-11.
     let angle = omega * start.high;
     let rest = omega.mul_add(start.high, -angle) + omega * start.low + sine.phase;
     let ((s, c), (rest_s, rest_c)) = (angle.sin_cos(), rest.sin_cos());
@@ -267,14 +272,15 @@ fn add_sine(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     }
 }
 
-pub(super) fn check_number(field: &str, value: f64, unit: &str) -> Result<()> {
-    if value.abs() <= LIMIT {
+/// Checks that a value is finite and within [`MAGNITUDE_LIMIT`].
+pub(super) fn check_magnitude(field: &str, value: f64, unit: &str) -> Result<()> {
+    if value.abs() <= MAGNITUDE_LIMIT {
         return Ok(());
     }
     Err(InvalidInput::new(
         field,
         value,
-        format!("a finite number of at most {LIMIT:e} {unit} in magnitude is needed"),
+        format!("a finite number of at most {MAGNITUDE_LIMIT:e} {unit} in magnitude is needed"),
         "Replace missing or infinite values by numbers.",
     ))
 }

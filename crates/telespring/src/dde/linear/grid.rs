@@ -1,39 +1,40 @@
-//! Steps that divide the delay: a step of one robot in one delay interval meets exactly the partner's
-//! step in the interval before, whose coefficients are used as they are.
+//! Simulation with steps that divide the delay: a step of one robot coincides exactly with the partner's
+//! step one delay earlier, whose coefficients are used unchanged.
 //!
-//! Times are (interval, θ) with 0 ≤ θ < delay, so that what happens at (j, θ) is felt by the partner at
-//! (j + 1, θ) without any rounding. Where something breaks inside a cell of the grid (a sample, a
-//! robot's later start), the cell is cut there, and cut again in the next intervals until the kink, whose
-//! order grows by two with every passage, is too small to matter.
+//! Times are (interval, θ) with 0 ≤ θ < delay, so an event at (j, θ) reaches the partner at (j + 1, θ)
+//! without rounding. At a break inside a cell (a sample, a robot's later start) the cell is cut, and cut
+//! again in the following intervals until the kink is negligible; its order grows by two with every
+//! passage.
 
-use super::output::Writer;
+use super::output::OutputWriter;
 use super::series::{
     Coefficients, Instant, MAX_DEGREE, Recurrence, STRIDE, Series, State, advance, degree_for, reexpand,
 };
-use super::{Outcome, Problem};
+use super::{Problem, RunOutcome};
 
-/// What a kink must amount to, relative to the signal, to be followed further.
+/// The effect of a kink, relative to the signal, below which it is dropped.
 const NEGLIGIBLE: f64 = 1e-17;
 
-/// A break inside one delay interval.
+/// A break within one delay interval.
 #[derive(Debug, Clone, Copy)]
 struct Kink {
     theta: f64,
-    /// Lowest derivative of the position that jumps.
+    /// The lowest derivative of the position that jumps.
     order: usize,
-    /// The jump's effect on the position within one cell, relative to the signal.
+    /// The effect of the jump on the position within one cell, relative to the signal.
     effect: f64,
 }
 
-/// The steps of one robot in one delay interval; storage is kept between intervals.
+/// The steps of one robot in one delay interval; the storage is reused.
 #[derive(Debug, Default)]
-struct Track {
+struct StepTrack {
     steps: Vec<Series>,
     count: usize,
 }
 
-impl Track {
-    fn next(&mut self, start: f64, length: f64) -> &mut Series {
+impl StepTrack {
+    /// Appends a Taylor step to the track of a robot.
+    fn push_step(&mut self, start: f64, length: f64) -> &mut Series {
         if self.count == self.steps.len() {
             self.steps.push(Series { start, length, degree: 0, coefficients: [0.0; STRIDE] });
         }
@@ -43,8 +44,8 @@ impl Track {
         step
     }
 
-    /// The coefficients over [start, start + length]; `cursor` follows along.
-    fn window<'a>(
+    /// The coefficients over [start, start + length]; `cursor` moves along.
+    fn window_series<'a>(
         &'a self,
         cursor: &mut usize,
         start: f64,
@@ -57,10 +58,10 @@ impl Track {
         }
         let mut best = &steps[*cursor];
         if best.start == start && best.length == length {
-            return best.used();
+            return best.used_coefficients();
         }
-        // all steps under the window belong to one smooth stretch, up to negligible kinks: the longest
-        // of them is expanded with the least rounding
+        // All steps under the window belong to one smooth interval, up to negligible kinks: the longest one
+        // is expanded with the least rounding.
         for step in &steps[*cursor + 1..] {
             if step.start >= start + length {
                 break;
@@ -69,34 +70,40 @@ impl Track {
                 best = step;
             }
         }
-        reexpand(best.used(), (start - best.start) / best.length, length / best.length, scratch);
+        reexpand(best.used_coefficients(), (start - best.start) / best.length, length / best.length, scratch);
         &scratch[..=best.degree]
     }
 }
 
-/// Memory of the method, kept from one simulation to the next.
+/// The memory of the method, reused between simulations.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
-    previous: [Track; 2],
-    current: [Track; 2],
+    previous: [StepTrack; 2],
+    current: [StepTrack; 2],
     kinks_before: [Vec<Kink>; 2],
     kinks: [Vec<Kink>; 2],
 }
 
-/// Where a robot stands.
-struct Robot {
+/// The current state of a robot.
+struct RobotState {
     state: State,
     break_cursor: usize,
     recurrence: Recurrence,
     force: Coefficients,
 }
 
-pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut Writer) -> Outcome {
+/// Simulates the linear dyad with steps that divide the delay, `cells` per delay.
+pub(super) fn simulate_on_grid(
+    problem: &Problem,
+    cells: usize,
+    grid: &mut Grid,
+    writer: &mut OutputWriter,
+) -> RunOutcome {
     let delay = problem.delay;
     let cell = delay / cells as f64;
     let degree = degree_for(problem.fastest * cell);
     let last_clock = problem.end + problem.offsets[0].max(problem.offsets[1]);
-    let mut robots = [0, 1].map(|i| Robot {
+    let mut robots = [0, 1].map(|i| RobotState {
         state: problem.histories[i].start(),
         break_cursor: 0,
         recurrence: Recurrence::default(),
@@ -113,8 +120,8 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
         for (i, robot) in robots.iter_mut().enumerate() {
             let kinks = &mut grid.kinks[i];
             kinks.clear();
-            pass_on(problem, i, cell, &grid.kinks_before[1 - i], kinks);
-            add_own(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
+            propagate_kinks(problem, i, cell, &grid.kinks_before[1 - i], kinks);
+            add_own_breaks(problem, i, interval, tolerance, cell, cells, &mut robot.break_cursor, kinks);
             let track = &mut grid.current[i];
             track.count = 0;
             let partner = &grid.previous[1 - i];
@@ -131,36 +138,36 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
                 }
                 let length = end - theta;
                 let local = Instant::new(interval, delay, theta - problem.offsets[i]);
-                let step = track.next(theta, length);
+                let step = track.push_step(theta, length);
                 theta = end;
                 if local.high + 0.5 * length < 0.0 {
                     let count = problem.histories[i].series(local.high, length, &mut step.coefficients);
                     step.degree = count - 1;
                     continue;
                 }
-                let delayed = partner.window(&mut partner_cursor, step.start, length, &mut scratch);
-                if !robot.advance(problem, i, local, degree, delayed, step) {
-                    return Outcome::Unresolved;
+                let delayed = partner.window_series(&mut partner_cursor, step.start, length, &mut scratch);
+                if !robot.advance_robot(problem, i, local, degree, delayed, step) {
+                    return RunOutcome::Unresolved;
                 }
-                if let Some(at) = writer.write(i, local, step, robot.state) {
+                if let Some(at) = writer.write_step(i, local, step, robot.state) {
                     diverged = diverged.min(at);
                     break;
                 }
             }
         }
         if diverged.is_finite() {
-            return Outcome::Diverged { at: diverged };
+            return RunOutcome::Diverged { at: diverged };
         }
         std::mem::swap(&mut grid.previous, &mut grid.current);
         std::mem::swap(&mut grid.kinks_before, &mut grid.kinks);
         interval += 1.0;
     }
-    Outcome::Completed
+    RunOutcome::Completed
 }
 
-impl Robot {
-    /// One step; the degree grows where the series is not resolved at once. False where it never is.
-    fn advance(
+impl RobotState {
+    /// One Taylor step; the degree grows until the series is resolved. False if it never is.
+    fn advance_robot(
         &mut self,
         problem: &Problem,
         robot: usize,
@@ -188,8 +195,8 @@ impl Robot {
     }
 }
 
-/// The partner's kinks of the interval before, one passage smoother.
-fn pass_on(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
+/// Propagates the partner's kinks of the last interval, one passage smoother.
+fn propagate_kinks(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
     let rates = &problem.rates[robot];
     for kink in from {
         let order = kink.order as f64;
@@ -205,7 +212,7 @@ fn pass_on(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut
 
 /// Adds the breaks of the robot's own force, start and history; those on the grid need no cut.
 #[expect(clippy::too_many_arguments, reason = "private; a struct would only rename them")]
-fn add_own(
+fn add_own_breaks(
     problem: &Problem,
     robot: usize,
     interval: f64,
@@ -216,8 +223,8 @@ fn add_own(
     kinks: &mut Vec<Kink>,
 ) {
     let passed_on = kinks.len();
-    while let Some(found) = problem.own_break(robot, cursor) {
-        let theta = (-interval).mul_add(problem.delay, found.time + problem.offsets[robot]);
+    while let Some(break_point) = problem.next_own_break(robot, cursor) {
+        let theta = (-interval).mul_add(problem.delay, break_point.time + problem.offsets[robot]);
         if theta >= problem.delay - tolerance {
             break;
         }
@@ -232,16 +239,16 @@ fn add_own(
         if on_grid {
             continue;
         }
-        // a kink that falls on one that is there already keeps that one's exact place
+        // A kink that coincides with an existing one keeps the exact place of that one.
         let twin = [Some(here), here.checked_sub(1)]
             .into_iter()
             .flatten()
             .find(|&n| n < passed_on && near(kinks.get(n)));
         if let Some(n) = twin {
-            kinks[n].order = kinks[n].order.min(found.order);
-            kinks[n].effect = kinks[n].effect.max(found.effect);
+            kinks[n].order = kinks[n].order.min(break_point.order);
+            kinks[n].effect = kinks[n].effect.max(break_point.effect);
         } else if !(kinks.len() > passed_on && near(kinks.last())) {
-            kinks.push(Kink { theta, order: found.order, effect: found.effect });
+            kinks.push(Kink { theta, order: break_point.order, effect: break_point.effect });
         }
     }
     if kinks.len() > passed_on && passed_on > 0 {

@@ -1,13 +1,13 @@
-//! Where a robot was before t = 0.
+//! The positions of a robot before t = 0.
 
-use super::force::{Break, SMOOTH_EDGE, check_number};
+use super::force::{Break, SMOOTH_EDGE, check_magnitude};
 use super::piecewise::PiecewisePolynomial;
 use super::series::{Coefficients, State};
 use crate::error::{InvalidInput, Result};
 
-/// The positions of one robot before its t = 0, which the partner still receives during the first delay.
+/// The positions of one robot before its t = 0, which its partner receives during the first delay.
 ///
-/// Its value at 0 is the position that the robot starts from.
+/// Its value at 0 is the initial position of the robot.
 ///
 /// # Examples
 ///
@@ -20,39 +20,39 @@ use crate::error::{InvalidInput, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
-    position: Past,
+    position: PastPosition,
     velocity: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Past {
+enum PastPosition {
     Constant(f64),
     Pieces(PiecewisePolynomial),
 }
 
 impl Default for History {
     fn default() -> Self {
-        Self { position: Past::Constant(0.0), velocity: 0.0 }
+        Self { position: PastPosition::Constant(0.0), velocity: 0.0 }
     }
 }
 
 impl History {
-    /// At rest at `position` (m) all the time before 0.
+    /// A robot at rest at `position` (m) at all times before 0.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the position is not finite or beyond 1e12 m.
+    /// [`InvalidInput`] if the position is not finite or beyond 1e12 m.
     pub fn rest(position: f64) -> Result<Self> {
-        check_number("position", position, "m")?;
-        Ok(Self { position: Past::Constant(position), velocity: 0.0 })
+        check_magnitude("position", position, "m")?;
+        Ok(Self { position: PastPosition::Constant(position), velocity: 0.0 })
     }
 
-    /// Positions (m) as polynomials of time (s, negative), the last piece ending at 0; before the
-    /// first piece its first value is held. The velocity at 0 is the slope of the last piece there.
+    /// Positions (m) as polynomials of time (s, negative), the last piece ending at 0. Before the first
+    /// piece its first value is held. The velocity at 0 is the final slope.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the last piece does not end at 0.
+    /// [`InvalidInput`] if the last piece does not end at 0.
     pub fn polynomial(position: PiecewisePolynomial) -> Result<Self> {
         let end = position.edges().last().copied().unwrap_or(f64::NAN);
         if end != 0.0 {
@@ -63,18 +63,18 @@ impl History {
                 "Shift its times so that the last edge is 0.",
             ));
         }
-        Ok(Self { velocity: position.final_slope(), position: Past::Pieces(position) })
+        Ok(Self { velocity: position.final_slope(), position: PastPosition::Pieces(position) })
     }
 
-    /// Positions (m) as a function of time on −`span` to 0 (s), which may jump or bend at
+    /// Positions (m) as a function of time on −`span` to 0 (s), which may jump or have kinks at
     /// `breakpoints`; see [`PiecewisePolynomial::from_function`].
     ///
-    /// The velocity at 0 is the slope of the approximation; where it is known exactly, give it with
+    /// The velocity at 0 is the slope of the approximation; set a known velocity with
     /// [`History::with_velocity`].
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the span is not positive or a value is not finite.
+    /// [`InvalidInput`] if the span is not positive or a value is not finite.
     pub fn from_function(
         function: &mut dyn FnMut(f64) -> f64,
         breakpoints: &[f64],
@@ -83,58 +83,60 @@ impl History {
         Self::polynomial(PiecewisePolynomial::from_function(function, breakpoints, -span, 0.0)?)
     }
 
-    /// The same positions, with this velocity (m/s) at t = 0.
+    /// The same history with this velocity (m/s) at t = 0.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the velocity is not finite or beyond 1e12 m/s.
+    /// [`InvalidInput`] if the velocity is not finite or beyond 1e12 m/s.
     pub fn with_velocity(mut self, velocity: f64) -> Result<Self> {
-        check_number("velocity", velocity, "m/s")?;
+        check_magnitude("velocity", velocity, "m/s")?;
         self.velocity = velocity;
         Ok(self)
     }
 
-    /// The approximation error found, m; 0 for everything but functions.
+    /// The estimated approximation error, m; 0 unless the history came from a function.
     pub fn error(&self) -> f64 {
         self.pieces().map_or(0.0, PiecewisePolynomial::error)
     }
 
-    /// Position and velocity at t = 0.
+    /// Position and velocity of the robot at t = 0.
     pub(super) fn start(&self) -> State {
         let x = match &self.position {
-            Past::Constant(position) => *position,
-            Past::Pieces(pieces) => pieces.value(0.0),
+            PastPosition::Constant(position) => *position,
+            PastPosition::Pieces(pieces) => pieces.value(0.0),
         };
         State { x, v: self.velocity }
     }
 
+    /// The pieces of the history; `None` for a robot at rest.
     fn pieces(&self) -> Option<&PiecewisePolynomial> {
         match &self.position {
-            Past::Constant(_) => None,
-            Past::Pieces(pieces) => Some(pieces),
+            PastPosition::Constant(_) => None,
+            PastPosition::Pieces(pieces) => Some(pieces),
         }
     }
 
-    /// How many times before 0 it is not smooth at.
+    /// The number of break points of the history before 0.
     pub(super) fn break_count(&self) -> usize {
         self.pieces().map_or(0, |pieces| pieces.edges().len() - 1)
     }
 
-    /// One of these times, in rising order.
+    /// A break point of the history, in ascending order.
     pub(super) fn break_at(&self, index: usize) -> Option<Break> {
         let pieces = self.pieces().filter(|_| index < self.break_count())?;
         let effect = if pieces.is_break(index) { 1.0 } else { SMOOTH_EDGE };
         Some(Break { time: pieces.edges()[index], order: 0, effect })
     }
 
-    /// Writes the series over [start, start + length] and returns how many coefficients it has.
+    /// Writes the Taylor series of the position over [start, start + length]; returns the number of
+    /// coefficients.
     pub(super) fn series(&self, start: f64, length: f64, into: &mut Coefficients) -> usize {
         match &self.position {
-            Past::Constant(position) => {
+            PastPosition::Constant(position) => {
                 into[0] = *position;
                 1
             }
-            Past::Pieces(pieces) => pieces.series(start, length, start + 0.5 * length, into),
+            PastPosition::Pieces(pieces) => pieces.series(start, length, start + 0.5 * length, into),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The ideal linear dyad in time, exact to rounding: Taylor series on steps that divide the delay.
+//! Exact simulation of the linear dyad: Taylor series on steps that divide the delay.
 //!
 //! One axis of a dyad with constant delays, each robot on its own clock from t = 0:
 //!
@@ -7,18 +7,18 @@
 //! m₂ x₂'' + b₂ x₂' + k_h2 x₂ = k (x₁(t − forward)  − x₂) + c (x₁'(t − forward)  − x₂') + f₂(t)
 //! ```
 //!
-//! (Du, Kulkarni, Kager and Campolo, Eq. 1, with operators, a coupling damper and unequal delays added.)
-//! On each step both positions are one Taylor series, whose coefficients follow from those of the
-//! partner one delay earlier by a two-term recurrence. No delay is rounded, nothing is interpolated.
-//! Unequal delays become their mean by starting one robot's clock later by half of the difference;
-//! that is exact and also how the two differ physically.
+//! (Du, Kulkarni, Kager and Campolo, Eq. 1, with operators, a coupling damper and unequal delays added.) On
+//! each step both positions are one Taylor series. Its coefficients follow from those of the partner one
+//! delay earlier by a two-term recurrence. No delay is rounded and nothing is interpolated. Unequal delays
+//! are replaced by their mean, with one robot's clock starting later by half of the difference; this is
+//! exact.
 //!
 //! | part | job |
 //! |---|---|
 //! | `grid` | steps that divide the delay |
-//! | `smooth` | steps longer than the delay, for delays far below the robots' own times, and for none |
+//! | `smooth` | steps longer than the delay, for short or zero delays |
 //! | `series` | recurrences, re-expansion, evaluation |
-//! | `force`, `history`, `piecewise` | what acts, and what was before |
+//! | `force`, `history`, `piecewise` | forces, and positions before the start |
 
 mod force;
 mod grid;
@@ -36,26 +36,26 @@ use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, DyadAxis};
 use crate::quantity;
 use force::Break;
-use output::Writer;
+use output::OutputWriter;
 use series::Rates;
 
-/// A simulation ends as diverged where a position passes this magnitude, in m: numbers far beyond any
-/// robot, still far from overflow. It also bounds forces and histories.
-pub const LIMIT: f64 = 1e12;
+/// A simulation diverges if a position exceeds this magnitude, m: far beyond any robot, but far from
+/// overflow. It also bounds forces and histories.
+pub const MAGNITUDE_LIMIT: f64 = 1e12;
 
-/// Most outputs of one simulation.
+/// The maximum number of outputs of one simulation.
 pub const MAX_OUTPUTS: usize = 1_000_000_000;
 
-/// Most steps that a simulation may need: about two minutes of work.
+/// The maximum number of steps of a simulation: about two minutes of work.
 pub const MAX_STEPS: f64 = 1e9;
 
-/// Most steps within one delay: they are all kept, and fill about 0.7 GB.
+/// The maximum number of steps within one delay: all are stored, about 0.7 GB.
 pub const MAX_STEPS_PER_DELAY: f64 = 5e5;
 
-/// Largest (fastest rate · step length): a degree of about 25 resolves it.
+/// The largest product of fastest rate and step length: a degree of about 25 resolves it.
 const REACH: f64 = 2.0;
 
-/// Below this (fastest rate · delay), steps longer than the delay are cheaper than steps that divide it.
+/// Below this product of fastest rate and delay, steps longer than the delay are cheaper.
 const SHORT_DELAY: f64 = 0.35;
 
 /// How a simulation ended.
@@ -64,14 +64,14 @@ const SHORT_DELAY: f64 = 0.35;
 pub enum Status {
     /// Every output was reached.
     Completed,
-    /// A position passed [`LIMIT`]; outputs from that time on are left out.
+    /// A position exceeded [`MAGNITUDE_LIMIT`]; outputs from that time on are omitted.
     Diverged {
-        /// The first time, on the robot's clock, that is left out, s.
+        /// The first omitted time on the robot's clock, s.
         at: f64,
     },
 }
 
-/// One simulation: an axis, a coupling, what acts and for how long.
+/// A simulation: axis, coupling, forces, histories and duration.
 #[derive(Debug, Clone, Copy)]
 pub struct Simulation<'a> {
     /// The axis.
@@ -82,9 +82,9 @@ pub struct Simulation<'a> {
     pub delay: &'a Delay,
     /// The force on each robot, N, on that robot's clock.
     pub forces: &'a [Force; 2],
-    /// Where each robot was before t = 0.
+    /// The positions of each robot before t = 0.
     pub histories: &'a [History; 2],
-    /// How long, s.
+    /// Duration, s.
     pub duration: f64,
     /// Outputs per second, Hz.
     pub rate: f64,
@@ -101,24 +101,24 @@ pub struct Trajectory {
     pub velocity: [Vec<f64>; 2],
     /// How it ended.
     pub status: Status,
-    /// Per robot, how far its force was approximated (N); 0 unless it came from a function.
+    /// The approximation error of each robot's force (N); 0 unless it came from a function.
     pub force_error: [f64; 2],
-    /// Per robot, how far its history was approximated (m); 0 unless it came from a function.
+    /// The approximation error of each robot's history (m); 0 unless it came from a function.
     pub history_error: [f64; 2],
 }
 
 impl Trajectory {
-    /// The time of output `index`, s.
+    /// The time of output `index` of the simulation, s.
     pub fn time(&self, index: usize) -> f64 {
         index as f64 / self.rate
     }
 
-    /// How many outputs there are.
+    /// The number of outputs of the simulation.
     pub fn len(&self) -> usize {
         self.position[0].len()
     }
 
-    /// True where the simulation diverged before its first output.
+    /// True if the simulation diverged before its first output.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -126,26 +126,26 @@ impl Trajectory {
 
 /// How a simulation into the caller's arrays ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ending {
+pub struct SimulationOutcome {
     /// How it ended.
     pub status: Status,
-    /// How many outputs were written, from the first on; the rest of the arrays is undefined.
+    /// The number of outputs written, from the first; the rest of the arrays is undefined.
     pub outputs: usize,
 }
 
-/// Memory for simulations. Used again, it spares [`Simulation::run_into`] every
-/// allocation that grows with the simulation.
+/// Memory for simulations. Reusing it avoids every allocation of [`Simulation::run_into`] that grows with
+/// the simulation.
 #[derive(Debug, Default)]
 pub struct Workspace {
     grid: grid::Grid,
-    smooth: smooth::Smooth,
+    smooth: smooth::LongSteps,
 }
 
-/// How many outputs a simulation has: i = 0, 1, … up to and including `duration`·`rate`.
+/// The number of outputs of a simulation: i = 0, 1, … up to and including `duration`·`rate`.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where duration or rate is out of range or there would be more than [`MAX_OUTPUTS`].
+/// [`InvalidInput`] if duration or rate is out of range, or there would be more than [`MAX_OUTPUTS`].
 ///
 /// # Examples
 ///
@@ -156,7 +156,7 @@ pub struct Workspace {
 pub fn output_count(duration: f64, rate: f64) -> Result<usize> {
     quantity::DURATION.check("duration", duration)?;
     quantity::RATE.check("rate", rate)?;
-    // 0.29 s at 100 Hz has its output at 0.29 s, though the product rounds to 28.999…
+    // At 100 Hz, 0.29 s has its own output although the product rounds to 28.999….
     let last = (duration * rate * (1.0 + 4.0 * f64::EPSILON)).floor();
     if last < MAX_OUTPUTS as f64 {
         return Ok(last as usize + 1);
@@ -171,13 +171,13 @@ pub fn output_count(duration: f64, rate: f64) -> Result<usize> {
 
 /// Simulates one axis of a dyad; see the [module](self) for the equations.
 ///
-/// Relative error, against the largest value of the signal: below 1e-11 for steps, sines, polynomials and
-/// sampled signals; for a function of time, its reported approximation error comes on top.
+/// The error relative to the largest value of the signal is below 1e-11 for steps, sines, polynomials and
+/// sampled signals; for a function of time its reported approximation error is added.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where a value is out of range, or the axis is so stiff (damping/mass so large) that
-/// more than [`MAX_STEPS`] steps, or [`MAX_STEPS_PER_DELAY`] within one delay, would be needed.
+/// [`InvalidInput`] if a value is out of range, or the axis is so stiff (large damping/mass) that more than
+/// [`MAX_STEPS`] steps, or [`MAX_STEPS_PER_DELAY`] within one delay, are needed.
 ///
 /// # Examples
 ///
@@ -208,7 +208,7 @@ pub fn simulate(
 }
 
 impl Simulation<'_> {
-    /// Runs it and returns positions and velocities.
+    /// Runs the simulation and returns positions and velocities.
     ///
     /// # Errors
     ///
@@ -217,36 +217,36 @@ impl Simulation<'_> {
         let count = output_count(self.duration, self.rate)?;
         let mut position = [vec![0.0; count], vec![0.0; count]];
         let mut velocity = [vec![0.0; count], vec![0.0; count]];
-        let ending = {
+        let outcome = {
             let ([x1, x2], [v1, v2]) = (&mut position, &mut velocity);
             self.run_into([x1, x2], Some([v1, v2]), workspace)?
         };
         for values in position.iter_mut().chain(&mut velocity) {
-            values.truncate(ending.outputs);
+            values.truncate(outcome.outputs);
         }
         Ok(Trajectory {
             rate: self.rate,
             position,
             velocity,
-            status: ending.status,
+            status: outcome.status,
             force_error: [self.forces[0].error(), self.forces[1].error()],
             history_error: [self.histories[0].error(), self.histories[1].error()],
         })
     }
 
-    /// Runs it into the caller's arrays, each of [`output_count`] values or more: positions (m) and, where
-    /// wanted, velocities (m/s). After the first call with the same workspace only a few short
-    /// lists and names are allocated at the start, nothing while it runs.
+    /// Runs the simulation into the caller's arrays of at least [`output_count`] values: positions (m) and
+    /// optionally velocities (m/s). After the first call with the same workspace only a few short lists are
+    /// allocated at the start, and nothing while it runs.
     ///
     /// # Errors
     ///
-    /// As [`simulate`], and where an array is too short.
+    /// As [`simulate`], and if an array is too short.
     pub fn run_into(
         &self,
         position: [&mut [f64]; 2],
         velocity: Option<[&mut [f64]; 2]>,
         workspace: &mut Workspace,
-    ) -> Result<Ending> {
+    ) -> Result<SimulationOutcome> {
         let count = output_count(self.duration, self.rate)?;
         let shortest = position.iter().chain(velocity.iter().flatten()).map(|values| values.len()).min();
         if shortest.is_none_or(|length| length < count) {
@@ -254,20 +254,23 @@ impl Simulation<'_> {
                 "position",
                 format!("{} value(s)", shortest.unwrap_or(0)),
                 format!("every output array needs {count} values"),
-                "Ask output_count for the length.",
+                "output_count gives the length.",
             ));
         }
         let problem = self.problem(count)?;
-        let mut writer = Writer::new(self.rate, count, position, velocity);
+        let mut writer = OutputWriter::new(self.rate, count, position, velocity);
         let outcome = problem.solve(workspace, &mut writer)?;
         let (status, outputs) = match outcome {
-            Outcome::Completed => (Status::Completed, count),
-            Outcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
-            Outcome::Unresolved => return Err(too_stiff("a series does not converge", self.stiffness)),
+            RunOutcome::Completed => (Status::Completed, count),
+            RunOutcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
+            RunOutcome::Unresolved => {
+                return Err(too_stiff_error("a series does not converge", self.stiffness));
+            }
         };
-        Ok(Ending { status, outputs })
+        Ok(SimulationOutcome { status, outputs })
     }
 
+    /// The checked problem: both robots on one clock with the mean delay.
     fn problem(&self, count: usize) -> Result<Problem<'_>> {
         check_axis(self.axis)?;
         if self.stiffness != 0.0 {
@@ -284,9 +287,13 @@ impl Simulation<'_> {
             damper: c / side.mass,
             force: 1.0 / side.mass,
         });
-        let fastest =
-            [rates[0].fastest(), rates[1].fastest(), self.forces[0].fastest(), self.forces[1].fastest()];
-        // the robot whose messages travel longer starts later on the common clock
+        let fastest = [
+            rates[0].fastest_rate(),
+            rates[1].fastest_rate(),
+            self.forces[0].fastest_rate(),
+            self.forces[1].fastest_rate(),
+        ];
+        // The robot whose messages travel longer starts later on the common clock.
         let half = 0.5 * (self.delay.forward() - self.delay.backward());
         Ok(Problem {
             rates,
@@ -300,8 +307,8 @@ impl Simulation<'_> {
     }
 }
 
-/// How one attempt ended.
-pub(in crate::dde::linear) enum Outcome {
+/// How one run of a method ended.
+pub(in crate::dde::linear) enum RunOutcome {
     Completed,
     Diverged {
         at: f64,
@@ -310,23 +317,23 @@ pub(in crate::dde::linear) enum Outcome {
     Unresolved,
 }
 
-/// What the methods work on: both robots on one clock, with the mean delay each way.
+/// The problem that the methods solve: both robots on one clock, with the mean delay each way.
 struct Problem<'a> {
     rates: [Rates; 2],
     forces: &'a [Force; 2],
     histories: &'a [History; 2],
-    /// When each robot starts on the common clock, s; one of them at 0.
+    /// The start of each robot on the common clock, s; one of them 0.
     offsets: [f64; 2],
     delay: f64,
-    /// The fastest rate of either side or force, 1/s.
+    /// The fastest rate of the sides and forces, 1/s.
     fastest: f64,
     /// The last output on the robots' own clocks, s.
     end: f64,
 }
 
 impl Problem<'_> {
-    /// The first break of a robot (history, start, force) at or after index `cursor`, which is moved to it.
-    fn own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
+    /// The first break of a robot (history, start, force) at or after index `cursor`; moves `cursor` to it.
+    fn next_own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
         let history = self.histories[robot].break_count();
         if *cursor < history {
             return self.histories[robot].break_at(*cursor);
@@ -335,12 +342,13 @@ impl Problem<'_> {
             return Some(Break { time: 0.0, order: 1, effect: 1.0 });
         }
         let mut force_cursor = *cursor - history - 1;
-        let found = self.forces[robot].next_break(&mut force_cursor);
+        let break_point = self.forces[robot].next_break(&mut force_cursor);
         *cursor = force_cursor + history + 1;
-        found
+        break_point
     }
 
-    fn solve(&self, workspace: &mut Workspace, writer: &mut Writer) -> Result<Outcome> {
+    /// Solves the problem: chooses steps that divide the delay or longer ones, and their number.
+    fn solve(&self, workspace: &mut Workspace, writer: &mut OutputWriter) -> Result<RunOutcome> {
         let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
         let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };
         let cells = (self.delay * self.fastest / REACH).ceil().max(1.0);
@@ -348,23 +356,23 @@ impl Problem<'_> {
         let divides = self.fastest * self.delay > SHORT_DELAY || follows_breaks;
         let intervals = if divides { self.end / self.delay } else { 0.0 };
         if self.fastest * self.end / REACH + intervals + breaks > MAX_STEPS {
-            return Err(too_stiff("too many steps would be needed", self.fastest));
+            return Err(too_stiff_error("too many steps would be needed", self.fastest));
         }
         if !divides {
-            let outcome = smooth::run(self, &mut workspace.smooth, writer);
-            if self.delay == 0.0 || !matches!(outcome, Outcome::Unresolved) {
+            let outcome = smooth::simulate_with_long_steps(self, &mut workspace.smooth, writer);
+            if self.delay == 0.0 || !matches!(outcome, RunOutcome::Unresolved) {
                 return Ok(outcome);
             }
             writer.restart();
         }
-        // cells as short as the breaks are dense keep the degree low where many cuts are to come
+        // Cells as short as the spacing of the breaks keep the degree low where there are many cuts.
         let mut cells = cells.max((self.delay / spacing).floor());
         loop {
             if cells > MAX_STEPS_PER_DELAY {
-                return Err(too_stiff("too many steps would be needed within one delay", self.fastest));
+                return Err(too_stiff_error("too many steps would be needed within one delay", self.fastest));
             }
-            match grid::run(self, cells as usize, &mut workspace.grid, writer) {
-                Outcome::Unresolved => {
+            match grid::simulate_on_grid(self, cells as usize, &mut workspace.grid, writer) {
+                RunOutcome::Unresolved => {
                     cells *= 2.0;
                     writer.restart();
                 }
@@ -374,17 +382,17 @@ impl Problem<'_> {
     }
 }
 
-fn too_stiff(what: &str, rate: f64) -> InvalidInput {
+/// The error for a simulation that needs too many steps.
+fn too_stiff_error(what: &str, rate: f64) -> InvalidInput {
     InvalidInput::new(
         "axis",
         format!("fastest rate {rate} 1/s"),
-        format!(
-            "{what}: the step follows the fastest rate of either side or force, beside duration and delay"
-        ),
+        format!("{what}: their number follows from the fastest rate, the duration and the delay"),
         "Lower damping, stiffness or frequency, raise the mass, or shorten the simulation.",
     )
 }
 
+/// Checks the values of the axis of a simulation.
 fn check_axis(axis: &DyadAxis) -> Result<()> {
     let check = |field: String, value: f64, positive: bool| {
         if value.is_finite() && (value > 0.0 || (!positive && value == 0.0)) {

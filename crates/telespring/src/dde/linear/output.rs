@@ -1,15 +1,15 @@
-//! The caller's arrays, filled step by step.
+//! Writes the outputs of a simulation into the caller's arrays.
 
-use super::LIMIT;
+use super::MAGNITUDE_LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
-/// True beyond [`LIMIT`] and for what is no number.
+/// True for positions beyond [`MAGNITUDE_LIMIT`] and for NaN.
 fn is_beyond(value: f64) -> bool {
-    value.is_nan() || value.abs() > LIMIT
+    value.is_nan() || value.abs() > MAGNITUDE_LIMIT
 }
 
-/// Writes positions and velocities at t = i/rate while the steps come in.
-pub(super) struct Writer<'a> {
+/// Writes positions and velocities at t = i/rate as the steps arrive.
+pub(super) struct OutputWriter<'a> {
     rate: f64,
     count: usize,
     next: [usize; 2],
@@ -17,7 +17,8 @@ pub(super) struct Writer<'a> {
     velocity: Option<[&'a mut [f64]; 2]>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> OutputWriter<'a> {
+    /// A writer for `count` outputs at `rate` (Hz) into the caller's arrays.
     pub(super) fn new(
         rate: f64,
         count: usize,
@@ -27,19 +28,19 @@ impl<'a> Writer<'a> {
         Self { rate, count, next: [0; 2], position, velocity }
     }
 
-    /// Starts again from the first output.
+    /// Restarts writing from the first output.
     pub(super) fn restart(&mut self) {
         self.next = [0; 2];
     }
 
-    /// True where every output of both robots is written.
+    /// True if every output of both robots is written.
     pub(super) fn is_complete(&self) -> bool {
         self.next.iter().all(|&next| next >= self.count)
     }
 
-    /// Writes the outputs of `robot` that fall into this step, which starts at `start` on the robot's
-    /// clock and ends in `state`; returns the time from which positions are beyond [`LIMIT`], if so.
-    pub(super) fn write(
+    /// Writes the outputs of `robot` within a step that starts at `start` on the robot's clock and ends in
+    /// `state`; returns the time from which positions exceed [`MAGNITUDE_LIMIT`], if they do.
+    pub(super) fn write_step(
         &mut self,
         robot: usize,
         start: Instant,
@@ -48,7 +49,7 @@ impl<'a> Writer<'a> {
     ) -> Option<f64> {
         let end = start.high + series.length;
         let first = self.next[robot];
-        // a point on the edge of two steps is taken from the first: both agree there
+        // A point on the edge of two steps is taken from the first: both agree there.
         let stop = ((end * self.rate * (1.0 + 2.0 * f64::EPSILON)).floor() + 1.0).max(0.0);
         let stop = if stop < self.count as f64 { stop as usize } else { self.count };
         let diverged = is_beyond(state.x);
@@ -57,11 +58,12 @@ impl<'a> Writer<'a> {
             let rest = (-nominal).mul_add(self.rate, first as f64) / self.rate;
             let u = ((nominal - start.high) - start.low + rest) / series.length;
             let spacing = 1.0 / (self.rate * series.length);
-            evaluate(series.used(), u, spacing, &mut self.position[robot][first..stop]);
+            evaluate(series.used_coefficients(), u, spacing, &mut self.position[robot][first..stop]);
             if let Some(velocity) = &mut self.velocity {
                 let mut slopes: Coefficients = [0.0; STRIDE];
                 let inverse = 1.0 / series.length;
-                for (n, (slope, value)) in slopes.iter_mut().zip(&series.used()[1..]).enumerate() {
+                for (n, (slope, value)) in slopes.iter_mut().zip(&series.used_coefficients()[1..]).enumerate()
+                {
                     *slope = (n + 1) as f64 * inverse * value;
                 }
                 evaluate(&slopes[..series.degree], u, spacing, &mut velocity[robot][first..stop]);
@@ -77,7 +79,7 @@ impl<'a> Writer<'a> {
         diverged.then_some(end)
     }
 
-    /// How many outputs lie before `time`.
+    /// The number of outputs before `time`.
     pub(super) fn count_before(&self, time: f64) -> usize {
         let estimate = (time * self.rate).floor().max(0.0) as usize;
         let mut count = estimate.saturating_sub(1);

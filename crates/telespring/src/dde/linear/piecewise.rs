@@ -1,38 +1,38 @@
-//! Piecewise polynomials of time, given or approximated from a function.
+//! Piecewise polynomials of time, given or fitted to a function.
 
 use super::series::{Coefficients, reexpand};
 use crate::error::{InvalidInput, Result};
 
-/// Highest degree of a piece that is accepted.
+/// The highest degree of a piece.
 const MAX_PIECE_DEGREE: usize = 24;
-/// Degree of the pieces that a function is approximated by.
+/// The degree of the pieces fitted to a function.
 const FIT_DEGREE: usize = 12;
-/// Most pieces that a function is cut into.
+/// The maximum number of pieces fitted to a function.
 const MAX_PIECES: usize = 100_000;
-/// What a function's approximation aims at, relative to the largest value met.
+/// The target error of a fit, relative to the largest value.
 const FIT_TOLERANCE: f64 = 1e-14;
-/// Times a piece is halved at most before its error is accepted (and reported).
+/// The maximum number of halvings of a piece before its error is accepted and reported.
 const MAX_HALVINGS: u32 = 30;
 
-/// A piecewise polynomial of time; outside its pieces the nearest end value is held.
+/// A piecewise polynomial of time; beyond its pieces the nearest end value is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewisePolynomial {
     edges: Vec<f64>,
     /// Coefficients in powers of (t − middle)/(half length), which runs from −1 to 1.
     pieces: Vec<Vec<f64>>,
-    /// False where an edge only ends a piece of one and the same smooth function.
+    /// False if an edge lies within a smooth function.
     breaks: Vec<bool>,
     error: f64,
 }
 
 impl PiecewisePolynomial {
-    /// A piecewise polynomial from its edges (s, rising) and, per piece, its coefficients in rising
-    /// powers of the time since the start of that piece (SI units).
+    /// Creates a piecewise polynomial from its edges (s, ascending) and the coefficients of each piece, in
+    /// ascending powers of the time since its start (SI units).
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where edges do not rise, counts do not match, a piece has no coefficient or
-    /// more than 25, or a number is not finite or beyond 1e12.
+    /// [`InvalidInput`] if edges are not ascending, counts do not match, a piece has no coefficient or more
+    /// than 25, or a number is not finite or beyond 1e12.
     ///
     /// # Examples
     ///
@@ -62,7 +62,7 @@ impl PiecewisePolynomial {
                     field,
                     format!("{} coefficient(s)", list.len()),
                     format!("a piece has 1 to {} coefficients", MAX_PIECE_DEGREE + 1),
-                    "Cut the piece into shorter ones of lower degree.",
+                    "Split the piece into shorter ones of lower degree.",
                 ));
             }
             let half = 0.5 * (edges[i + 1] - edges[i]);
@@ -77,17 +77,17 @@ impl PiecewisePolynomial {
         Ok(Self { edges, pieces, breaks, error: 0.0 })
     }
 
-    /// Approximates `function` on `start` to `end` (s) between its `breakpoints`, where it may jump or
-    /// bend, by Chebyshev interpolation on pieces that are halved until the error is negligible.
+    /// Approximates `function` from `start` to `end` (s) between its `breakpoints`, where it may jump or
+    /// have kinks, by Chebyshev interpolation on pieces that are halved until the error is negligible.
     ///
-    /// [`PiecewisePolynomial::error`] then tells the error found: it is measured between the nodes of
-    /// every piece, so it is an estimate, sound for functions that are smooth between the breakpoints.
-    /// The function is never asked at a breakpoint itself.
+    /// [`PiecewisePolynomial::error`] gives the error. It is measured between the nodes of every piece and
+    /// thus an estimate, reliable for functions that are smooth between the breakpoints. The function is
+    /// never evaluated at a breakpoint.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the span or a breakpoint is not finite, or the function returns a value
-    /// that is not finite or is beyond 1e12.
+    /// [`InvalidInput`] if the span or a breakpoint is not finite, or the function returns a value that is
+    /// not finite or is beyond 1e12.
     pub fn from_function(
         function: &mut dyn FnMut(f64) -> f64,
         breakpoints: &[f64],
@@ -108,7 +108,7 @@ impl PiecewisePolynomial {
         let mut fit =
             Fit { function, scale: 0.0, edges: vec![start], pieces: vec![], breaks: vec![true], error: 0.0 };
         for pair in edges.windows(2) {
-            fit.piece(pair[0], pair[1], 0)?;
+            fit.fit_piece(pair[0], pair[1], 0)?;
             if let Some(last) = fit.breaks.last_mut() {
                 *last = true;
             }
@@ -116,37 +116,37 @@ impl PiecewisePolynomial {
         Ok(Self { edges: fit.edges, pieces: fit.pieces, breaks: fit.breaks, error: fit.error })
     }
 
-    /// The largest approximation error found, in the unit of the values; 0 for given polynomials.
+    /// The largest estimated approximation error, in the unit of the values; 0 for given polynomials.
     pub fn error(&self) -> f64 {
         self.error
     }
 
-    /// The value at `time` (s).
+    /// The value of the piecewise polynomial at `time` (s).
     pub fn value(&self, time: f64) -> f64 {
         let mut local = [0.0; super::series::STRIDE];
         self.series(time, 0.0, time, &mut local);
         local[0]
     }
 
-    /// The edges of the pieces, s.
+    /// The edges of the pieces, ascending, s.
     pub fn edges(&self) -> &[f64] {
         &self.edges
     }
 
-    /// False where an edge does not end a smooth stretch.
+    /// False if the piecewise polynomial is smooth at an edge.
     pub(super) fn is_break(&self, edge: usize) -> bool {
         self.breaks[edge]
     }
 
-    /// The slope just before the last edge.
+    /// The slope of the piecewise polynomial just before the last edge.
     pub(super) fn final_slope(&self) -> f64 {
         let piece = self.pieces.len() - 1;
         let half = 0.5 * (self.edges[piece + 1] - self.edges[piece]);
         self.pieces[piece].iter().enumerate().map(|(n, c)| n as f64 * c).sum::<f64>() / half
     }
 
-    /// Writes the series of the piece around `middle` over [start, start + length]; returns how many
-    /// coefficients it has.
+    /// Writes the Taylor series of the piece around `middle` over [start, start + length]; returns the
+    /// number of coefficients.
     pub(super) fn series(&self, start: f64, length: f64, middle: f64, into: &mut Coefficients) -> usize {
         let (first, last) = (self.edges[0], self.edges[self.edges.len() - 1]);
         let held = if middle < first {
@@ -178,33 +178,35 @@ struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    fn ask(&mut self, time: f64) -> Result<f64> {
+    /// Evaluates the function that is being fitted.
+    fn evaluate_function(&mut self, time: f64) -> Result<f64> {
         let value = (self.function)(time);
-        if value.is_nan() || value.abs() > super::LIMIT {
+        if value.is_nan() || value.abs() > super::MAGNITUDE_LIMIT {
             return Err(InvalidInput::new(
                 format!("function({time})"),
                 value,
-                format!("a function of time must return finite numbers up to {:e}", super::LIMIT),
-                "Look at the function near this time.",
+                format!("a function of time must return finite numbers up to {:e}", super::MAGNITUDE_LIMIT),
+                "Check the function near this time.",
             ));
         }
         self.scale = self.scale.max(value.abs());
         Ok(value)
     }
 
-    fn piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
+    /// Fits a polynomial to the function from `start` to `end`, halving the interval where needed.
+    fn fit_piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
         const NODES: usize = FIT_DEGREE + 1;
         let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
         let mut values = [0.0; NODES];
         for (i, value) in values.iter_mut().enumerate() {
-            *value = self.ask(middle + half * node(i, NODES))?;
+            *value = self.evaluate_function(middle + half * chebyshev_node(i, NODES))?;
         }
-        let centred = interpolate(&values);
+        let centred = chebyshev_interpolant(&values);
         let mut error = 0.0_f64;
-        // checked at the nodes of the next but one degree: they lie between those of the fit
+        // Checked at the nodes of the next degree but one, which lie between those of the fit.
         for i in 0..NODES + 1 {
-            let w = node(i, NODES + 1);
-            let exact = self.ask(middle + half * w)?;
+            let w = chebyshev_node(i, NODES + 1);
+            let exact = self.evaluate_function(middle + half * w)?;
             error = error.max((centred.iter().rev().fold(0.0, |v, c| v * w + c) - exact).abs());
         }
         let splits = halvings < MAX_HALVINGS
@@ -213,8 +215,8 @@ impl Fit<'_> {
             && middle < end
             && half > 1e-13 * start.abs().max(end.abs());
         if error > FIT_TOLERANCE * self.scale && splits {
-            self.piece(start, middle, halvings + 1)?;
-            return self.piece(middle, end, halvings + 1);
+            self.fit_piece(start, middle, halvings + 1)?;
+            return self.fit_piece(middle, end, halvings + 1);
         }
         self.error = self.error.max(error);
         self.edges.push(end);
@@ -224,15 +226,15 @@ impl Fit<'_> {
     }
 }
 
-/// The i-th Chebyshev node of the first kind: never an end of the interval.
-fn node(i: usize, count: usize) -> f64 {
+/// The i-th Chebyshev node of the first kind, never an end of the interval.
+fn chebyshev_node(i: usize, count: usize) -> f64 {
     ((2 * i + 1) as f64 * std::f64::consts::PI / (2 * count) as f64).cos()
 }
 
-/// Power coefficients on [−1, 1] of the polynomial through the Chebyshev nodes.
-fn interpolate<const N: usize>(values: &[f64; N]) -> [f64; N] {
+/// The power coefficients on [−1, 1] of the polynomial through the Chebyshev nodes.
+fn chebyshev_interpolant<const N: usize>(values: &[f64; N]) -> [f64; N] {
     let mut powers = [0.0; N];
-    // T₀, T₁, … in powers, by their recurrence
+    // T₀, T₁, … in powers, by their recurrence.
     let (mut previous, mut current) = ([0.0; N], [0.0; N]);
     previous[0] = 1.0;
     current[1] = 1.0;
@@ -257,18 +259,20 @@ fn interpolate<const N: usize>(values: &[f64; N]) -> [f64; N] {
     powers
 }
 
+/// Checks that a number of a piecewise polynomial is finite and not too large.
 fn check_value(field: &str, value: f64) -> Result<()> {
-    if value.abs() <= super::LIMIT {
+    if value.abs() <= super::MAGNITUDE_LIMIT {
         return Ok(());
     }
     Err(InvalidInput::new(
         field,
         value,
-        format!("a number must be finite and at most {:e} in magnitude", super::LIMIT),
+        format!("a number must be finite and at most {:e} in magnitude", super::MAGNITUDE_LIMIT),
         "Check the unit: SI units are expected.",
     ))
 }
 
+/// Checks that the edges of the pieces ascend.
 fn check_edges(field: &str, edges: &[f64]) -> Result<()> {
     for (i, &edge) in edges.iter().enumerate() {
         check_value(&format!("{field}[{i}]"), edge)?;

@@ -1,19 +1,19 @@
-//! Taylor series on one step, in powers of u = (t − start)/length, so that u runs from 0 to 1.
+//! Taylor series on one step, in powers of u = (t − start)/length from 0 to 1.
 
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
-/// Highest degree of a series; a step that would need more is halved instead.
+/// The highest degree of a series; a step that needs more is halved.
 pub(super) const MAX_DEGREE: usize = 39;
-/// Coefficients stored per series.
+/// The number of coefficients stored per series.
 pub(super) const STRIDE: usize = MAX_DEGREE + 1;
-/// A series is long enough when its last two coefficients are below this part of its largest one.
+/// A series is resolved if its last two coefficients are below this fraction of its largest one.
 const TAIL: f64 = 1.0 / (1_u64 << 56) as f64;
 
 /// The coefficients of one step.
 pub(super) type Coefficients = [f64; STRIDE];
 
-/// One step's series: where it starts, how long it is, and which coefficients count.
+/// The Taylor series of one step: start, length, degree and coefficients.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Series {
     pub start: f64,
@@ -23,12 +23,13 @@ pub(super) struct Series {
 }
 
 impl Series {
-    pub(super) fn used(&self) -> &[f64] {
+    /// The coefficients of the Taylor series up to its degree.
+    pub(super) fn used_coefficients(&self) -> &[f64] {
         &self.coefficients[..=self.degree]
     }
 }
 
-/// 1/n and 1/(n (n + 1)), so that the recurrences never divide.
+/// 1/n and 1/(n (n + 1)), so that the recurrences need no division.
 struct Inverses {
     once: Coefficients,
     twice: Coefficients,
@@ -45,7 +46,7 @@ static INVERSES: Inverses = {
     table
 };
 
-/// The degree at which e^ρ is resolved to rounding, ρ = fastest rate · step length.
+/// The degree at which the series of e^ρ is resolved to rounding, ρ = fastest rate · step length.
 pub(super) fn degree_for(rho: f64) -> usize {
     let mut term = 1.0;
     let mut degree = 0;
@@ -56,8 +57,8 @@ pub(super) fn degree_for(rho: f64) -> usize {
     degree.clamp(5, MAX_DEGREE)
 }
 
-/// One side divided by its mass: x'' = −damping x' − stiffness x + coupling·d + damper·d' + force·f,
-/// d the delayed partner.
+/// One side divided by its mass: x'' = −damping x' − stiffness x + coupling·d + damper·d' + force·f, with
+/// the delayed partner position d.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rates {
     pub damping: f64,
@@ -68,8 +69,8 @@ pub(super) struct Rates {
 }
 
 impl Rates {
-    /// The largest magnitude of this side's own two characteristic roots, 1/s.
-    pub(super) fn fastest(&self) -> f64 {
+    /// The largest magnitude of the side's own two characteristic roots, 1/s.
+    pub(super) fn fastest_rate(&self) -> f64 {
         let half = 0.5 * self.damping;
         let discriminant = half * half - self.stiffness;
         if discriminant > 0.0 { half + discriminant.sqrt() } else { self.stiffness.sqrt() }
@@ -83,6 +84,7 @@ pub(super) struct State {
     pub v: f64,
 }
 
+/// a · b + c, fused if the processor supports it.
 #[inline(always)]
 fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
@@ -98,7 +100,7 @@ macro_rules! with_or_without_fma {
     };
 }
 
-/// What the recurrence of one side needs for steps of one length; kept while the length stays.
+/// The recurrence coefficients of one side for one step length; reused while the length stays the same.
 #[derive(Debug)]
 pub(super) struct Recurrence {
     length: f64,
@@ -113,8 +115,8 @@ impl Default for Recurrence {
     }
 }
 
-/// Fills `series` (up to its degree) for one side over one step and returns the state at its end, or
-/// nothing where the last coefficients are not negligible. `memory` must be this side's own.
+/// Fills the Taylor series of one side over one step and returns the state at its end, or `None` if the
+/// last coefficients are not negligible. `memory` must belong to this side.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+avx2+fma+bmi2",
     "x86_64+avx2+fma+bmi2",
@@ -134,6 +136,7 @@ pub(super) fn advance(
     with_or_without_fma!(advance_with(rates, memory, from, length, degree, delayed, force, series))
 }
 
+/// [`advance`] with or without fused multiply-add.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "private and hot; a struct would only rename them")]
 fn advance_with<const FMA: bool>(
@@ -161,7 +164,7 @@ fn advance_with<const FMA: bool>(
     let (mut lower, mut upper) = (from.x, from.v * length);
     series[0] = lower;
     series[1] = upper;
-    // the sums run from the third term on, so that the state itself is rounded only once
+    // The sums start with the third term, so that the state itself is rounded only once.
     let (mut sum, mut slope, mut order) = (0.0, 0.0, 2.0);
     for n in 0..terms {
         let next = fused::<FMA>(damping[n], upper, fused::<FMA>(stiffness[n], lower, drive[n]));
@@ -172,11 +175,12 @@ fn advance_with<const FMA: bool>(
         lower = upper;
         upper = next;
     }
-    resolved(&series[..=degree])
+    is_resolved(&series[..=degree])
         .then(|| State { x: from.x + fused::<FMA>(from.v, length, sum), v: from.v + slope / length })
 }
 
-/// Writes length²·(coupling·d + damper·d' + force·f), each coefficient divided by (n + 1)(n + 2).
+/// Writes the driving series length²·(coupling·d + damper·d' + force·f), each coefficient divided by (n +
+/// 1)(n + 2).
 #[inline(always)]
 fn drive_series<const FMA: bool>(
     rates: &Rates,
@@ -205,9 +209,9 @@ fn drive_series<const FMA: bool>(
     }
 }
 
-/// True where the last two coefficients are negligible beside the largest.
+/// True if the last two coefficients are negligible relative to the largest.
 #[inline(always)]
-pub(super) fn resolved(series: &[f64]) -> bool {
+pub(super) fn is_resolved(series: &[f64]) -> bool {
     let mut lanes = [0.0_f64; 8];
     let mut chunks = series.chunks_exact(8);
     for chunk in &mut chunks {
@@ -220,11 +224,11 @@ pub(super) fn resolved(series: &[f64]) -> bool {
     series[last].abs().max(series[last - 1].abs()) <= TAIL * largest
 }
 
-/// What [`advance_both`] works on.
-pub(super) struct Pair<'a> {
+/// The input of [`advance_both`].
+pub(super) struct CoupledStep<'a> {
     pub rates: &'a [Rates; 2],
     pub delay: f64,
-    /// (fastest rate · delay), which bounds how many terms a shift by the delay needs.
+    /// The product of fastest rate and delay, which bounds the terms that a shift by the delay needs.
     pub small: f64,
     pub from: [State; 2],
     pub length: f64,
@@ -234,26 +238,30 @@ pub(super) struct Pair<'a> {
     pub must_resolve: bool,
 }
 
-/// Most iterations of [`advance_both`] before the step is refused.
+/// The maximum number of iterations of [`advance_both`] before the step is rejected.
 const MAX_ITERATIONS: usize = 60;
 
-/// Both sides over one step on which both motions are smooth, also one delay before its start: each
-/// partner's delayed series is its own series shifted by the delay.
+/// Fills the Taylor series of both sides over one step on which both motions are smooth, also one delay
+/// before its start: the delayed series of each partner is its own series shifted by the delay.
 ///
-/// The shift's first terms enter the recurrence itself (they couple the two new coefficients through a
-/// 2×2 matrix); the rest, of third order in the delay (of second for the damper), is iterated.
+/// The first terms of the shift enter the recurrence itself (they couple the two new coefficients through a
+/// 2×2 matrix). The rest, of third order in the delay (second order for the damper), is iterated.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+avx2+fma+bmi2",
     "x86_64+avx2+fma+bmi2",
     "aarch64+neon"
 ))]
-pub(super) fn advance_both(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
+pub(super) fn advance_both(pair: &CoupledStep, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
     with_or_without_fma!(advance_both_with(pair, series))
 }
 
+/// [`advance_both`] with or without fused multiply-add.
 #[inline(always)]
-fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2]) -> Option<[State; 2]> {
-    let Pair { rates, delay, length, degree, .. } = *pair;
+fn advance_both_with<const FMA: bool>(
+    pair: &CoupledStep,
+    series: &mut [Coefficients; 2],
+) -> Option<[State; 2]> {
+    let CoupledStep { rates, delay, length, degree, .. } = *pair;
     let terms = degree - 1;
     let square = length * length;
     let mut fixed = [[0.0; STRIDE]; 2];
@@ -262,7 +270,7 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
         series[i][0] = pair.from[i].x;
         series[i][1] = pair.from[i].v * length;
     }
-    // what the own and the partner's last two coefficients contribute, the 2×2 matrix already solved
+    // The contribution of the own and the partner's last two coefficients, with the 2×2 matrix solved.
     let second = [0, 1].map(|i| (0.5 * rates[i].coupling * delay - rates[i].damper) * delay);
     let determinant = 1.0 / (1.0 - second[0] * second[1]);
     let own = [0, 1].map(|i| [-rates[i].damping * length, -rates[i].stiffness * square]);
@@ -281,7 +289,7 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
         }
     }
     let shift = delay / length;
-    // what the iterated rest amounts to
+    // Whether the iterated rest is negligible.
     let damped = rates.iter().any(|r| r.damper > 0.0);
     let negligible = pair.small.powi(if damped { 2 } else { 3 }) < 1e-17;
     let mut lagged = fixed;
@@ -323,26 +331,26 @@ fn advance_both_with<const FMA: bool>(pair: &Pair, series: &mut [Coefficients; 2
                 change = change.max((old.x - new.x).abs()).max((old.v - new.v).abs() * length);
                 size = size.max(new.x.abs()).max(new.v.abs() * length);
             }
-            // at the level of rounding the change stops shrinking
+            // At the level of rounding the change stops shrinking.
             settled = change <= 2.0 * f64::EPSILON * size
                 || (change >= change_before && change <= 64.0 * f64::EPSILON * size);
             latest = change;
         }
         if settled {
-            let enough = !pair.must_resolve || series.iter().all(|series| resolved(&series[..=degree]));
+            let enough = !pair.must_resolve || series.iter().all(|series| is_resolved(&series[..=degree]));
             return enough.then_some(states);
         }
         before = Some((states, latest));
         for i in 0..2 {
             let partner = &series[1 - i][..=degree];
             let mut lag = [0.0; STRIDE];
-            shifted_from::<FMA>(partner, shift, pair.small, 3, &mut lag);
+            shift_remainder::<FMA>(partner, shift, pair.small, 3, &mut lag);
             let gain = rates[i].coupling * square;
             for n in 0..terms {
                 lagged[i][n] = fused::<FMA>(gain * INVERSES.twice[n], lag[n], fixed[i][n]);
             }
             if rates[i].damper > 0.0 {
-                shifted_from::<FMA>(partner, shift, pair.small, 2, &mut lag);
+                shift_remainder::<FMA>(partner, shift, pair.small, 2, &mut lag);
                 for n in 0..terms {
                     let gain = rates[i].damper * length * INVERSES.once[n];
                     lagged[i][n] = fused::<FMA>(gain, lag[n + 1], lagged[i][n]);
@@ -385,17 +393,16 @@ static FACTORIAL: (Coefficients, Coefficients) = {
     table
 };
 
-/// Of p(u − shift), the terms in shift^l with l from `order` on; `small` bounds their decay, which is
-/// about small^l / l!.
+/// The terms of p(u − shift) in shift^l with l ≥ `order`; `small` bounds their decay, about small^l / l!.
 #[inline(always)]
-fn shifted_from<const FMA: bool>(
+fn shift_remainder<const FMA: bool>(
     series: &[f64],
     shift: f64,
     small: f64,
     order: usize,
     into: &mut Coefficients,
 ) {
-    // on derivatives instead of coefficients a shift is a plain convolution
+    // On derivatives instead of coefficients a shift is a convolution.
     let mut derivatives = [0.0; 2 * STRIDE];
     for (n, value) in series.iter().enumerate() {
         derivatives[n] = value * FACTORIAL.0[n];
@@ -430,7 +437,7 @@ static LANE: [f64; LANES] = {
     lane
 };
 
-/// Evaluates a series at u = first + i·spacing into `out`.
+/// Evaluates a Taylor series at u = first + i·spacing into `out`.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+avx2+fma+bmi2",
     "x86_64+avx2+fma+bmi2",
@@ -440,6 +447,7 @@ pub(super) fn evaluate(series: &[f64], first: f64, spacing: f64, out: &mut [f64]
     with_or_without_fma!(evaluate_with(series, first, spacing, out))
 }
 
+/// [`evaluate`] with or without fused multiply-add.
 #[inline(always)]
 fn evaluate_with<const FMA: bool>(series: &[f64], first: f64, spacing: f64, out: &mut [f64]) {
     let mut done = 0;
@@ -449,7 +457,7 @@ fn evaluate_with<const FMA: bool>(series: &[f64], first: f64, spacing: f64, out:
         done += LANES;
     }
     while done < out.len() {
-        // padded lanes: the result of a point must not depend on how many are asked for
+        // Padded lanes: the result at a point must not depend on the number of points.
         let values = horner::<FMA, 8>(series, first, spacing, done);
         let count = (out.len() - done).min(8);
         out[done..done + count].copy_from_slice(&values[..count]);
@@ -479,7 +487,7 @@ fn horner<const FMA: bool, const N: usize>(
     values
 }
 
-/// A time as a sum of two numbers, so that long simulations keep full precision inside a step.
+/// A time as the sum of two numbers, so that long simulations keep full precision within a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Instant {
     pub high: f64,
@@ -487,7 +495,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// multiple · unit + offset.
+    /// The time multiple · unit + offset, without rounding error.
     pub(super) fn new(multiple: f64, unit: f64, offset: f64) -> Self {
         let product = multiple * unit;
         let error = multiple.mul_add(unit, -product);

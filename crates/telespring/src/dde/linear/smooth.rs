@@ -1,45 +1,47 @@
-//! Steps longer than the delay, for delays much shorter than the robots' own times (and none at all).
+//! Simulation with steps longer than the delay, for delays much shorter than the time constants of the
+//! robots, or zero.
 //!
-//! A break is followed for the few delays within which its echoes matter; from then on the motion is
-//! smooth and a step's delayed series is the partner's own series on the same step, shifted by the delay:
-//! a fixed point that contracts by about (fastest rate · delay) with each iteration.
+//! A break is followed for the few delays in which its echoes matter. From then on the motion is smooth,
+//! and the delayed series of a step is the partner's own series shifted by the delay: a fixed-point
+//! iteration that contracts by about (fastest rate · delay).
 
 use std::collections::VecDeque;
 
 use super::force::Break;
-use super::output::Writer;
+use super::output::OutputWriter;
 use super::series::{
-    Coefficients, Instant, Pair, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
-    reexpand, resolved,
+    Coefficients, CoupledStep, Instant, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
+    is_resolved, reexpand,
 };
-use super::{Outcome, Problem};
+use super::{Problem, RunOutcome};
 
-/// Largest (fastest rate · step length).
+/// The largest product of fastest rate and step length.
 const REACH: f64 = 2.0;
 
-/// Memory of the method, kept from one simulation to the next.
+/// The memory of the method, reused between simulations.
 #[derive(Debug, Default)]
-pub(super) struct Smooth {
+pub(super) struct LongSteps {
     past: [VecDeque<Series>; 2],
     events: Vec<f64>,
     recurrences: [Recurrence; 2],
-    map: Map,
+    map: StepMap,
 }
 
-/// Most steps for which the map is used: its rounding is the same in every step and adds up.
+/// The maximum number of steps with the map: its rounding error is the same in every step and accumulates.
 const MAP_STEPS: f64 = 1e4;
 
-/// The full step as a linear map, built once: what position, velocity and constant force of each robot
-/// contribute to both series and both end states.
+/// The full step as a linear map, built once: the contributions of position, velocity and constant force of
+/// each robot to both series and both end states.
 #[derive(Debug, Default)]
-struct Map {
+struct StepMap {
     columns: Vec<([Coefficients; 2], [State; 2])>,
     length: f64,
     degree: usize,
 }
 
-impl Map {
-    fn build(&mut self, pair: &Pair) -> Option<()> {
+impl StepMap {
+    /// Builds the columns of the step map from unit states and forces.
+    fn build(&mut self, pair: &CoupledStep) -> Option<()> {
         self.columns.clear();
         (self.length, self.degree) = (pair.length, pair.degree);
         for column in 0..6 {
@@ -52,19 +54,20 @@ impl Map {
                 _ => force[robot][0] = Self::unit_force(pair, robot),
             }
             let mut series = [[0.0; STRIDE]; 2];
-            let unit = Pair { from, force: [&force[0], &force[1]], must_resolve: false, ..*pair };
+            let unit = CoupledStep { from, force: [&force[0], &force[1]], must_resolve: false, ..*pair };
             let end = advance_both(&unit, &mut series)?;
             self.columns.push((series, end));
         }
         Some(())
     }
 
-    /// The force whose contribution is of the order of one.
-    fn unit_force(pair: &Pair, robot: usize) -> f64 {
+    /// A force whose contribution to the step map is about one.
+    fn unit_force(pair: &CoupledStep, robot: usize) -> f64 {
         1.0 / (pair.rates[robot].force * pair.length * pair.length)
     }
 
-    fn apply(&self, pair: &Pair, series: &mut [Coefficients; 2]) -> [State; 2] {
+    /// Applies the step map to the states and forces of a step.
+    fn apply(&self, pair: &CoupledStep, series: &mut [Coefficients; 2]) -> [State; 2] {
         let mut states = [State::default(); 2];
         for (column, (unit, end)) in self.columns.iter().enumerate() {
             let (robot, kind) = (column / 3, column % 3);
@@ -85,21 +88,26 @@ impl Map {
     }
 }
 
-struct March<'a> {
+struct LongStepRun<'a> {
     problem: &'a Problem<'a>,
-    memory: &'a mut Smooth,
+    memory: &'a mut LongSteps,
     states: [State; 2],
     clock: f64,
-    /// What rounding has left out of the clock.
+    /// The rounding error of the clock.
     clock_rest: f64,
-    /// From here on no echo of a break matters any more.
+    /// From this time on no echo of a break matters.
     quiet_from: f64,
     cursors: [usize; 2],
-    /// Terms beyond the usual degree, where the last attempt was not resolved.
+    /// Additional terms if the last attempt was not resolved.
     more_terms: usize,
 }
 
-pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -> Outcome {
+/// Simulates with steps longer than the delay.
+pub(super) fn simulate_with_long_steps(
+    problem: &Problem,
+    memory: &mut LongSteps,
+    writer: &mut OutputWriter,
+) -> RunOutcome {
     memory.events.clear();
     for past in &mut memory.past {
         past.clear();
@@ -107,7 +115,7 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
     memory.recurrences = Default::default();
     memory.map.columns.clear();
     let states = [0, 1].map(|i| problem.histories[i].start());
-    let mut march = March {
+    let mut march = LongStepRun {
         problem,
         memory,
         states,
@@ -123,27 +131,27 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
     let may_map = limit / longest <= MAP_STEPS;
     let mut cut = 1.0;
     while !writer.is_complete() {
-        march.meet_breaks();
-        // the last step ends at the last output, or a little later where that is at 0
+        march.take_reached_breaks();
+        // The last step ends at the last output, or slightly later if that is at 0.
         let left = (limit - march.clock).max(problem.delay).max(f64::MIN_POSITIVE.max(1e-9 * limit));
-        let room = march.room().min(left).min(longest);
+        let room = march.time_to_next_event().min(left).min(longest);
         let room = cut * if room > 0.0 { room } else { 1e-9 };
         let explicit = march.clock < march.quiet_from;
         let next = march.clock + room;
-        // steps of one length go on exactly; all others end exactly at their event
+        // Steps of the full length continue exactly; all others end exactly at their event.
         let full = !explicit && room == longest && may_map;
         let gone = (next - march.clock) - march.clock_rest;
         let (length, rest) = if full { (room, room - gone) } else { (gone, 0.0) };
-        let done = if explicit { march.explicit(length) } else { march.implicit(length, full) };
+        let done = if explicit { march.explicit_step(length) } else { march.implicit_step(length, full) };
         let Some(states) = done else {
-            // a side that hardly moves yet needs more terms to resolve its own small motion
+            // A side that hardly moves needs more terms to resolve its small motion.
             if march.more_terms < STRIDE {
                 march.more_terms += 8;
                 continue;
             }
             (cut, march.more_terms) = (0.5 * cut, 0);
             if cut < 1e-3 {
-                return Outcome::Unresolved;
+                return RunOutcome::Unresolved;
             }
             continue;
         };
@@ -153,30 +161,32 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
             if let Some((start, state)) = advanced {
                 march.states[i] = state;
                 if let Some(step) = march.memory.past[i].back()
-                    && let Some(at) = writer.write(i, start, step, state)
+                    && let Some(at) = writer.write_step(i, start, step, state)
                 {
                     diverged = diverged.min(at);
                 }
             }
         }
         if diverged.is_finite() {
-            return Outcome::Diverged { at: diverged };
+            return RunOutcome::Diverged { at: diverged };
         }
         (march.clock, march.clock_rest) = (next, rest);
-        march.forget();
+        march.drop_old_steps();
     }
-    Outcome::Completed
+    RunOutcome::Completed
 }
 
 type Advanced = [Option<(Instant, State)>; 2];
 
-impl March<'_> {
+impl LongStepRun<'_> {
+    /// The distance within which two times on the common clock coincide, s.
     fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.clock.abs().max(self.problem.delay)
     }
 
-    /// How many delays a break is followed: until a kink of its order over one delay is rounding.
-    fn echoes(&self, order: usize) -> usize {
+    /// The number of delays for which a break is followed, until a kink of its order over one delay is
+    /// rounding.
+    fn echo_count(&self, order: usize) -> usize {
         let small = self.problem.fastest * self.problem.delay;
         let growth = if self.problem.rates[0].damper > 0.0 { 1 } else { 2 };
         let (mut order, mut echoes) = (order + 1, 0);
@@ -191,10 +201,10 @@ impl March<'_> {
         echoes
     }
 
-    /// Adds a break at `clock` and its echoes to the events still to come.
+    /// Adds a break at `clock` and its echoes to the upcoming events.
     fn add_event(&mut self, clock: f64, order: usize) {
         let delay = self.problem.delay;
-        let echoes = if delay > 0.0 { self.echoes(order) } else { 0 };
+        let echoes = if delay > 0.0 { self.echo_count(order) } else { 0 };
         for echo in 0..=echoes {
             let at = clock + echo as f64 * delay;
             if at > self.clock + self.tolerance() {
@@ -206,15 +216,15 @@ impl March<'_> {
         self.quiet_from = self.quiet_from.max(quiet);
     }
 
-    /// The steps before the start, from both histories.
+    /// Stores the history of both robots as steps before the start.
     fn remember_history(&mut self) {
         for i in 0..2 {
             let (history, offset) = (&self.problem.histories[i], self.problem.offsets[i]);
             let mut edges = vec![-self.problem.delay];
             let mut orders = vec![(offset, 1)];
-            for found in (0..history.break_count()).filter_map(|n| history.break_at(n)) {
-                let clock = found.time + offset;
-                orders.push((clock, found.order));
+            for break_point in (0..history.break_count()).filter_map(|n| history.break_at(n)) {
+                let clock = break_point.time + offset;
+                orders.push((clock, break_point.order));
                 if clock > -self.problem.delay && clock < offset {
                     edges.push(clock);
                 }
@@ -234,7 +244,7 @@ impl March<'_> {
             for (clock, order) in orders {
                 self.add_event(clock, order);
             }
-            // history and start are dealt with; the forces' breaks follow
+            // History and start are done; the breaks of the forces follow.
             self.cursors[i] = history.break_count() + 1;
         }
     }
@@ -243,65 +253,68 @@ impl March<'_> {
     fn next_break(&mut self) -> Option<(usize, f64, Break)> {
         let mut earliest: Option<(usize, f64, Break)> = None;
         for i in 0..2 {
-            if let Some(found) = self.problem.own_break(i, &mut self.cursors[i]) {
-                let clock = found.time + self.problem.offsets[i];
+            if let Some(break_point) = self.problem.next_own_break(i, &mut self.cursors[i]) {
+                let clock = break_point.time + self.problem.offsets[i];
                 if earliest.is_none_or(|(_, time, _)| clock < time) {
-                    earliest = Some((i, clock, found));
+                    earliest = Some((i, clock, break_point));
                 }
             }
         }
         earliest
     }
 
-    /// Takes in the breaks that the clock has reached and forgets the events behind it.
-    fn meet_breaks(&mut self) {
+    /// Adds the breaks that the clock has reached and drops the events behind it.
+    fn take_reached_breaks(&mut self) {
         let reached = self.clock + self.tolerance();
-        while let Some((robot, clock, found)) = self.next_break() {
+        while let Some((robot, clock, break_point)) = self.next_break() {
             if clock > reached {
                 break;
             }
             self.cursors[robot] += 1;
-            self.add_event(clock, found.order);
+            self.add_event(clock, break_point.order);
         }
         while self.memory.events.last().is_some_and(|&event| event <= reached) {
             self.memory.events.pop();
         }
     }
 
-    /// Time until the next event.
-    fn room(&mut self) -> f64 {
+    /// The time until the next break or echo of a break.
+    fn time_to_next_event(&mut self) -> f64 {
         let next = self.next_break().map_or(f64::INFINITY, |(_, clock, _)| clock);
         self.memory.events.last().copied().unwrap_or(f64::INFINITY).min(next) - self.clock
     }
 
-    fn local(&self, robot: usize) -> Instant {
+    /// The current time on the clock of a robot.
+    fn robot_time(&self, robot: usize) -> Instant {
         let mut local = Instant::new(1.0, self.clock, -self.problem.offsets[robot]);
         local.low += self.clock_rest;
         local
     }
 
-    fn started(&self, robot: usize) -> bool {
+    /// Whether the clock of a robot has started.
+    fn has_started(&self, robot: usize) -> bool {
         self.clock + self.tolerance() >= self.problem.offsets[robot]
     }
 
-    fn degree(&self, length: f64) -> usize {
+    /// The degree of a Taylor series for a step length.
+    fn series_degree(&self, length: f64) -> usize {
         (degree_for(self.problem.fastest * length) + 2 + self.more_terms).min(STRIDE - 1)
     }
 
-    /// A step not longer than the delay: what the partner did is known.
-    fn explicit(&mut self, length: f64) -> Option<Advanced> {
+    /// A step no longer than the delay: the delayed partner series is known.
+    fn explicit_step(&mut self, length: f64) -> Option<Advanced> {
         let mut advanced = [None; 2];
         let mut steps = [None; 2];
-        let degree = self.degree(length);
+        let degree = self.series_degree(length);
         for i in 0..2 {
-            if !self.started(i) {
+            if !self.has_started(i) {
                 continue;
             }
-            let local = self.local(i);
+            let local = self.robot_time(i);
             let mut force = [0.0; STRIDE];
             let terms = self.problem.forces[i].series(local, length, degree, &mut force);
             let mut delayed = [0.0; STRIDE];
-            let known = self.window(1 - i, self.clock - self.problem.delay, length, &mut delayed);
+            let known = self.window_series(1 - i, self.clock - self.problem.delay, length, &mut delayed);
             let mut step = Series { start: self.clock, length, degree, coefficients: [0.0; STRIDE] };
             let end = advance(
                 &self.problem.rates[i],
@@ -322,8 +335,8 @@ impl March<'_> {
         Some(advanced)
     }
 
-    /// Writes the series of a robot over a window of the past and returns how many coefficients it has.
-    fn window(&self, robot: usize, start: f64, length: f64, into: &mut Coefficients) -> usize {
+    /// Writes the series of a robot over a window in the past; returns the number of coefficients.
+    fn window_series(&self, robot: usize, start: f64, length: f64, into: &mut Coefficients) -> usize {
         let mut best: Option<(f64, &Series)> = None;
         for step in self.memory.past[robot].iter().rev() {
             let overlap = (step.start + step.length).min(start + length) - step.start.max(start);
@@ -335,18 +348,18 @@ impl March<'_> {
             }
         }
         let Some((_, step)) = best else { return 0 };
-        reexpand(step.used(), (start - step.start) / step.length, length / step.length, into);
+        reexpand(step.used_coefficients(), (start - step.start) / step.length, length / step.length, into);
         step.degree + 1
     }
 
-    /// A step of any length in a smooth stretch: both partners at once.
-    fn implicit(&mut self, length: f64, full: bool) -> Option<Advanced> {
-        let degree = self.degree(length);
-        let locals = [self.local(0), self.local(1)];
+    /// A step of any length in a smooth interval, both partners at once.
+    fn implicit_step(&mut self, length: f64, full: bool) -> Option<Advanced> {
+        let degree = self.series_degree(length);
+        let locals = [self.robot_time(0), self.robot_time(1)];
         let mut force = [[0.0; STRIDE]; 2];
         let terms = [0, 1].map(|i| self.problem.forces[i].series(locals[i], length, degree, &mut force[i]));
         let force = [&force[0][..terms[0]], &force[1][..terms[1]]];
-        let pair = Pair {
+        let pair = CoupledStep {
             rates: &self.problem.rates,
             delay: self.problem.delay,
             small: self.problem.fastest * self.problem.delay,
@@ -363,7 +376,7 @@ impl March<'_> {
                 map.build(&pair)?;
             }
             let states = map.apply(&pair, &mut series);
-            if !series.iter().all(|series| resolved(&series[..=degree])) {
+            if !series.iter().all(|series| is_resolved(&series[..=degree])) {
                 return None;
             }
             states
@@ -377,7 +390,7 @@ impl March<'_> {
     }
 
     /// Drops steps that no delayed window can reach any more.
-    fn forget(&mut self) {
+    fn drop_old_steps(&mut self) {
         let needed = self.clock - 1.01 * self.problem.delay;
         for past in &mut self.memory.past {
             while past.len() > 1 && past.front().is_some_and(|step| step.start + step.length < needed) {

@@ -1,19 +1,18 @@
-//! A handle with an arm that is the same in every pose: M v' = F − B v − friction on each axis.
+//! A robot with a lumped arm, constant in every pose: M v' = F − B v − friction on each axis.
 //!
-//! The forces are held, so that the motion between two events is known exactly. Events are the stop, where
-//! v passes zero, and the start, where the axis lets go. At rest the friction balances any force up to the
-//! Coulomb level; in motion it is the Coulomb level against the motion (static and kinetic friction are
-//! equal).
+//! Forces are held, so the motion between two events is known exactly. Events are the stop, where v passes
+//! zero, and the start, where the axis breaks loose. At rest, friction balances any force up to the Coulomb
+//! level; in motion it opposes the motion at the Coulomb level (static and kinetic friction are equal).
 
 use super::RelaxingForce;
 use crate::rig::Handle;
 
-/// One axis.
+/// One axis of robot and arm.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
-    /// Robot and arm together, kg.
+    /// Combined mass of robot and arm, kg.
     mass: f64,
-    /// Robot and arm together, N·s/m.
+    /// Combined damping of robot and arm, N·s/m.
     damping: f64,
     /// N.
     coulomb: f64,
@@ -21,15 +20,15 @@ struct Axis {
     arm_damping: f64,
     position: f64,
     velocity: f64,
-    /// For the span that was used last.
-    step: Step,
+    /// The exact map of the last span.
+    step: SpanMap,
     relaxation: Relaxation,
 }
 
-/// What a span does to an axis without friction: with z = B·span/M,
-/// v ← decay·v + gain·F and x ← x + reach·v + push·F.
+/// The exact map of an axis without friction over a span: with z = B·span/M, v ← decay·v + gain·F and x ← x
+/// + reach·v + push·F.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct SpanMap {
     span: f64,
     decay: f64,
     gain: f64,
@@ -37,8 +36,8 @@ struct Step {
     push: f64,
 }
 
-/// φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z, z ≥ 0.
-pub(super) fn averages(z: f64) -> (f64, f64) {
+/// The averages φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z of an exponential, z ≥ 0.
+pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
     if z > 0.5 {
         let first = -(-z).exp_m1() / z;
         return (first, (1.0 - first) / z);
@@ -52,10 +51,11 @@ pub(super) fn averages(z: f64) -> (f64, f64) {
     (1.0 - z * second, second)
 }
 
-impl Step {
+impl SpanMap {
+    /// The exact map of an axis with this mass (kg) and damping (N·s/m) over a span (s).
     fn new(mass: f64, damping: f64, span: f64) -> Self {
         let z = damping / mass * span;
-        let (first, second) = averages(z);
+        let (first, second) = exponential_averages(z);
         Self {
             span,
             decay: (-z).exp(),
@@ -66,7 +66,7 @@ impl Step {
     }
 }
 
-/// What a force e^(−t/τ) adds over a span to the velocity and the position of an axis without friction.
+/// The effect of a force e^(−t/τ) over a span on velocity and position of an axis without friction.
 #[derive(Debug, Clone, Copy)]
 struct Relaxation {
     span: f64,
@@ -80,9 +80,9 @@ impl Relaxation {
     fn new(mass: f64, damping: f64, time_constant: f64, span: f64) -> Self {
         let (p, q) = (damping / mass * span, span / time_constant);
         let (low, high) = (p.min(q), p.max(q));
-        let first = (-low).exp() * averages(high - low).0;
+        let first = (-low).exp() * exponential_averages(high - low).0;
         let second = if high > 1.0 {
-            (averages(low).0 - first) / high
+            (exponential_averages(low).0 - first) / high
         } else {
             // Σ hₙ(−p, −q)/(n+2)!, hₙ the complete homogeneous polynomial
             let (mut power, mut sum, mut factorial, mut second) = (1.0, 1.0, 0.5, 0.5);
@@ -99,51 +99,52 @@ impl Relaxation {
 }
 
 impl Axis {
-    /// Moves on under a constant force, without a look at the friction.
-    fn glide(&mut self, step: &Step, force: f64) {
+    /// Moves an axis under a constant force, friction not considered.
+    fn slide(&mut self, step: &SpanMap, force: f64) {
         self.position += step.reach * self.velocity + step.push * force;
         self.velocity = step.decay * self.velocity + step.gain * force;
     }
 
+    /// Moves an axis over a span under a held force, with friction.
     fn advance(&mut self, force: f64, span: f64) {
         if self.step.span != span {
-            self.step = Step::new(self.mass, self.damping, span);
+            self.step = SpanMap::new(self.mass, self.damping, span);
         }
         let step = self.step;
         if self.coulomb == 0.0 {
-            return self.glide(&step, force);
+            return self.slide(&step, force);
         }
         if self.velocity == 0.0 {
-            return self.start(force, &step);
+            return self.start_from_rest(force, &step);
         }
         let net = force - self.coulomb.copysign(self.velocity);
         let end = step.decay * self.velocity + step.gain * net;
         if net * self.velocity >= 0.0 {
-            // nothing drives it to rest; a strong damping may bring the velocity itself to a rounded 0
-            return self.glide(&step, net);
+            // Nothing stops it; strong damping may round the velocity to 0.
+            return self.slide(&step, net);
         }
         if end != 0.0 && end.is_sign_positive() == self.velocity.is_sign_positive() {
-            // v is monotonic under a constant force: it has not passed zero
-            return self.glide(&step, net);
+            // v is monotonic under a constant force: it has not passed zero.
+            return self.slide(&step, net);
         }
-        // v = 0 at t = (M/B) ln(1 − B v/net); net is against v here
+        // v = 0 at t = (M/B) ln(1 − B v/net); net opposes v here.
         let ratio = -self.damping * self.velocity / net;
         let stretched = if ratio < 1e-300 { 1.0 } else { ratio.ln_1p() / ratio };
         let stop = (-self.mass * self.velocity / net * stretched).min(span);
-        let until = Step::new(self.mass, self.damping, stop);
+        let until = SpanMap::new(self.mass, self.damping, stop);
         self.position += until.reach * self.velocity + until.push * net;
         self.velocity = 0.0;
-        self.start(force, &Step::new(self.mass, self.damping, span - stop));
+        self.start_from_rest(force, &SpanMap::new(self.mass, self.damping, span - stop));
     }
 
-    /// From rest: stays, or lets go at once and cannot stop again under a constant force.
-    fn start(&mut self, force: f64, step: &Step) {
+    /// From rest: sticks, or breaks loose at once and cannot stop again under a constant force.
+    fn start_from_rest(&mut self, force: f64, step: &SpanMap) {
         if force.abs() > self.coulomb {
-            self.glide(step, force - self.coulomb.copysign(force));
+            self.slide(step, force - self.coulomb.copysign(force));
         }
     }
 
-    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ), without a look at the friction.
+    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ), friction not considered.
     fn advance_relaxing(&mut self, held: f64, relaxing: f64, time_constant: f64, span: f64) {
         if self.relaxation.span != span {
             self.relaxation = Relaxation::new(self.mass, self.damping, time_constant, span);
@@ -153,7 +154,8 @@ impl Axis {
         self.position += self.relaxation.push * relaxing;
     }
 
-    fn friction(&self, force: f64) -> f64 {
+    /// The Coulomb friction on the axis under a force, N.
+    fn friction_force(&self, force: f64) -> f64 {
         if self.velocity == 0.0 {
             force.clamp(-self.coulomb, self.coulomb)
         } else {
@@ -161,21 +163,22 @@ impl Axis {
         }
     }
 
+    /// The force of the lumped arm on the handle on one axis, N.
     fn handle_force(&self, robot_force: f64, hand_force: f64) -> f64 {
         let force = robot_force + hand_force;
-        let acceleration = (force - self.damping * self.velocity - self.friction(force)) / self.mass;
+        let acceleration = (force - self.damping * self.velocity - self.friction_force(force)) / self.mass;
         hand_force - self.arm_mass * acceleration - self.arm_damping * self.velocity
     }
 }
 
-/// A handle with a lumped arm.
+/// A robot with a lumped arm.
 #[derive(Debug, Clone)]
 pub struct LumpedPlant {
     axes: [Axis; 2],
 }
 
 impl LumpedPlant {
-    /// At rest at `position` (m), with the arm's mass (kg) and damping (N·s/m) per axis; both zero is the
+    /// At rest at `position` (m), with mass (kg) and damping (N·s/m) of the arm per axis; both zero is the
     /// ideal massless arm.
     pub fn new(handle: Handle, arm_mass: [f64; 2], arm_damping: [f64; 2], position: [f64; 2]) -> Self {
         let axis = |axis: usize| {
@@ -189,14 +192,14 @@ impl LumpedPlant {
                 arm_damping: arm_damping[axis],
                 position: position[axis],
                 velocity: 0.0,
-                step: Step::new(mass, damping, 0.0),
+                step: SpanMap::new(mass, damping, 0.0),
                 relaxation: Relaxation { span: 0.0, gain: 0.0, push: 0.0 },
             }
         };
         Self { axes: [axis(0), axis(1)] }
     }
 
-    /// The same at `velocity`, m/s.
+    /// The same plant with this velocity, m/s.
     #[must_use]
     pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
         for (axis, velocity) in self.axes.iter_mut().zip(velocity) {
@@ -205,25 +208,25 @@ impl LumpedPlant {
         self
     }
 
-    /// Where the handle is, m.
+    /// The position of the handle with the lumped arm, m.
     pub fn position(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.position)
     }
 
-    /// How fast the handle moves, m/s.
+    /// The velocity of the handle with the lumped arm, m/s.
     pub fn velocity(&self) -> [f64; 2] {
         self.axes.each_ref().map(|axis| axis.velocity)
     }
 
-    /// Moves on by `span` s under held forces, N per axis.
+    /// Moves the plant over `span` s under held forces, N per axis.
     pub fn advance(&mut self, robot_force: [f64; 2], hand_force: [f64; 2], span: f64) {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             axis.advance(robot_force[index] + hand_force[index], span);
         }
     }
 
-    /// Moves on by `span` s while the robot's force relaxes; exact without Coulomb friction, with it the
-    /// mean of the force over the span is held.
+    /// Moves the plant over `span` s under an exponentially relaxing robot force: exact without Coulomb
+    /// friction; with friction the mean force is held.
     pub fn advance_relaxing(&mut self, robot_force: &RelaxingForce, hand_force: [f64; 2], span: f64) {
         let mean = robot_force.mean(span);
         for (index, axis) in self.axes.iter_mut().enumerate() {
@@ -237,7 +240,7 @@ impl LumpedPlant {
         }
     }
 
-    /// The force of the arm on the handle under these forces, N per axis; of the massless arm the hand's.
+    /// The force of the arm on the handle, N per axis; for a massless arm the force of the hand.
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|index| self.axes[index].handle_force(robot_force[index], hand_force[index]))
     }

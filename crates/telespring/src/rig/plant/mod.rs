@@ -1,4 +1,4 @@
-//! What moves: a robot's handle with the arm that holds it.
+//! Plants: a robot with the arm that holds its handle.
 
 mod lumped;
 mod two_link;
@@ -9,69 +9,69 @@ pub use two_link::{SMALLEST_ELBOW_SINE, TwoLinkPlant};
 use super::{Arm, Handle};
 use crate::error::{InvalidInput, Result};
 
-/// An arm cannot reach the handle's position.
+/// The arm cannot reach the position of the handle.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the arm cannot reach x = {} m, y = {} m", .position[0], .position[1])]
 pub struct OutOfReach {
-    /// Where it should be, or where it was last in reach, m.
+    /// The requested position, or the last one within reach, m.
     pub position: [f64; 2],
 }
 
-/// Why a plant could not move on.
+/// Why a plant cannot move on.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Halt {
-    /// The arm would have to stretch further than it can.
+    /// The arm would have to stretch beyond its reach.
     #[error(transparent)]
     OutOfReach(#[from] OutOfReach),
-    /// Time constants so short, beside the span, that it would take more steps than a span is given.
+    /// The time constants are so short that the span would need too many steps.
     #[error("the motion is too stiff to follow at x = {} m, y = {} m", .position[0], .position[1])]
     TooStiff {
-        /// Where it was last, m.
+        /// The last position, m.
         position: [f64; 2],
     },
 }
 
-/// A force that goes from one value to another as e^(−t/τ), as behind an actuator of first order.
+/// A force that relaxes from one value to another as e^(−t/τ), as behind a first-order actuator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelaxingForce {
-    /// Where it starts, N per axis.
+    /// The initial force, N per axis.
     pub from: [f64; 2],
-    /// Where it goes, N per axis.
+    /// The final force, N per axis.
     pub to: [f64; 2],
-    /// τ, s, above 0.
+    /// The time constant τ, s, above 0.
     pub time_constant: f64,
 }
 
 impl RelaxingForce {
-    /// Where it is after `span` s, N per axis.
+    /// The relaxing force after `span` s, N per axis.
     pub fn after(&self, span: f64) -> [f64; 2] {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
 
-    /// Its mean over `span` s, N per axis: held that long, it has the same impulse.
+    /// The mean of the relaxing force over `span` s, N per axis, with the same impulse.
     pub fn mean(&self, span: f64) -> [f64; 2] {
-        let (rest, _) = lumped::averages(span / self.time_constant);
+        let (rest, _) = lumped::exponential_averages(span / self.time_constant);
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
 }
 
-/// A handle in the hands of an arm.
+/// A robot with the arm that holds its handle.
 #[derive(Debug, Clone)]
 pub enum Plant {
-    /// An arm that is the same in every pose.
+    /// An arm with constant mass and damping.
     Lumped(LumpedPlant),
-    /// Two links in the plane, whose mass and damping change with the pose.
+    /// A two-link arm, whose apparent mass and damping change with the pose.
     TwoLink(TwoLinkPlant),
 }
 
 impl Plant {
-    /// At rest at `position`, m.
+    /// Creates a plant at rest at `position`, m.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the arm cannot reach it.
+    /// [`InvalidInput`] if the arm cannot reach it.
     pub fn new(handle: Handle, arm: &Arm, position: [f64; 2]) -> Result<Self> {
         match *arm {
             Arm::Lumped { mass, damping } => {
@@ -82,7 +82,7 @@ impl Plant {
                     InvalidInput::new(
                         "base",
                         format!("{:?}", arm.base),
-                        format!("{outside} where the handle starts"),
+                        format!("{outside}, where the handle starts"),
                         "Move the base so that its distance from there is between the difference and the sum of \
                          the links' lengths, with room to both.",
                     )
@@ -92,7 +92,7 @@ impl Plant {
         }
     }
 
-    /// Where the handle is, m.
+    /// The position of the handle, m.
     pub fn position(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.position(),
@@ -100,7 +100,7 @@ impl Plant {
         }
     }
 
-    /// How fast the handle moves, m/s.
+    /// The velocity of the handle, m/s.
     pub fn velocity(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.velocity(),
@@ -108,7 +108,7 @@ impl Plant {
         }
     }
 
-    /// The same at `velocity`, m/s.
+    /// The same plant with this velocity, m/s.
     #[must_use]
     pub fn with_velocity(self, velocity: [f64; 2]) -> Self {
         match self {
@@ -117,12 +117,12 @@ impl Plant {
         }
     }
 
-    /// Moves on by `span` s while the robot's force on the handle and the agent's force on the arm's hand
-    /// (N per axis) are held.
+    /// Moves the plant over `span` s while the robot's force on the handle and the agent's force at the
+    /// hand (N per axis) are held.
     ///
     /// # Errors
     ///
-    /// [`Halt`] where the arm would have to stretch further than it can, or the motion is too stiff.
+    /// [`Halt`] if the arm would have to stretch beyond its reach, or the motion is too stiff.
     pub fn advance(
         &mut self,
         robot_force: [f64; 2],
@@ -138,8 +138,8 @@ impl Plant {
         }
     }
 
-    /// As [`Plant::advance`] while the robot's force relaxes: exact where the plant is linear, elsewhere
-    /// the mean of the force over the span is held.
+    /// As [`Plant::advance`] under a relaxing robot force: exact for a linear plant; otherwise the mean
+    /// force is held.
     ///
     /// # Errors
     ///

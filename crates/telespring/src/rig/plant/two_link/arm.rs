@@ -1,15 +1,15 @@
-//! A two-link arm by itself: checks at the door, an example, and what the handle feels of it.
+//! The two-link arm: checks, an example, and its apparent mass and damping at the handle.
 
 use super::OutOfReach;
-use super::dynamics::Rig;
+use super::dynamics::ArmDynamics;
 use super::kinematics::Pose;
 use crate::error::Result;
 use crate::quantity;
 use crate::rig::{Elbow, Handle, TwoLinkArm};
 
 impl TwoLinkArm {
-    /// Two links of HEBI X-series parts, 0.45 m behind the middle of the task: a stated stand-in, as the
-    /// paper gives neither lengths nor inertias of its arms.
+    /// Two links of HEBI X-series parts, 0.45 m behind the middle of the task. This is an assumed stand-in:
+    /// the paper gives neither lengths nor inertias of its arms.
     ///
     /// | what | from |
     /// |---|---|
@@ -19,8 +19,8 @@ impl TwoLinkArm {
     /// | rotor inertia 0.01 kg·m² | assumed: what the series-elastic torque loop leaves of it is not published |
     /// | shoulder at (0, −0.45) m, elbow on the right | assumed; the figure of eight then stays 0.1 m or more inside the reach |
     ///
-    /// `actuator.xacro` itself calls its damping untuned, and 20 N·m is more than it holds for long: replace
-    /// both by what an identification finds.
+    /// `actuator.xacro` itself calls its damping untuned, and 20 N·m exceeds the continuous torque: replace
+    /// both by identified values.
     pub const HEBI_X8: Self = Self {
         base: [0.0, -0.45],
         elbow: Elbow::Right,
@@ -33,11 +33,11 @@ impl TwoLinkArm {
         torque_limit: [20.0, 20.0],
     };
 
-    /// The same arm where every value is in its range.
+    /// The same two-link arm if every value is in range.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) that names the first value out of its range.
+    /// [`InvalidInput`](crate::InvalidInput) for the first value out of range.
     ///
     /// # Examples
     ///
@@ -65,12 +65,12 @@ impl TwoLinkArm {
         Ok(self)
     }
 
-    /// Mass matrix, kg, and damping matrix, N·s/m, that the handle feels of the arm in the pose that
-    /// holds it at `position`, m: J⁻ᵀ M J⁻¹ and J⁻ᵀ D J⁻¹, symmetric, in the axes x and y.
+    /// The apparent mass matrix (kg) and damping matrix (N·s/m) of the arm at the handle, in the pose that
+    /// holds it at `position` (m): J⁻ᵀ M J⁻¹ and J⁻ᵀ D J⁻¹, symmetric, in the axes x and y.
     ///
     /// # Errors
     ///
-    /// [`OutOfReach`] where no pose, or only one too near to straight or folded, holds it there.
+    /// [`OutOfReach`] if no pose, or only one too close to straight or folded, holds it there.
     ///
     /// # Examples
     ///
@@ -87,11 +87,11 @@ impl TwoLinkArm {
         position: [f64; 2],
     ) -> std::result::Result<([[f64; 2]; 2], [[f64; 2]; 2]), OutOfReach> {
         let none = Handle { mass: [0.0; 2], damping: [0.0; 2], coulomb: [0.0; 2] };
-        let (mass, damping) = Rig::new(none, *self).operator(&Pose::at(self, position)?);
+        let (mass, damping) = ArmDynamics::new(none, *self).operator(&Pose::at(self, position)?);
         Ok((mass.rows(), damping.rows()))
     }
 
-    /// Angles of shoulder and elbow, rad, that hold the handle at `position`, m.
+    /// The angles of shoulder and elbow, rad, that hold the handle at `position`, m.
     ///
     /// # Errors
     ///

@@ -1,32 +1,33 @@
-//! Coulomb friction of the robot's axes, coupled through the arm's inertia: which axis slips, which sticks.
+//! Coulomb friction of the robot's axes, coupled through the inertia of the arm: which axis sticks or
+//! slips.
 
-use super::dynamics::Balance;
+use super::dynamics::ForceBalance;
 
-/// An axis lets go at this part of the level above it: the force that is then left over starts it without
-/// doubt, where one of rounding's size could as well leave it stuck, again and again.
+/// An axis breaks loose at this fraction above the friction level. A smaller excess force, of the size of
+/// rounding, might leave it stuck again and again.
 const EXCESS: f64 = 1e-12;
 
-/// By how much the force that would hold an axis is too large for it to stick, N; at most 0 where it does.
+/// The excess of the holding force over the friction level, N; at most 0 if the axis sticks.
 #[inline]
-pub(super) fn excess(friction: f64, level: f64) -> f64 {
+pub(super) fn sticking_excess(friction: f64, level: f64) -> f64 {
     friction.abs() - (1.0 + EXCESS) * level
 }
 
-/// What friction does on one axis.
+/// The contact state of one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contact {
-    /// There is none.
+    /// No friction.
     Frictionless,
-    /// The axis moves towards positive positions, or is about to.
+    /// The axis moves in the positive direction, or is about to.
     Forward,
-    /// The axis moves towards negative positions, or is about to.
+    /// The axis moves in the negative direction, or is about to.
     Backward,
-    /// Friction is as large as it must be to hold the axis.
+    /// Friction is as large as needed to hold the axis.
     Stuck,
 }
 
 impl Contact {
-    /// The sign of a velocity that this contact allows; zero where any does.
+    /// The sign of the velocity in this contact; zero if any is possible.
     pub fn direction(self) -> f64 {
         match self {
             Self::Forward => 1.0,
@@ -35,6 +36,7 @@ impl Contact {
         }
     }
 
+    /// The contacts possible at a velocity of one axis.
     fn candidates(velocity: f64, level: f64) -> &'static [Self] {
         if level == 0.0 {
             &[Self::Frictionless]
@@ -48,17 +50,17 @@ impl Contact {
     }
 }
 
-/// What both contacts lead to.
+/// Acceleration and friction of both axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct ContactMotion {
     pub acceleration: [f64; 2],
-    /// Force of friction on the handle, N.
+    /// The friction force on the handle, N.
     pub friction: [f64; 2],
 }
 
-/// Acceleration and friction under given contacts; `level` is the largest friction per axis, N.
+/// Acceleration and friction under given contacts; `level` is the friction level per axis, N.
 #[inline]
-pub(super) fn motion(balance: &Balance, contact: [Contact; 2], level: [f64; 2]) -> Motion {
+pub(super) fn motion_under(balance: &ForceBalance, contact: [Contact; 2], level: [f64; 2]) -> ContactMotion {
     use Contact::Stuck;
     let mass = &balance.mass;
     let mut friction = [-contact[0].direction() * level[0], -contact[1].direction() * level[1]];
@@ -75,16 +77,20 @@ pub(super) fn motion(balance: &Balance, contact: [Contact; 2], level: [f64; 2]) 
             friction[axis] = needed[axis] - balance.push[axis];
         }
     }
-    Motion { acceleration, friction }
+    ContactMotion { acceleration, friction }
 }
 
-/// The contacts that hold at this velocity.
+/// The consistent contacts (sticking or slipping) of both axes at a velocity.
 ///
-/// An axis at rest sticks where the force that holds it is at most the level, else it starts against
-/// full friction. What holds one axis depends on whether the other moves; as the mass matrix is positive
-/// definite, exactly one choice for both is consistent.
+/// An axis at rest sticks if the holding force does not exceed the friction level; otherwise it starts
+/// against full friction. The holding force of one axis depends on whether the other moves; since the mass
+/// matrix is positive definite, exactly one pair of contacts is consistent.
 #[inline]
-pub(super) fn contacts(balance: &Balance, velocity: [f64; 2], level: [f64; 2]) -> [Contact; 2] {
+pub(super) fn consistent_contacts(
+    balance: &ForceBalance,
+    velocity: [f64; 2],
+    level: [f64; 2],
+) -> [Contact; 2] {
     let [first, second] = [0, 1].map(|axis| Contact::candidates(velocity[axis], level[axis]));
     if let ([first], [second]) = (first, second) {
         return [*first, *second];
@@ -92,15 +98,15 @@ pub(super) fn contacts(balance: &Balance, velocity: [f64; 2], level: [f64; 2]) -
     let inertia = balance.mass.diagonal();
     let mut best = ([first[0], second[0]], f64::INFINITY);
     for contact in first.iter().flat_map(|&x| second.iter().map(move |&y| [x, y])) {
-        let found = motion(balance, contact, level);
+        let motion = motion_under(balance, contact, level);
         let violation = (0..2)
             .filter(|&axis| velocity[axis] == 0.0)
             .map(|axis| match contact[axis] {
-                Contact::Stuck => excess(found.friction[axis], level[axis]),
-                slipping => -slipping.direction() * found.acceleration[axis] * inertia[axis],
+                Contact::Stuck => sticking_excess(motion.friction[axis], level[axis]),
+                slipping => -slipping.direction() * motion.acceleration[axis] * inertia[axis],
             })
             .fold(0.0, f64::max);
-        // rounding may leave no choice without any: then the one nearest to it
+        // Rounding may leave no consistent pair: then take the one with the smallest violation.
         if violation < best.1 {
             best = (contact, violation);
         }

@@ -1,14 +1,13 @@
-//! Where the links are, from where the handle is.
+//! Kinematics of the two-link arm: the pose of the links from the position of the handle.
 
 use super::OutOfReach;
 use crate::rig::{Elbow, TwoLinkArm};
 
-/// |sin(elbow angle)| below which a pose counts as out of reach: 5.7° from straight or folded. The
-/// handle feels inertia and damping grow as its inverse square, so that at this limit they are a
-/// hundred times those at a right angle, and soon after no number.
+/// The smallest |sin(elbow angle)| within reach: 5.7° from straight or folded. The apparent inertia and
+/// damping grow with its inverse square; at this limit they are a hundred times those at a right angle.
 pub const SMALLEST_ELBOW_SINE: f64 = 0.1;
 
-/// Both links at one position of the handle.
+/// The pose of both links at one position of the handle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pose {
     /// Unit vectors from shoulder to elbow and from elbow to handle.
@@ -17,23 +16,24 @@ pub(super) struct Pose {
     pub cosine: f64,
     /// Sine of the elbow angle, negative with the elbow on the left.
     pub sine: f64,
-    /// Row i times the handle's velocity is link i's own turning rate, counted from the x axis, rad/s.
+    /// Row i times the handle velocity is the angular velocity of link i with respect to the x axis, rad/s.
     pub rate: [[f64; 2]; 2],
 }
 
+/// The scalar product of two plane vectors.
 #[inline]
 pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// A quarter turn counter-clockwise.
+/// Rotates a vector by a quarter turn counter-clockwise.
 #[inline]
-fn turned(a: [f64; 2]) -> [f64; 2] {
+fn quarter_turn(a: [f64; 2]) -> [f64; 2] {
     [-a[1], a[0]]
 }
 
 impl Pose {
-    /// The pose that holds the handle at `position`, m.
+    /// The pose of the arm that holds the handle at `position`, m.
     #[inline]
     pub fn at(arm: &TwoLinkArm, position: [f64; 2]) -> Result<Self, OutOfReach> {
         let [upper, lower] = arm.link_length;
@@ -41,7 +41,7 @@ impl Pose {
         let square = dot(reach, reach);
         let cosine = (square - upper * upper - lower * lower) / (2.0 * upper * lower);
         let sine_square = 1.0 - cosine * cosine;
-        // a position that is no number fails here too
+        // A NaN position fails here too.
         if !(sine_square >= SMALLEST_ELBOW_SINE * SMALLEST_ELBOW_SINE) {
             return Err(OutOfReach { position });
         }
@@ -49,7 +49,7 @@ impl Pose {
             Elbow::Left => -sine_square.sqrt(),
             Elbow::Right => sine_square.sqrt(),
         };
-        // as complex numbers: reach = first (upper + lower (cosine + j sine))
+        // As complex numbers: reach = first (upper + lower (cosine + j sine)).
         let (along, across) = ((upper + lower * cosine) / square, lower * sine / square);
         let first = [along * reach[0] + across * reach[1], along * reach[1] - across * reach[0]];
         let second = [cosine * first[0] - sine * first[1], cosine * first[1] + sine * first[0]];
@@ -65,13 +65,13 @@ impl Pose {
         })
     }
 
-    /// Turning rates of both links for a velocity of the handle, rad/s.
+    /// The angular velocities of both links for a velocity of the handle, rad/s.
     #[inline]
     pub fn rates(&self, velocity: [f64; 2]) -> [f64; 2] {
         [dot(self.rate[0], velocity), dot(self.rate[1], velocity)]
     }
 
-    /// The force at the handle that does the same work as moments on both links, N.
+    /// The force at the handle equivalent to moments on both links, N.
     #[inline]
     pub fn force(&self, moment: [f64; 2]) -> [f64; 2] {
         [
@@ -80,14 +80,14 @@ impl Pose {
         ]
     }
 
-    /// J(θ)ᵀ F: the torques of shoulder and elbow that together push the handle by `force`, N·m.
+    /// The torques J(θ)ᵀ F of shoulder and elbow equivalent to a force at the handle, N·m.
     #[inline]
     pub fn torque(&self, arm: &TwoLinkArm, force: [f64; 2]) -> [f64; 2] {
-        let elbow = arm.link_length[1] * dot(turned(self.link[1]), force);
-        [arm.link_length[0] * dot(turned(self.link[0]), force) + elbow, elbow]
+        let elbow = arm.link_length[1] * dot(quarter_turn(self.link[1]), force);
+        [arm.link_length[0] * dot(quarter_turn(self.link[0]), force) + elbow, elbow]
     }
 
-    /// A quadratic form of the links' turning rates as one of the handle's velocity.
+    /// Transforms a quadratic form of the links' angular velocities to one of the handle velocity.
     #[inline]
     pub fn at_handle(&self, [first, cross, second]: [f64; 3]) -> Symmetric {
         let [a, b] = self.rate;
@@ -96,7 +96,7 @@ impl Pose {
         Symmetric { xx: entry(0, 0), xy: entry(0, 1), yy: entry(1, 1) }
     }
 
-    /// Angles of shoulder and elbow, rad, as [`TwoLinkArm`] counts them.
+    /// The angles of shoulder and elbow, rad, as defined in [`TwoLinkArm`].
     pub fn joint_angles(&self) -> [f64; 2] {
         [self.link[0][1].atan2(self.link[0][0]), self.sine.atan2(self.cosine)]
     }
@@ -126,7 +126,7 @@ impl Symmetric {
         [self.xx, self.yy]
     }
 
-    /// The vector that it takes to `right`; the matrix is positive definite.
+    /// Solves matrix · x = `right`; the matrix is positive definite.
     #[inline]
     pub fn solve(&self, right: [f64; 2]) -> [f64; 2] {
         let scale = 1.0 / (self.xx * self.yy - self.xy * self.xy);

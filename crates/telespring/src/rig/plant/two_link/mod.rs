@@ -1,8 +1,8 @@
-//! A robot's handle in the hand of a two-link arm under torque control.
+//! A robot with a two-link arm under torque control.
 //!
-//! The arm of Section IV-B of the paper: two actuated joints, a free bearing at the handle, the plane
-//! horizontal. The equations are those of the arm in the turning rates of its links, carried over to the
-//! handle, where the robot's own mass, damping and friction are: with Λ = J⁻ᵀ M J⁻¹,
+//! The arm of Section IV-B of the paper: two actuated joints and a free bearing at the handle, in a
+//! horizontal plane. The equations of the arm in the angular velocities of its links are transformed to the
+//! handle, where the robot's own mass, damping and friction act: with Λ = J⁻ᵀ M J⁻¹,
 //!
 //! (m + Λ) p″ = F_robot − b p′ − friction + J⁻ᵀ (τ − C θ′ − D θ′) + Λ J′ θ′.
 
@@ -14,15 +14,15 @@ mod stepping;
 #[cfg(test)]
 mod tests;
 
-use self::dynamics::Rig;
+use self::dynamics::ArmDynamics;
 use self::kinematics::Pose;
-use self::stepping::{Held, State};
+use self::stepping::{HeldForces, State};
 use super::{Halt, OutOfReach};
 use crate::rig::{Handle, TwoLinkArm};
 
 pub use self::kinematics::SMALLEST_ELBOW_SINE;
 
-/// One robot in one arm, in motion.
+/// The motion of a robot with a two-link arm.
 ///
 /// # Examples
 ///
@@ -40,25 +40,25 @@ pub use self::kinematics::SMALLEST_ELBOW_SINE;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoLinkPlant {
-    rig: Rig,
+    rig: ArmDynamics,
     state: State,
     torque: [f64; 2],
     step: f64,
 }
 
 impl TwoLinkPlant {
-    /// At rest, the handle at `position`, m.
+    /// Creates a two-link plant at rest with the handle at `position`, m.
     ///
     /// # Errors
     ///
-    /// [`OutOfReach`] where the arm cannot hold it there.
+    /// [`OutOfReach`] if the arm cannot hold it there.
     pub fn new(handle: Handle, arm: TwoLinkArm, position: [f64; 2]) -> Result<Self, OutOfReach> {
         Pose::at(&arm, position)?;
         let state = [position[0], position[1], 0.0, 0.0];
-        Ok(Self { rig: Rig::new(handle, arm), state, torque: [0.0; 2], step: f64::INFINITY })
+        Ok(Self { rig: ArmDynamics::new(handle, arm), state, torque: [0.0; 2], step: f64::INFINITY })
     }
 
-    /// The same at `velocity`, m/s.
+    /// The same plant with this velocity of the handle, m/s.
     #[must_use]
     pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
         self.state[2..].copy_from_slice(&velocity);
@@ -75,13 +75,14 @@ impl TwoLinkPlant {
         [self.state[2], self.state[3]]
     }
 
-    /// Torques of shoulder and elbow that were held last, N·m.
+    /// The last torques of shoulder and elbow, N·m.
     pub fn torque(&self) -> [f64; 2] {
         self.torque
     }
 
+    /// The present pose of the two-link arm.
     fn pose(&self) -> Pose {
-        // every position that is kept has been in reach
+        // Every stored position was within reach.
         Pose::at(&self.rig.arm, self.position()).expect("the arm holds the handle")
     }
 
@@ -90,32 +91,32 @@ impl TwoLinkPlant {
         self.pose().joint_angles()
     }
 
-    /// Turning rates of shoulder and elbow, rad/s.
+    /// Angular velocities of shoulder and elbow, rad/s.
     pub fn joint_velocities(&self) -> [f64; 2] {
         let [first, second] = self.pose().rates(self.velocity());
         [first, second - first]
     }
 
-    /// The torques that a hand force, N, commands in this pose: J(θ)ᵀ F of Eqs. 13 and 14, each cut to
-    /// its limit, N·m.
+    /// The joint torques that a hand force (N) commands in this pose: J(θ)ᵀ F of Eqs. 13 and 14, each
+    /// limited to its torque limit, N·m.
     pub fn torque_for(&self, hand_force: [f64; 2]) -> [f64; 2] {
         let limit = self.rig.arm.torque_limit;
         let torque = self.pose().torque(&self.rig.arm, hand_force);
         [torque[0].clamp(-limit[0], limit[0]), torque[1].clamp(-limit[1], limit[1])]
     }
 
-    /// Moves on by `span`, s, under the force of the robot's actuators and the torques that
-    /// `hand_force` commands now, N, both held.
+    /// Moves the plant over `span` (s) under the robot's actuator force and the torques that `hand_force`
+    /// commands now (N), both held.
     ///
     /// # Errors
     ///
-    /// [`Halt`] where the handle leaves the reach on the way, or the motion is too stiff; it is then left
-    /// where it was last.
+    /// [`Halt`] if the handle leaves the reach or the motion is too stiff; the plant then stays at its last
+    /// state.
     pub fn advance(&mut self, robot_force: [f64; 2], hand_force: [f64; 2], span: f64) -> Result<(), Halt> {
         self.advance_by_torque(robot_force, self.torque_for(hand_force), span)
     }
 
-    /// Moves on under torques of the joints, N·m, that are held over the span as they are.
+    /// Moves the plant over `span` (s) under held joint torques, N·m.
     ///
     /// # Errors
     ///
@@ -127,19 +128,21 @@ impl TwoLinkPlant {
         span: f64,
     ) -> Result<(), Halt> {
         self.torque = torque;
-        let held = Held { torque, robot_force };
-        stepping::advance(&self.rig, held, span, &mut self.state, &mut self.step)
+        let held = HeldForces { torque, robot_force };
+        stepping::advance_two_link(&self.rig, held, span, &mut self.state, &mut self.step)
     }
 
-    /// The force of the arm on the robot's handle at this instant under these forces, N: what a force
-    /// sensor between both measures.
+    /// The force of the arm on the handle under these forces, N, as a force sensor between them measures
+    /// it.
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         let torque = self.torque_for(hand_force);
         let (position, velocity, level) = (self.position(), self.velocity(), self.rig.handle.coulomb);
-        let balance =
-            self.rig.balance(position, velocity, torque, robot_force).expect("the arm holds the handle");
-        let contact = friction::contacts(&balance, velocity, level);
-        balance.arm_force(friction::motion(&balance, contact, level).acceleration)
+        let balance = self
+            .rig
+            .force_balance(position, velocity, torque, robot_force)
+            .expect("the arm holds the handle");
+        let contact = friction::consistent_contacts(&balance, velocity, level);
+        balance.arm_force(friction::motion_under(&balance, contact, level).acceleration)
     }
 
     /// Kinetic energy of robot and arm, J.

@@ -1,29 +1,29 @@
-//! Motion over a span in which the forces are held: steps of the pair 5(4) of Dormand and Prince (1980),
-//! cut where an axis comes to rest or breaks loose.
+//! Time integration under held forces: Dormand–Prince 5(4) steps (1980), cut where an axis stops or breaks
+//! loose.
 
-use super::dynamics::{Balance, Rig};
-use super::friction::{Contact, contacts, excess, motion};
+use super::dynamics::{ArmDynamics, ForceBalance};
+use super::friction::{Contact, consistent_contacts, motion_under, sticking_excess};
 use super::{Halt, OutOfReach};
 
-/// Positions, m, then velocities, m/s.
+/// Positions, m, and velocities, m/s.
 pub(super) type State = [f64; 4];
 
-/// Error of one step, relative to the speed (at least `SLOW`) and in m; the whole motion is then good
-/// to about 1e-9, as the errors of a damped motion do not add up for long.
+/// Error of one step, relative to the speed (at least `SLOW`) and in m. The whole motion is then accurate
+/// to about 1e-9, since errors of a damped motion do not accumulate for long.
 const RELATIVE_TOLERANCE: f64 = 1e-11;
 const POSITION_TOLERANCE: f64 = 1e-13;
 const SLOW: f64 = 1e-2;
-/// A step below this part of the span is not cut further.
+/// A step is not cut below this fraction of the span.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Halvings that place an event: 1 ms to below 1e-16 s.
+/// Halvings that locate an event: from 1 ms to below 1e-16 s.
 const HALVINGS: usize = 44;
-/// Steps that a span is given, and more for each second of it. The arms of people and robots with their
-/// masses take a few for 1 ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
-const MOST_STEPS: f64 = 300.0;
-const MOST_STEPS_PER_SECOND: f64 = 1e5;
-/// Events in one span after which the rest of it is run as it is: only rounding could bring about more,
-/// where an axis starts with next to no force left over.
-const MOST_EVENTS: usize = 64;
+/// The step limit per span, and per second of it. Arms and robots of realistic mass need a few steps per 1
+/// ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
+const MAX_STEPS: f64 = 300.0;
+const MAX_STEPS_PER_SECOND: f64 = 1e5;
+/// The event limit per span; the rest is then integrated without events. More events can come only from
+/// rounding, where an axis starts with almost no excess force.
+const MAX_EVENTS: usize = 64;
 
 /// The coefficients of E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I,
 /// 1993, table II.5.2; the last row is the step itself.
@@ -35,51 +35,55 @@ const STAGES: [&[f64]; 6] = [
     &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// The step less that of the embedded method of order 4.
+/// The step minus that of the embedded method of order 4.
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// What is held over a span.
+/// The forces held over a span.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held {
+pub(super) struct HeldForces {
     pub torque: [f64; 2],
     pub robot_force: [f64; 2],
 }
 
-struct Trial {
+struct StepResult {
     state: State,
     derivative: State,
-    balance: Balance,
-    /// Estimated error over what is allowed.
+    balance: ForceBalance,
+    /// The estimated error divided by the tolerance.
     error: f64,
 }
 
-struct Span<'a> {
-    rig: &'a Rig,
-    held: Held,
+struct HeldSpan<'a> {
+    rig: &'a ArmDynamics,
+    held: HeldForces,
     contact: [Contact; 2],
 }
 
+/// Position and velocity of a state.
 #[inline]
-fn halves([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
+fn split_state([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
     ([px, py], [vx, vy])
 }
 
-impl Span<'_> {
+impl HeldSpan<'_> {
+    /// The force balance of robot and arm in a state under the held forces.
     #[inline]
-    fn balance(&self, state: State) -> Result<Balance, OutOfReach> {
-        let (position, velocity) = halves(state);
-        self.rig.balance(position, velocity, self.held.torque, self.held.robot_force)
+    fn force_balance(&self, state: State) -> Result<ForceBalance, OutOfReach> {
+        let (position, velocity) = split_state(state);
+        self.rig.force_balance(position, velocity, self.held.torque, self.held.robot_force)
     }
 
+    /// The time derivative of a state under the present contacts.
     #[inline]
-    fn derivative(&self, state: State, balance: &Balance) -> State {
-        let [ax, ay] = motion(balance, self.contact, self.rig.handle.coulomb).acceleration;
+    fn derivative(&self, state: State, balance: &ForceBalance) -> State {
+        let [ax, ay] = motion_under(balance, self.contact, self.rig.handle.coulomb).acceleration;
         [state[2], state[3], ax, ay]
     }
 
+    /// One Dormand–Prince step of robot and arm with its error estimate.
     #[inline]
-    fn step(&self, start: State, slope: State, length: f64) -> Result<Trial, OutOfReach> {
+    fn runge_kutta_step(&self, start: State, slope: State, length: f64) -> Result<StepResult, OutOfReach> {
         let mut slopes = [slope; 7];
         let mut state = start;
         let mut last = None;
@@ -88,7 +92,7 @@ impl Span<'_> {
                 let sum: f64 = weights.iter().zip(&slopes).map(|(weight, slope)| weight * slope[i]).sum();
                 state[i] = start[i] + length * sum;
             }
-            let balance = self.balance(state)?;
+            let balance = self.force_balance(state)?;
             slopes[stage + 1] = self.derivative(state, &balance);
             last = Some(balance);
         }
@@ -100,37 +104,39 @@ impl Span<'_> {
         let error = (missed(0).max(missed(1)) / POSITION_TOLERANCE)
             .max(missed(2).max(missed(3)) / (RELATIVE_TOLERANCE * speed));
         let balance = last.expect("there are stages");
-        Ok(Trial { state, derivative: slopes[6], balance, error })
+        Ok(StepResult { state, derivative: slopes[6], balance, error })
     }
 
-    /// Whether a contact no longer holds here.
-    fn is_broken(&self, state: State, balance: &Balance) -> bool {
+    /// Whether a sticking or slipping contact is violated in a state.
+    fn is_broken(&self, state: State, balance: &ForceBalance) -> bool {
         let level = self.rig.handle.coulomb;
         (0..2).any(|axis| match self.contact[axis] {
             Contact::Frictionless => false,
-            Contact::Stuck => excess(motion(balance, self.contact, level).friction[axis], level[axis]) > 0.0,
+            Contact::Stuck => {
+                sticking_excess(motion_under(balance, self.contact, level).friction[axis], level[axis]) > 0.0
+            }
             slipping => slipping.direction() * state[2 + axis] < 0.0,
         })
     }
 
-    /// Cuts a step that ends with a broken contact: the part before it, and the trial that just passes it.
+    /// Locates the first contact violation within a step: the time, and the step that just passes it.
     ///
-    /// A contact that is broken and good again inside one step is not seen; steps are so short that this
-    /// moved the handle by less than 1e-10 m in each of 60 000 random spans of 0.1 s.
+    /// A contact violated and restored within one step is missed. Steps are short enough that this moved
+    /// the handle by less than 1e-10 m in each of 60 000 random spans of 0.1 s.
     fn first_event(
         &self,
         start: State,
         slope: State,
-        whole: Trial,
+        whole: StepResult,
         length: f64,
-    ) -> Result<Option<(f64, Trial)>, OutOfReach> {
+    ) -> Result<Option<(f64, StepResult)>, OutOfReach> {
         if !self.is_broken(whole.state, &whole.balance) {
             return Ok(None);
         }
         let (mut before, mut after) = (0.0, (length, whole));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (before + after.0);
-            let trial = self.step(start, slope, middle)?;
+            let trial = self.runge_kutta_step(start, slope, middle)?;
             if self.is_broken(trial.state, &trial.balance) {
                 after = (middle, trial);
             } else {
@@ -141,44 +147,44 @@ impl Span<'_> {
     }
 }
 
-/// The state after `span`, s, or why there is none.
+/// Integrates robot and two-link arm over `span`, s.
 ///
-/// `guess` is the step that served last, for the next span to start with.
-pub(super) fn advance(
-    rig: &Rig,
-    held: Held,
+/// `guess` is the last successful step, with which the next span starts.
+pub(super) fn advance_two_link(
+    rig: &ArmDynamics,
+    held: HeldForces,
     span: f64,
     state: &mut State,
     guess: &mut f64,
 ) -> Result<(), Halt> {
     let level = rig.handle.coulomb;
     let has_friction = level != [0.0; 2];
-    let mut work = Span { rig, held, contact: [Contact::Frictionless; 2] };
+    let mut work = HeldSpan { rig, held, contact: [Contact::Frictionless; 2] };
     let mut left = span;
     let mut events = 0;
-    let mut balance = work.balance(*state)?;
-    work.contact = contacts(&balance, halves(*state).1, level);
+    let mut balance = work.force_balance(*state)?;
+    work.contact = consistent_contacts(&balance, split_state(*state).1, level);
     let mut slope = work.derivative(*state, &balance);
-    let mut steps_left = MOST_STEPS + MOST_STEPS_PER_SECOND * span;
+    let mut steps_left = MAX_STEPS + MAX_STEPS_PER_SECOND * span;
     while left > 0.0 {
         if work.contact == [Contact::Stuck; 2] {
-            // nothing moves, so nothing changes until other forces act
+            // Nothing moves, so nothing changes until other forces act.
             return Ok(());
         }
         steps_left -= 1.0;
         if steps_left < 0.0 {
-            return Err(Halt::TooStiff { position: halves(*state).0 });
+            return Err(Halt::TooStiff { position: split_state(*state).0 });
         }
         let length = guess.min(left);
-        let trial = match work.step(*state, slope, length) {
+        let trial = match work.runge_kutta_step(*state, slope, length) {
             Ok(trial) if trial.error.is_finite() => trial,
             _ if length > SMALLEST_STEP * span => {
                 *guess = 0.5 * length;
                 continue;
             }
-            _ => return Err(OutOfReach { position: halves(*state).0 }.into()),
+            _ => return Err(OutOfReach { position: split_state(*state).0 }.into()),
         };
-        // order 5: the error of a step falls with the fifth power of its length
+        // Order 5: the error falls with the fifth power of the step.
         let change = (0.9 * trial.error.powf(-0.2)).clamp(0.2, 5.0);
         if trial.error > 1.0 && length > SMALLEST_STEP * span {
             *guess = length * change;
@@ -196,7 +202,7 @@ pub(super) fn advance(
             continue;
         }
         let (end, next) = (trial.state, trial.derivative);
-        let event = if events < MOST_EVENTS { work.first_event(*state, slope, trial, length)? } else { None };
+        let event = if events < MAX_EVENTS { work.first_event(*state, slope, trial, length)? } else { None };
         match event {
             None => {
                 *state = end;
@@ -212,8 +218,8 @@ pub(super) fn advance(
                         state[2 + axis] = 0.0;
                     }
                 }
-                balance = work.balance(*state)?;
-                work.contact = contacts(&balance, halves(*state).1, level);
+                balance = work.force_balance(*state)?;
+                work.contact = consistent_contacts(&balance, split_state(*state).1, level);
                 slope = work.derivative(*state, &balance);
             }
         }

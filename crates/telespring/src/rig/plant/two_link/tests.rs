@@ -4,8 +4,8 @@ mod sticking;
 
 use proptest::prelude::*;
 
-use super::dynamics::Rig;
-use super::friction::{Contact, contacts, motion};
+use super::dynamics::ArmDynamics;
+use super::friction::{Contact, consistent_contacts, motion_under};
 use super::kinematics::{Pose, dot};
 use super::{Halt, OutOfReach, TwoLinkPlant};
 use crate::rig::{Elbow, Handle, TwoLinkArm};
@@ -220,11 +220,11 @@ fn ref_all_mass_at_the_handle_is_a_point_mass() {
     let extra = 0.6;
     let arm = TwoLinkArm { link_mass: [0.0, extra], link_centre: [0.1, ARM.link_length[1]], ..MASSLESS };
     let (mass, damping) = arm.operator_at([0.04, 0.02]).unwrap();
-    for (found, expected) in [(mass, extra), (damping, 0.0)] {
+    for (matrix, expected) in [(mass, extra), (damping, 0.0)] {
         for i in 0..2 {
             for j in 0..2 {
                 let expected = if i == j { expected } else { 0.0 };
-                assert!((found[i][j] - expected).abs() < 1e-14, "{found:?}");
+                assert!((matrix[i][j] - expected).abs() < 1e-14, "{matrix:?}");
             }
         }
     }
@@ -301,8 +301,8 @@ fn law_power_in_is_power_stored_and_lost() {
 #[test]
 fn law_leaving_the_reach_is_told_and_leaves_the_handle_inside() {
     let mut plant = TwoLinkPlant::new(ROBOT, TwoLinkArm::HEBI_X8, [0.0, 0.1]).unwrap();
-    let told = (0..5000).find_map(|_| plant.advance([0.0, 30.0], [0.0; 2], 1e-3).err());
-    let Some(Halt::OutOfReach(OutOfReach { position })) = told else { panic!("the handle is pushed away") };
+    let halt = (0..5000).find_map(|_| plant.advance([0.0, 30.0], [0.0; 2], 1e-3).err());
+    let Some(Halt::OutOfReach(OutOfReach { position })) = halt else { panic!("the handle is pushed away") };
     assert_eq!(position, plant.position());
     assert!((0.19..0.2).contains(&position[1]), "{position:?}");
     assert!(plant.handle_force([0.0; 2], [1.0, 1.0]).iter().all(|force| force.is_finite()));
@@ -414,17 +414,17 @@ proptest! {
         arm in arms(), position in places(), torque in vectors(4.0), push in vectors(10.0),
         coulomb in [0.1..5.0, 0.1..5.0],
     ) {
-        let rig = Rig::new(Handle { coulomb, ..ROBOT }, arm);
-        let Ok(balance) = rig.balance(position, [0.0; 2], torque, push) else { return Ok(()) };
-        let found = contacts(&balance, [0.0; 2], coulomb);
+        let rig = ArmDynamics::new(Handle { coulomb, ..ROBOT }, arm);
+        let Ok(balance) = rig.force_balance(position, [0.0; 2], torque, push) else { return Ok(()) };
+        let chosen = consistent_contacts(&balance, [0.0; 2], coulomb);
         let all = [Contact::Stuck, Contact::Forward, Contact::Backward];
         let consistent: Vec<_> = all.iter().flat_map(|&x| all.map(|y| [x, y])).filter(|&pair| {
-            let moved = motion(&balance, pair, coulomb);
+            let moved = motion_under(&balance, pair, coulomb);
             (0..2).all(|axis| match pair[axis] {
                 Contact::Stuck => moved.friction[axis].abs() <= coulomb[axis],
                 other => other.direction() * moved.acceleration[axis] > 0.0,
             })
         }).collect();
-        prop_assert_eq!(consistent, vec![found]);
+        prop_assert_eq!(consistent, vec![chosen]);
     }
 }

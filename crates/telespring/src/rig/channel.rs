@@ -1,48 +1,48 @@
-//! The network emulator: one direction.
+//! One direction of the emulated network: constant delay, jitter and loss.
 //!
-//! A condition's one-way haptic delay δ is what passes from the measurement of a position to its use as
-//! the partner's. The endpoint makes it: it plays every sample exactly δ after it was measured,
-//! interpolating between samples. For that the sample after the played one must be there in time. The
-//! network therefore takes δ less one sample period, or nothing where δ is shorter: the sample measured one
-//! period after the played instant, or earlier, has then just arrived. Without jitter and loss the haptic
-//! delay is thus exactly δ, whether or not it is a whole number of periods.
+//! The one-way haptic delay δ of a condition is the time from the measurement of a position to its use as
+//! the partner's. The endpoint implements it: it plays every sample exactly δ after its measurement and
+//! interpolates between samples. The sample after the played one must therefore have arrived. The network
+//! delays packets by δ minus one sample period, or not at all if δ is shorter, so the sample measured one
+//! period after the played instant has just arrived. Without jitter and loss the haptic delay is thus
+//! exactly δ, whether or not it is a multiple of the period.
 //!
-//! Jitter makes each packet later by a time of its own, uniform between 0 and its bound. The endpoint does
-//! not wait longer for it: between the samples it has it interpolates, over those that are lost or late as
-//! well, and where none newer has come it holds the newest. A late one is taken up if its turn is not over. A
-//! single lost sample is thus never noticed as a hold where the delay is a whole number of periods: when it
-//! would be played its successor has just come. Elsewhere the sample before it is held for a part of a
-//! period. Packets overtake each other where the jitter exceeds the period.
+//! Jitter delays each packet by an additional random time, uniform between 0 and its bound. The endpoint
+//! does not wait for it: it interpolates between the samples it has, across lost and late ones, and holds
+//! the newest if there is no newer one. A late sample is used if it is still needed. If the delay is a
+//! multiple of the period, a single lost sample is never noticed as a hold, because its successor has just
+//! arrived. Otherwise the previous sample is held for part of a period. Packets overtake each other if the
+//! jitter exceeds the period.
 
 use std::collections::VecDeque;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::Network;
+use super::NetworkImpairments;
 use crate::session::Nanoseconds;
 use crate::session::wire::LENGTH;
 
-/// One direction of the network.
+/// One direction of the emulated network.
 #[derive(Debug, Clone)]
-pub(crate) struct Link {
+pub(crate) struct Channel {
     delay: Nanoseconds,
     jitter: f64,
     loss: f64,
     random: ChaCha8Rng,
-    /// In order of arrival.
+    /// Packets in order of arrival.
     travelling: VecDeque<(Nanoseconds, [u8; LENGTH])>,
 }
 
-impl Link {
-    /// A network whose packets take `delay` at least.
-    pub(crate) fn new(network: &Network, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
+impl Channel {
+    /// Creates a network channel whose packets take at least `delay`.
+    pub(crate) fn new(network: &NetworkImpairments, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
         Self { delay, jitter: network.jitter, loss: network.loss, random, travelling: VecDeque::new() }
     }
 
-    /// Takes the packet that is sent `now`.
+    /// Sends a packet into the network at time `now`.
     pub(crate) fn send(&mut self, now: Nanoseconds, packet: [u8; LENGTH]) {
-        // drawn in pairs, so that a change of one leaves the other's numbers
+        // Drawn in pairs, so that changing one impairment leaves the other's numbers unchanged.
         let (mut lateness, mut fate) = (0.0, 1.0);
         if self.jitter > 0.0 || self.loss > 0.0 {
             (lateness, fate) = (self.random.random::<f64>(), self.random.random::<f64>());
@@ -60,7 +60,7 @@ impl Link {
         self.travelling.insert(place, (arrival, packet));
     }
 
-    /// The next packet that has arrived by `now`.
+    /// The next packet that the network has delivered by `now`.
     pub(crate) fn deliver(&mut self, now: Nanoseconds) -> Option<[u8; LENGTH]> {
         if self.travelling.front()?.0 > now {
             return None;
@@ -72,14 +72,18 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::random::{Stream, generator};
+    use crate::rig::random::{RandomStream, random_generator};
     use crate::session::{Endpoint, Law, Motion};
 
     const PERIOD: Nanoseconds = Nanoseconds(1_000_000);
 
-    fn link(jitter: f64, loss: f64, delay: f64) -> Link {
+    fn link(jitter: f64, loss: f64, delay: f64) -> Channel {
         let delay = Nanoseconds::from_seconds(delay).before(PERIOD).unwrap_or_default();
-        Link::new(&Network { jitter, loss }, delay, generator(3, Stream::Network(0)))
+        Channel::new(
+            &NetworkImpairments { jitter, loss },
+            delay,
+            random_generator(3, RandomStream::Network(0)),
+        )
     }
 
     /// The packet sent at tick `n` carries n in its first bytes.
@@ -90,7 +94,7 @@ mod tests {
     }
 
     /// For every packet that came, its number and how long it took (s), looked for every 10 µs.
-    fn passage(link: &mut Link, packets: u64) -> Vec<(u64, f64)> {
+    fn passage(link: &mut Channel, packets: u64) -> Vec<(u64, f64)> {
         let mut came = Vec::new();
         for step in 0..(packets + 500) * 100 {
             let now = Nanoseconds(step * 10_000);
@@ -107,7 +111,7 @@ mod tests {
 
     #[test]
     fn law_the_haptic_delay_is_exact_for_any_fraction_of_a_period() {
-        // a straight movement is interpolated without error, so that the force tells the delay
+        // a straight movement is interpolated without error, so the force reveals the delay
         let (speed, stiffness) = (0.25, 80.0);
         for delay in [0.0, 0.0004, 0.001, 0.00173, 0.0835955, 0.334] {
             let mut side = Endpoint::new(Law { stiffness, damping: 0.0 }, Nanoseconds::from_seconds(delay));

@@ -1,50 +1,50 @@
-//! One side under a held force, from tick to tick, exactly.
+//! The exact motion of one side under a zero-order hold, from sample to sample.
 //!
-//! Everything is written in w = z − 1: at 1 kHz the poles of a robot lie within 1 % of z = 1, and
-//! polynomials in z would lose six digits to cancellation there.
+//! Polynomials are written in w = z − 1: at 1 kHz the poles of a robot lie within 1 % of z = 1, where
+//! polynomials in z would lose six digits to cancellation.
 
 use crate::model::Side;
 
 /// A 2 × 2 matrix by rows.
 type Matrix = [[f64; 2]; 2];
 
-/// Mass, damper and ground spring between two ticks: X⁺ = (1 + Ψ) X + Γ_new F_n + Γ_old F_(n−1), where
-/// X is (position, velocity) and F_n is computed from the samples of tick n.
+/// Mass, damper and ground spring over one sample period: X⁺ = (1 + Ψ) X + Γ_new F_n + Γ_old F_(n−1), where
+/// X is (position, velocity) and F_n is computed from the samples at tick n.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct HeldSide {
+pub(super) struct SampledPlant {
     /// Ψ = e^(A h) − 1.
     pub change: Matrix,
-    /// Γ_new: the effect of the force that is computed at this tick.
+    /// Γ_new: the effect of the force computed at this tick.
     pub new_force: [f64; 2],
-    /// Γ_old: the effect of the previous force, which acts until the computing time is over.
+    /// Γ_old: the effect of the previous force, which acts until the computing time has passed.
     pub old_force: [f64; 2],
-    /// True where a computing time makes the previous force act at all.
-    pub computes: bool,
+    /// True if a computing time makes the previous force act.
+    pub has_computing_time: bool,
 }
 
-impl HeldSide {
+impl SampledPlant {
     /// The side over one period (s), the force switching `computing_time` (s) after the tick.
     pub fn new(side: &Side, period: f64, computing_time: f64) -> Self {
-        let (change, whole) = advance(side, period);
+        let (change, whole) = exact_step(side, period);
         if computing_time == 0.0 {
-            return Self { change, new_force: whole, old_force: [0.0; 2], computes: false };
+            return Self { change, new_force: whole, old_force: [0.0; 2], has_computing_time: false };
         }
-        let (late_change, new_force) = advance(side, period - computing_time);
-        let (_, early) = advance(side, computing_time);
+        let (late_change, new_force) = exact_step(side, period - computing_time);
+        let (_, early) = exact_step(side, computing_time);
         let old_force =
             [0, 1].map(|row| early[row] + late_change[row][0] * early[0] + late_change[row][1] * early[1]);
-        Self { change, new_force, old_force, computes: true }
+        Self { change, new_force, old_force, has_computing_time: true }
     }
 
-    /// The characteristic polynomial of the side alone in w, constant term first; with a computing time
-    /// it carries the factor z of the force that waits.
+    /// The characteristic polynomial of the side alone in w, constant term first; with a computing time it
+    /// has an additional factor z.
     pub fn denominator(&self) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         let plant = [a * d - b * c, -(a + d), 1.0];
-        if self.computes { times_z(&plant) } else { plant.to_vec() }
+        if self.has_computing_time { multiply_by_z(&plant) } else { plant.to_vec() }
     }
 
-    /// The numerator in w of stiffness × position + damping × velocity, per force.
+    /// The numerator in w of stiffness × position + damping × velocity, per unit force.
     pub fn numerator(&self, stiffness: f64, damping: f64) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         // adj(w − Ψ) Γ, read by the row (stiffness, damping).
@@ -52,10 +52,10 @@ impl HeldSide {
             [stiffness * (b * v - d * x) + damping * (c * x - a * v), stiffness * x + damping * v]
         };
         let now = read(self.new_force);
-        if !self.computes {
+        if !self.has_computing_time {
             return now.to_vec();
         }
-        let mut numerator = times_z(&now);
+        let mut numerator = multiply_by_z(&now);
         for (sum, part) in numerator.iter_mut().zip(read(self.old_force)) {
             *sum += part;
         }
@@ -63,8 +63,8 @@ impl HeldSide {
     }
 }
 
-/// A polynomial in w times z = 1 + w.
-fn times_z(polynomial: &[f64]) -> Vec<f64> {
+/// Multiplies a polynomial in w by z = 1 + w.
+fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; polynomial.len() + 1];
     for (i, &coefficient) in polynomial.iter().enumerate() {
         product[i] += coefficient;
@@ -73,8 +73,9 @@ fn times_z(polynomial: &[f64]) -> Vec<f64> {
     product
 }
 
-/// e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ: a Taylor series over a short span, doubled up to t.
-fn advance(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
+/// The exact response over a span: e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ, from a Taylor series over a
+/// short span that is doubled up to t.
+fn exact_step(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
     let damping = side.damping / side.mass;
     let spring = side.ground_stiffness / side.mass;
     let speed = damping.max(spring.sqrt());

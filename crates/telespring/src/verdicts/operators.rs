@@ -1,13 +1,13 @@
-//! Verdicts over a range of operators: a grip varies, and the worst one counts.
+//! Verdicts over a range of operators: a grip varies, and the worst operator counts.
 
-use super::super::intervals::contains;
-use super::super::{critical_stiffness, is_delay_independent, maximum_stiffness, stable_delays};
-use super::held::HeldSide;
-use super::{Network, Tier, any_network, bounded_delay, local_loop};
+use super::zero_order_hold::SampledPlant;
+use super::{Network, Tier, any_network, bounded_delay, sampled_gain};
+use crate::criteria::is_in_any;
+use crate::criteria::{critical_stiffness, is_delay_independent, maximum_stiffness, stable_delays};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis, Operator, Side};
 
-/// All operators between two: a box in mass, damping and stiffness, per axis.
+/// A range of operators: a box in mass, damping and stiffness per axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatorRange {
     low: Operator,
@@ -15,16 +15,16 @@ pub struct OperatorRange {
 }
 
 impl OperatorRange {
-    /// The operators from `low` to `high`, both included.
+    /// Creates the range from `low` to `high`, both included.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the two differ in their number of axes or a lower end lies above the upper.
+    /// [`InvalidInput`] if the two have different axes or a lower end exceeds the upper one.
     ///
     /// # Examples
     ///
     /// ```
-    /// use telespring::{Operator, criteria::verdicts::OperatorRange};
+    /// use telespring::{Operator, verdicts::OperatorRange};
     /// let loose = Operator::new(vec![0.0], vec![0.0], vec![0.0])?;
     /// let firm = Operator::new(vec![1.5], vec![10.0], vec![300.0])?;
     /// assert!(OperatorRange::new(loose.clone(), firm.clone()).is_ok());
@@ -52,7 +52,7 @@ impl OperatorRange {
                         format!("{name}[{i}]"),
                         format!("{from} to {to}"),
                         "the lower end of a range must not exceed the upper",
-                        "Exchange the two.",
+                        "Swap the two.",
                     ));
                 }
             }
@@ -60,17 +60,17 @@ impl OperatorRange {
         Ok(Self { low, high })
     }
 
-    /// The lower end.
+    /// The lower end of the operator range.
     pub fn low(&self) -> &Operator {
         &self.low
     }
 
-    /// The upper end.
+    /// The upper end of the operator range.
     pub fn high(&self) -> &Operator {
         &self.high
     }
 
-    /// The middle of the range.
+    /// The operator in the middle of the range.
     pub fn middle(&self) -> Operator {
         let mean = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
         Operator::new(
@@ -81,6 +81,7 @@ impl OperatorRange {
         .expect("the mean of two valid values is valid")
     }
 
+    /// The lower and upper mass, damping and stiffness on one axis.
     fn ends(&self, axis: usize) -> [[f64; 2]; 3] {
         let (low, high) = (&self.low, &self.high);
         [
@@ -98,27 +99,27 @@ pub struct OperatorPoint {
     pub mass: f64,
     /// Damping, N·s/m.
     pub damping: f64,
-    /// Stiffness to the ground, N/m.
+    /// Stiffness to ground, N/m.
     pub stiffness: f64,
 }
 
-/// Both operators in six numbers: mass, damping, stiffness of the first, then of the second.
-type Six = [f64; 6];
+/// Both operators as six numbers: mass, damping and stiffness of the first, then of the second.
+type OperatorPair = [f64; 6];
 
-/// The box of both operators on one axis, with the robots they hold.
+/// The box of both operators on one axis, with the robots that they hold.
 pub(super) struct OperatorBox {
     robots: [Side; 2],
     ends: [[f64; 2]; 6],
     coupling_damping: f64,
 }
 
-/// Steps per side of the grid inside the box, where a side has a length.
+/// The grid values per side of the box with nonzero length.
 const LEVELS: usize = 3;
-/// The pattern search ends at this part of the box.
+/// The pattern search ends at this fraction of the box.
 const FINEST: f64 = 1e-4;
 
 impl OperatorBox {
-    /// The box of one axis: the ranges, or the dyad's own operators as a single point.
+    /// Creates the box of one axis from the ranges, or from the dyad's own operators as a single point.
     pub fn new(dyad: &Dyad, ranges: Option<&[OperatorRange; 2]>, axis: usize) -> Self {
         let point = |operator: &Operator| {
             [operator.mass()[axis], operator.damping()[axis], operator.stiffness()[axis]].map(|v| [v, v])
@@ -138,8 +139,8 @@ impl OperatorBox {
         }
     }
 
-    /// The axis held by these operators.
-    pub fn axis(&self, at: &Six) -> DyadAxis {
+    /// The axis of the dyad held by these operators.
+    pub fn axis(&self, at: &OperatorPair) -> DyadAxis {
         let side = |i: usize| Side {
             mass: self.robots[i].mass + at[3 * i],
             damping: self.robots[i].damping + at[3 * i + 1],
@@ -148,8 +149,8 @@ impl OperatorBox {
         DyadAxis { sides: [side(0), side(1)], coupling_damping: self.coupling_damping }
     }
 
-    /// The grid with `levels` values on each side that has a length; its corners with 2.
-    fn grid(&self, levels: usize) -> Vec<Six> {
+    /// The grid with `levels` values per side with nonzero length; 2 gives the corners.
+    fn grid(&self, levels: usize) -> Vec<OperatorPair> {
         let mut points = vec![[0.0; 6]];
         for (dimension, [low, high]) in self.ends.iter().enumerate() {
             let count = if low == high { 1 } else { levels };
@@ -168,69 +169,73 @@ impl OperatorBox {
         points
     }
 
-    /// The corners of the box.
-    pub fn corners(&self) -> Vec<Six> {
+    /// The corners of the box of operators.
+    pub fn corners(&self) -> Vec<OperatorPair> {
         self.grid(2)
     }
 
-    /// The most mass with the least damping and stiffness: the worst of tiers 1 and 2 in closed form.
-    fn limpest(&self) -> Six {
+    /// The corner with the largest mass and smallest damping and stiffness: the worst case of tiers 1 and
+    /// 2.
+    fn weakest_corner(&self) -> OperatorPair {
         let [m1, b1, k1, m2, b2, k2] = self.ends;
         [m1[1], b1[0], k1[0], m2[1], b2[0], k2[0]]
     }
 }
 
-pub(super) fn as_operators(at: &Six) -> [OperatorPoint; 2] {
+/// Converts the six numbers of an operator pair to two operators.
+pub(super) fn operator_points(at: &OperatorPair) -> [OperatorPoint; 2] {
     [0, 3].map(|i| OperatorPoint { mass: at[i], damping: at[i + 1], stiffness: at[i + 2] })
 }
 
-/// One tier on one axis, the worst over all operators.
+/// One tier on one axis, for the worst operators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisTier {
-    /// The largest stiffness, N/m; `None` where the tier has no rule for this dyad.
+    /// The largest stiffness, N/m; `None` if the tier has no rule for this dyad.
     pub stiffness_bound: Option<f64>,
-    /// True where that stiffness is itself allowed.
+    /// True if that stiffness itself is allowed.
     pub attained: bool,
-    /// True where the stiffness in question keeps the tier's rule, for every operator examined.
+    /// True if the given stiffness satisfies the tier's rule for every operator examined.
     pub satisfied: bool,
-    /// The operators with the least bound.
+    /// The operators with the smallest bound.
     pub operators: [OperatorPoint; 2],
 }
 
-/// All tiers on one axis and how many pairs of operators were examined.
-pub(super) struct Examined {
+/// All tiers on one axis, and the number of operator pairs examined.
+pub(super) struct ExaminedTiers {
     pub tiers: [AxisTier; 4],
-    pub worst_constant: Six,
+    pub worst_constant: OperatorPair,
     pub count: usize,
 }
 
-fn keeps(bound: f64, attained: bool, k: f64) -> bool {
+/// Whether a stiffness is below a bound, or equal to an attained one.
+fn is_within(bound: f64, attained: bool, k: f64) -> bool {
     k < bound || (attained && k == bound)
 }
 
-/// Tier 1: exact at the limpest corner for continuous controllers; sampled ones see every corner.
-fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
-    let limpest = region.limpest();
+/// Tier 1: exact at the weakest corner for continuous controllers; for sampled controllers every corner is
+/// examined.
+fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
+    let weakest = region.weakest_corner();
     let corners = region.corners();
     let none = AxisTier {
         stiffness_bound: None,
         attained: false,
         satisfied: false,
-        operators: as_operators(&limpest),
+        operators: operator_points(&weakest),
     };
-    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&limpest), network)
+    let Some((mut bound, mut attained)) = any_network::stiffness_bound(&region.axis(&weakest), network)
     else {
         return none;
     };
-    let mut worst = limpest;
+    let mut worst = weakest;
     for corner in corners {
         let axis = region.axis(&corner);
         // One gain decides whether a sampled, grounded corner can be worse at all.
         if network.sample_period() > 0.0 && !axis.is_free() && axis.coupling_damping == 0.0 {
             let held = axis
                 .sides
-                .map(|side| HeldSide::new(&side, network.sample_period(), network.computing_time()));
-            if held.iter().map(|side| local_loop::gain(side, bound)).product::<f64>() < 1.0 {
+                .map(|side| SampledPlant::new(&side, network.sample_period(), network.computing_time()));
+            if held.iter().map(|side| sampled_gain::sampled_gain(side, bound)).product::<f64>() < 1.0 {
                 continue;
             }
         }
@@ -244,14 +249,14 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     AxisTier {
         stiffness_bound: Some(bound),
         attained,
-        satisfied: keeps(bound, attained, k),
-        operators: as_operators(&worst),
+        satisfied: is_within(bound, attained, k),
+        operators: operator_points(&worst),
     }
 }
 
-/// Tier 2: the least damping, exactly.
-fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
-    let worst = region.limpest();
+/// Tier 2 over a range of operators: exact at the smallest damping.
+fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
+    let worst = region.weakest_corner();
     let damping = region.axis(&worst).sides.map(|side| side.damping);
     let bound = (region.coupling_damping == 0.0).then(|| {
         bounded_delay::stiffness_bound(damping, network.oldest_partner_sample(), network.oldest_own_sample())
@@ -260,22 +265,28 @@ fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         stiffness_bound: bound,
         attained: false,
         satisfied: bound.is_some_and(|bound| k < bound),
-        operators: as_operators(&worst),
+        operators: operator_points(&worst),
     }
 }
 
-/// True where F enters its first positive root at ξ = 0 when k reaches `critical`: still stable there.
+/// True if the first positive root of F appears at ξ = 0 when k reaches `critical`: the dyad is then stable
+/// at that stiffness.
 fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     let [first, second] = axis.sides;
     let (b1, b2, c) = (first.damping, second.damping, axis.coupling_damping);
     let entry = (b1 * b1 + b2 * b2 + 2.0 * c * (b1 + b2)) / (2.0 * (first.mass + second.mass));
-    // A tangency comes before this entry; 1e-12 parts the two in rounding.
+    // A tangency comes before this root; 1e-12 separates the two in rounding.
     axis.is_free() && (entry - critical).abs() <= 1e-12 * entry
 }
 
 /// Tiers 3 and 4: a grid through the box, corners included, then a pattern search from its worst point.
-fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Result<(AxisTier, Six, usize)> {
-    let bound = |at: &Six| -> Result<f64> {
+fn constant_delay_tier(
+    region: &OperatorBox,
+    tier: Tier,
+    delay: f64,
+    k: f64,
+) -> Result<(AxisTier, OperatorPair, usize)> {
+    let bound = |at: &OperatorPair| -> Result<f64> {
         let axis = region.axis(at);
         if tier == Tier::AnyConstantDelay {
             Ok(critical_stiffness(&axis))
@@ -283,17 +294,17 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
             maximum_stiffness(&axis, delay)
         }
     };
-    let holds = |at: &Six, bound: f64| -> Result<bool> {
+    let holds = |at: &OperatorPair, bound: f64| -> Result<bool> {
         let axis = region.axis(at);
         if k < bound {
             return Ok(true);
         }
         if tier == Tier::AnyConstantDelay {
-            // Grounded handles may have bands above the first stiffness that some delay destabilises.
-            Ok(keeps(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
+            // With grounded operators there may be bands above the first destabilised stiffness.
+            Ok(is_within(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
         } else {
             // Above the bound the delay may lie in a later stable interval.
-            Ok(contains(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
+            Ok(is_in_any(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
         }
     };
     let grid = region.grid(LEVELS);
@@ -337,18 +348,22 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
         }
     }
     let attained = tier == Tier::AnyConstantDelay && is_attained(&region.axis(&worst.0), worst.1);
-    let verdict =
-        AxisTier { stiffness_bound: Some(worst.1), attained, satisfied, operators: as_operators(&worst.0) };
+    let verdict = AxisTier {
+        stiffness_bound: Some(worst.1),
+        attained,
+        satisfied,
+        operators: operator_points(&worst.0),
+    };
     Ok((verdict, worst.0, count))
 }
 
-/// All four tiers on one axis.
-pub(super) fn examine(region: &OperatorBox, network: &Network, k: f64) -> Result<Examined> {
+/// Evaluates all four tiers on one axis over a range of operators.
+pub(super) fn examine_tiers(region: &OperatorBox, network: &Network, k: f64) -> Result<ExaminedTiers> {
     let delay = network.buffered_mean();
-    let (third, _, third_count) = constant_delay(region, Tier::AnyConstantDelay, delay, k)?;
-    let (fourth, worst_constant, fourth_count) = constant_delay(region, Tier::ConstantDelay, delay, k)?;
-    Ok(Examined {
-        tiers: [any_network(region, network, k), bounded_delay(region, network, k), third, fourth],
+    let (third, _, third_count) = constant_delay_tier(region, Tier::AnyConstantDelay, delay, k)?;
+    let (fourth, worst_constant, fourth_count) = constant_delay_tier(region, Tier::ConstantDelay, delay, k)?;
+    Ok(ExaminedTiers {
+        tiers: [any_network_tier(region, network, k), bounded_delay_tier(region, network, k), third, fourth],
         worst_constant,
         count: third_count.max(fourth_count),
     })

@@ -1,20 +1,20 @@
-//! Lookups: where a delayed argument falls, and the value there.
+//! The solution history: lookups of delayed states.
 
 use super::discontinuity::resolution;
 use super::equation::{Delayed, Equation, Interrupt};
 use super::interpolant;
 use super::solution::Mesh;
 
-/// Callbacks at one side of a jump are asked this many roundings aside of it.
+/// The distance from a jump, in roundings, at which callbacks are evaluated on one side of it.
 const ASIDE: f64 = 4.0 * f64::EPSILON;
 
-/// `t` moved by a few roundings to the later side (`direction` 1) or the earlier one (−1); `scale` speaks for
-/// the unit of time where `t` is near zero.
-pub(super) fn aside(t: f64, direction: f64, scale: f64) -> f64 {
+/// Moves `t` by a few roundings to the later (`direction` 1) or earlier side (−1); `scale` sets the unit of
+/// time near zero.
+pub(super) fn offset_by_roundings(t: f64, direction: f64, scale: f64) -> f64 {
     t + direction * ASIDE * t.abs().max(scale)
 }
 
-/// A polynomial that stands in for the step under way where a lookup falls into it.
+/// A polynomial that predicts the current step for lookups within it.
 #[derive(Debug, Default)]
 pub(super) struct Predictor {
     pub(super) coefficients: Vec<f64>,
@@ -23,25 +23,26 @@ pub(super) struct Predictor {
 }
 
 impl Predictor {
+    /// The predicted state at `t` within the current step.
     pub(super) fn evaluate(&self, t: f64, out: &mut [f64]) {
-        interpolant::evaluate(&self.coefficients, (t - self.origin) / self.width, out);
+        interpolant::evaluate_polynomial(&self.coefficients, (t - self.origin) / self.width, out);
     }
 }
 
-/// The equation together with its solution so far: all that an evaluation of the slope needs.
-pub(super) struct Past<'a, E, F, H> {
+/// The equation with its solution so far: everything an evaluation of the derivative needs.
+pub(super) struct StateHistory<'a, E, F, H> {
     pub(super) equation: Equation<'a, E, F, H>,
     pub(super) mesh: Mesh,
     pub(super) initial: Vec<f64>,
     pub(super) start: f64,
-    /// Times at which the history or its junction with the solution jumps.
+    /// Times at which the history, or its junction with the solution, jumps.
     pub(super) jumps: Vec<f64>,
     pub(super) predictor: Predictor,
-    /// The time from which the predictor answers.
+    /// The current time, from which the predictor is used.
     pub(super) here: f64,
-    /// Each delay's argument in the middle of the step: it tells on which side of a jump the step looks.
+    /// The delayed argument of each delay in the middle of the step, which decides the side of a jump.
     pub(super) middle: Vec<f64>,
-    /// How near to a jump a state-dependent argument counts as being on it.
+    /// The distance within which a state-dependent argument counts as on a jump.
     pub(super) state_slack: f64,
     /// Set when a lookup used the predictor.
     pub(super) looked_ahead: bool,
@@ -49,11 +50,12 @@ pub(super) struct Past<'a, E, F, H> {
     delayed: Vec<f64>,
 }
 
-impl<'a, E, F, H> Past<'a, E, F, H>
+impl<'a, E, F, H> StateHistory<'a, E, F, H>
 where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
+    /// An empty solution history at the start.
     pub(super) fn new(equation: Equation<'a, E, F, H>, start: f64, initial: Vec<f64>) -> Self {
         let (delays, dimension) = (equation.delays.len(), equation.dimension);
         Self {
@@ -76,14 +78,19 @@ where
         }
     }
 
-    /// The roundings within which the argument `s` of delay `index`, asked at `t`, cannot be told from a break.
+    /// The rounding within which the argument `s` of delay `index` at time `t` coincides with a break.
     pub(super) fn slack(&self, index: usize, t: f64, s: f64) -> f64 {
         let rounding = resolution(t.abs().max(s.abs()));
         if self.equation.is_state_dependent(index) { rounding.max(self.state_slack) } else { rounding }
     }
 
-    /// Prepares the step from the current time to `end`: which side of each jump it looks at.
-    pub(super) fn aim(&mut self, end: f64, y: &[f64], slope: &[f64]) -> Result<(), Interrupt<E>> {
+    /// Chooses, for the step from the current time to `end`, the side of each jump that it uses.
+    pub(super) fn choose_jump_sides(
+        &mut self,
+        end: f64,
+        y: &[f64],
+        slope: &[f64],
+    ) -> Result<(), Interrupt<E>> {
         if self.jumps.is_empty() {
             return Ok(());
         }
@@ -96,7 +103,7 @@ where
         Ok(())
     }
 
-    /// y' at the mesh time `nominal`, at which callbacks are shown `seen`.
+    /// The derivative y' at the mesh time `nominal`, with `seen` passed to callbacks.
     pub(super) fn slope(
         &mut self,
         nominal: f64,
@@ -106,14 +113,14 @@ where
     ) -> Result<(), Interrupt<E>> {
         let mut delayed = std::mem::take(&mut self.delayed);
         let result = self
-            .gather(nominal, seen, y, &mut delayed)
+            .gather_delayed_states(nominal, seen, y, &mut delayed)
             .and_then(|()| self.equation.slope(seen, y, &delayed, out));
         self.delayed = delayed;
         result
     }
 
-    /// Fills one row per delay with the delayed state.
-    fn gather(
+    /// Fills one row per delay with the delayed state from the solution history.
+    fn gather_delayed_states(
         &mut self,
         nominal: f64,
         seen: f64,
@@ -123,17 +130,17 @@ where
         for (index, row) in delayed.chunks_exact_mut(self.equation.dimension).enumerate() {
             let argument = self.equation.argument(index, nominal, seen, y)?;
             if argument >= nominal {
-                // No delay at all: the state itself, so that nothing has to be repeated.
+                // Without delay, take the state itself, so that the step need not be iterated.
                 row.copy_from_slice(y);
             } else {
-                self.look_up(index, nominal, argument, row)?;
+                self.delayed_state(index, nominal, argument, row)?;
             }
         }
         Ok(())
     }
 
-    /// The value at the argument `s` of delay `index`, asked at `t`.
-    fn look_up(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
+    /// The state at the argument `s` of delay `index`, for an evaluation at `t`.
+    fn delayed_state(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
         let slack = self.slack(index, t, s);
         if let Some(&jump) = self.jumps.iter().find(|&&jump| (s - jump).abs() <= slack) {
             let later = self.middle[index] > jump;
@@ -142,7 +149,9 @@ where
                 return Ok(());
             }
             let scale = (self.predictor.width).abs();
-            return self.equation.past(aside(jump, if later { 1.0 } else { -1.0 }, scale), out);
+            return self
+                .equation
+                .history_at(offset_by_roundings(jump, if later { 1.0 } else { -1.0 }, scale), out);
         }
         if s > self.here {
             self.looked_ahead = true;
@@ -150,7 +159,7 @@ where
         } else if s > self.start {
             self.hints[index] = self.mesh.evaluate(s, self.hints[index], out);
         } else {
-            self.equation.past(s, out)?;
+            self.equation.history_at(s, out)?;
         }
         Ok(())
     }

@@ -1,15 +1,15 @@
-//! What the network and the controller add to the age of a sample, and where each part comes from.
+//! The network and the controllers, and their contributions to the age of a sample.
 
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
 
-/// A network between two controllers, in the terms that stability needs. All in s, checked.
+/// A network between two controllers, as far as it matters for stability. All values in s, checked.
 ///
 /// # Examples
 ///
 /// ```
-/// use telespring::{Delay, criteria::verdicts::Network};
+/// use telespring::{Delay, verdicts::Network};
 /// let network = Network::new(Delay::each_way(0.05)?, 0.01, 0.004, 0.001, 0.0)?;
 /// assert!((network.oldest_partner_sample()[0] - 0.065).abs() < 1e-15);
 /// # Ok::<(), telespring::InvalidInput>(())
@@ -23,28 +23,28 @@ pub struct Network {
     computing_time: f64,
 }
 
-/// Where the age of a partner sample comes from, one direction, s.
+/// The contributions to the age of a partner sample, one direction, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DelayBudget {
     /// The constant part of the one-way delay.
     pub network: f64,
-    /// The most that a packet may be later than that.
+    /// The maximum additional delay of a packet.
     pub jitter: f64,
     /// The longest wait for a newer sample.
     pub gap: f64,
     /// The hold of the force over one sample period.
     pub sampling: f64,
-    /// From reading the samples to applying the force.
+    /// The time from reading the samples to applying the force.
     pub computing: f64,
 }
 
 impl DelayBudget {
-    /// The sum of all items, s: no partner sample in use is older.
+    /// The sum of all contributions, s: the maximum age of a partner sample in use.
     pub fn total(&self) -> f64 {
         self.network + self.jitter + self.gap + self.sampling + self.computing
     }
 
-    /// Each item with its name and its share of the total, from 0 to 1 (all 0 where the total is 0).
+    /// Each contribution with its name and its share of the total, from 0 to 1 (all 0 if the total is 0).
     pub fn shares(&self) -> [(&'static str, f64); 5] {
         let total = self.total();
         let share = |item: f64| if total > 0.0 { item / total } else { 0.0 };
@@ -59,17 +59,18 @@ impl DelayBudget {
 }
 
 impl Network {
-    /// A network with delays per direction and everything that makes a sample older still.
+    /// Creates a network from the delays per direction and everything else that adds to the age of a
+    /// sample.
     ///
-    /// `jitter` is the most that a packet may be later than `delay`. `max_gap` is the longest wait
-    /// for a newer partner sample, losses included; 0 is a stream without gaps. Both controllers run
-    /// at `sample_period` with a held force (0 is a continuous controller) and apply the force
-    /// `computing_time` after reading the samples, within the same period.
+    /// `jitter` is the maximum additional delay of a packet. `max_gap` is the longest wait for a newer
+    /// partner sample, losses included; 0 means no gaps. Both controllers run at `sample_period` and hold
+    /// the force (0 is a continuous controller); the force acts `computing_time` after the samples are
+    /// read, within the same period.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a span is negative, not finite or longer than 100 s, where delay, jitter
-    /// and gap together exceed that, or where the computing time exceeds the sample period.
+    /// [`InvalidInput`] if a span is negative, not finite or longer than 100 s, if delay, jitter and gap
+    /// together exceed that, or if the computing time exceeds the sample period.
     pub fn new(
         delay: Delay,
         jitter: f64,
@@ -87,7 +88,7 @@ impl Network {
                 if jitter > max_gap { "jitter" } else { "max_gap" },
                 if jitter > max_gap { jitter } else { max_gap },
                 format!(
-                    "delay, jitter and longest gap together must not exceed {LONGEST_DELAY} s, and are {longest} s"
+                    "delay, jitter and longest gap together must not exceed {LONGEST_DELAY} s, but are {longest} s"
                 ),
                 "Check the unit: s is expected.",
             ));
@@ -107,23 +108,23 @@ impl Network {
                 "computing_time",
                 computing_time,
                 format!("a computing time must fit into the sample period of {sample_period} s"),
-                "Shorten it, or state the sample period at which the controller really runs.",
+                "Shorten it, or give the actual sample period of the controller.",
             ));
         }
         Ok(Self { delay, jitter, max_gap, sample_period, computing_time })
     }
 
-    /// A constant delay and nothing else: continuous controllers, no jitter, no gaps.
+    /// Creates a network with a constant delay only: continuous controllers, no jitter, no gaps.
     pub fn constant(delay: Delay) -> Self {
         Self { delay, jitter: 0.0, max_gap: 0.0, sample_period: 0.0, computing_time: 0.0 }
     }
 
-    /// The constant part of the one-way delays.
+    /// The constant part of the network's one-way delays.
     pub fn delay(&self) -> Delay {
         self.delay
     }
 
-    /// The most that a packet may be later than the delay, s.
+    /// The maximum additional delay of a packet, s.
     pub fn jitter(&self) -> f64 {
         self.jitter
     }
@@ -133,27 +134,27 @@ impl Network {
         self.max_gap
     }
 
-    /// The period of both controllers, s; 0 where they are continuous.
+    /// The sample period of both controllers, s; 0 if they are continuous.
     pub fn sample_period(&self) -> f64 {
         self.sample_period
     }
 
-    /// From reading the samples to applying the force, s.
+    /// The time from reading the samples to applying the force, s.
     pub fn computing_time(&self) -> f64 {
         self.computing_time
     }
 
-    /// True where every packet takes the same time: neither jitter nor gaps.
+    /// True if every packet has the same delay: neither jitter nor gaps.
     pub fn is_constant(&self) -> bool {
         self.jitter == 0.0 && self.max_gap == 0.0
     }
 
-    /// The age of a robot's own position sample at its oldest, s: one period plus computing time.
+    /// The maximum age of a robot's own position sample, s: one period plus computing time.
     pub fn oldest_own_sample(&self) -> f64 {
         self.sample_period + self.computing_time
     }
 
-    /// The items of both directions: from robot 1 to robot 2, and back.
+    /// The contributions of both directions: from robot 1 to robot 2, and back.
     pub fn budget(&self) -> [DelayBudget; 2] {
         [self.delay.forward(), self.delay.backward()].map(|network| DelayBudget {
             network,
@@ -164,33 +165,33 @@ impl Network {
         })
     }
 
-    /// T₁ and T₂ (s): the age of a partner sample at its oldest, per direction.
+    /// The maximum age T₁ and T₂ of a partner sample per direction, s.
     pub fn oldest_partner_sample(&self) -> [f64; 2] {
         self.budget().map(|direction| direction.total())
     }
 
-    /// The constant delays behind a playout buffer that waits for the latest packet and the longest
-    /// gap, s; without jitter and gaps these are the network's own.
+    /// The constant delays behind a playout buffer that waits for the latest packet and the longest gap, s;
+    /// without jitter and gaps the network's own delays.
     pub fn buffered(&self) -> [f64; 2] {
         [self.delay.forward(), self.delay.backward()].map(|delay| delay + self.jitter + self.max_gap)
     }
 
-    /// The mean of [`Network::buffered`], s: all of a constant delay that stability depends on.
+    /// The mean of [`Network::buffered`], s: the only constant delay that affects stability.
     pub fn buffered_mean(&self) -> f64 {
         let [forward, backward] = self.buffered();
         0.5 * (forward + backward)
     }
 
-    /// The delays behind the playout buffer in whole sample periods, rounded up, as a sampled
-    /// controller sees them.
+    /// The delays behind the playout buffer in whole sample periods, rounded up, as a sampled controller
+    /// applies them.
     pub(super) fn whole_ticks(&self) -> [u64; 2] {
-        // A delay written as a multiple of the period stays one in spite of rounding.
+        // A delay given as a multiple of the period stays one in spite of rounding.
         const ROUNDING: f64 = 1e-9;
         self.buffered().map(|delay| (delay / self.sample_period - ROUNDING).ceil().max(0.0) as u64)
     }
 }
 
-/// What every criterion accepts as a delay, s.
+/// The largest delay that every criterion accepts, s.
 const LONGEST_DELAY: f64 = 100.0;
-/// 10 MHz: far above any haptic controller, and the delay stays countable in ticks.
+/// 10 MHz: far above any haptic controller, and delays remain countable in periods.
 const SHORTEST_PERIOD: f64 = 1e-7;

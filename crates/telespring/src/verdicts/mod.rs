@@ -1,43 +1,47 @@
-//! The four verdicts on a dyad, side by side with the paper's.
+//! The four verdicts on a dyad over a network, next to the paper's verdict.
 //!
 //! | tier | what the network may do | rule |
 //! |---|---|---|
-//! | 1 [`Tier::AnyNetwork`] | anything with bounded gaps | each side alone does not amplify |
-//! | 2 [`Tier::BoundedVaryingDelay`] | anything that leaves no sample older than a bound | Lyapunov–Krasovskii |
+//! | 1 [`Tier::AnyNetwork`] | anything, with bounded gaps | each side alone does not amplify |
+//! | 2 [`Tier::BoundedVaryingDelay`] | anything that keeps the age of every sample below a bound | Lyapunov–Krasovskii |
 //! | 3 [`Tier::AnyConstantDelay`] | one constant delay, however long | no root crosses for any delay |
-//! | 4 [`Tier::ConstantDelay`] | one known constant delay | it lies in a stable interval |
+//! | 4 [`Tier::ConstantDelay`] | one known constant delay | the delay lies in a stable interval |
 //!
-//! The tiers are not nested: the stiffness allowed is the largest that any of them gives whose
-//! assumption the network keeps.
+//! The tiers are not nested. The allowed stiffness is the largest bound over the tiers whose assumption the
+//! network meets.
 
 mod any_network;
 mod bounded_delay;
 mod contour;
-mod held;
-mod local_loop;
+mod gain;
 mod network;
 mod operators;
 mod paper;
 mod sampled;
+mod sampled_characteristic;
+mod sampled_gain;
+mod sampled_roots;
+mod zero_order_hold;
 
 pub use network::{DelayBudget, Network};
 pub use operators::{AxisTier, OperatorPoint, OperatorRange};
 pub use paper::PaperVerdict;
-pub use sampled::{SampledCertificate, SampledSpectrum, sampled_spectral_radius};
+pub use sampled::sampled_spectral_radius;
+pub use sampled_roots::{SampledCertificate, SampledSpectrum};
 
-use operators::{Examined, OperatorBox};
+use operators::{ExaminedTiers, OperatorBox};
 
-use super::{maximum_delay, minimum_damping};
+use crate::criteria::{maximum_delay, minimum_damping};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
 
-/// One of the four verdicts, by what it lets the network do.
+/// A tier: one of the four verdicts, named by what the network may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tier {
-    /// 1: anything at all, with bounded gaps.
+    /// 1: any behaviour, with bounded gaps.
     AnyNetwork,
-    /// 2: any variation, jumps, loss with hold and reordering, no sample older than a bound.
+    /// 2: any variation, jumps, losses with hold and reordering; no sample older than a bound.
     BoundedVaryingDelay,
     /// 3: any constant delay.
     AnyConstantDelay,
@@ -50,12 +54,12 @@ impl Tier {
     pub const ALL: [Self; 4] =
         [Self::AnyNetwork, Self::BoundedVaryingDelay, Self::AnyConstantDelay, Self::ConstantDelay];
 
-    /// 1 to 4.
+    /// The number of the tier, 1 to 4.
     pub fn number(self) -> u8 {
         self as u8 + 1
     }
 
-    /// The name in text and tables.
+    /// The name of the tier in text and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::AnyNetwork => "any network",
@@ -66,14 +70,14 @@ impl Tier {
     }
 }
 
-/// Whether the stated network keeps what a tier assumes.
+/// Whether the network meets the assumption of a tier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Assumption {
     /// It does.
     Met,
-    /// Only behind a playout buffer that holds every packet until these one-way delays (s, forward and
-    /// backward) are over, which makes the delay constant.
+    /// It does behind a playout buffer that holds every packet until these one-way delays (s, forward and
+    /// backward) have passed, which makes the delay constant.
     MetBehindPlayoutBuffer {
         /// Delay plus jitter plus longest gap, per direction.
         delay: [f64; 2],
@@ -84,18 +88,18 @@ pub enum Assumption {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unavailable {
-    /// Tier 1 with a coupling damper and an operator that holds its handle to the ground.
+    /// Tier 1 with a coupling damper and a grounded operator.
     CouplingDampingWithGroundedOperator,
-    /// Tier 1 with a coupling damper and a controller that takes time to compute.
+    /// Tier 1 with a coupling damper and a computing time.
     CouplingDampingWithComputingTime,
     /// Tier 2 with a coupling damper.
     CouplingDamping,
 }
 
-/// How far a stiffness is from a bound.
+/// The margin of a stiffness to a bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Margin {
-    /// Bound over stiffness: above 1 is inside.
+pub struct StiffnessMargin {
+    /// Bound divided by stiffness; above 1 is inside.
     pub ratio: f64,
     /// Bound minus stiffness, N/m.
     pub difference: f64,
@@ -104,101 +108,101 @@ pub struct Margin {
 /// The verdict of one tier on the whole dyad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// Which tier.
+    /// The tier.
     pub tier: Tier,
-    /// The largest stiffness (N/m) of the tier, every smaller one included; infinite where nothing
-    /// limits it, `None` where the tier is unavailable.
+    /// The stiffness bound (N/m) of the tier; every smaller stiffness satisfies it. Infinite if there is no
+    /// limit, `None` if the tier is unavailable.
     pub stiffness_bound: Option<f64>,
-    /// True where that stiffness is itself allowed.
+    /// True if the bound itself is allowed.
     pub attained: bool,
-    /// True where the stiffness in question keeps the rule on every axis, for every operator examined.
-    /// A constant delay (tier 4) may be stable above the bound: it can lie in a later stable interval.
+    /// True if the given stiffness satisfies the rule on every axis for every operator examined. A constant
+    /// delay (tier 4) may be stable above the bound, in a later stable interval.
     pub satisfied: bool,
-    /// How far the stiffness is from the bound.
-    pub margin: Option<Margin>,
-    /// The axis with the least bound.
+    /// The margin of the given stiffness to the bound.
+    pub margin: Option<StiffnessMargin>,
+    /// The axis with the smallest bound.
     pub worst_axis: Option<usize>,
-    /// The operators with the least bound on that axis.
+    /// The operators with the smallest bound on that axis.
     pub worst_operators: Option<[OperatorPoint; 2]>,
-    /// Whether the network keeps what the tier assumes.
+    /// Whether the network meets the assumption of the tier.
     pub assumption: Assumption,
-    /// Why the tier is unavailable, where it is.
+    /// Why the tier is unavailable, if it is.
     pub unavailable: Option<Unavailable>,
 }
 
-/// A stiffness and the tier that allows it.
+/// The allowed stiffness and the tier that gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allowed {
     /// Every smaller stiffness (N/m) is allowed.
     pub stiffness: f64,
-    /// True where this very stiffness is allowed too.
+    /// True if this stiffness itself is allowed.
     pub attained: bool,
     /// The tier that gives it.
     pub tier: Tier,
 }
 
-/// What to change so that the constant delay (tier 4) is stable, one thing at a time.
+/// Alternative changes that make the constant delay (tier 4) stable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Remedies {
-    /// Lower the stiffness below this, N/m.
+    /// A stiffness below this, N/m.
     pub stiffness: Option<f64>,
-    /// Bring the mean one-way delay below this, s.
+    /// A mean one-way delay below this, s.
     pub delay: Option<f64>,
-    /// Add more than this damping to each robot, N·s/m.
+    /// More added damping per robot than this, N·s/m.
     pub damping: Option<f64>,
 }
 
-/// One axis in detail.
+/// The verdicts on one axis in detail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisVerdict {
-    /// Its name.
+    /// The name of the axis.
     pub name: String,
-    /// True where an operator, or one in the range, holds a handle to the ground.
+    /// True if an operator, or one in the range, is grounded.
     pub grounded: bool,
     /// The four tiers.
     pub tiers: [AxisTier; 4],
-    /// Eq. 5 of the paper, N/m.
+    /// The paper's critical stiffness (Eq. 5), N/m.
     pub paper_critical_stiffness: f64,
-    /// Eq. 6 of the paper, s; 0 where its Eq. 9 breaks down.
+    /// The paper's maximum delay (Eq. 6), s; 0 if its Eq. 9 fails.
     pub paper_maximum_delay: f64,
-    /// The end of the first stable interval, s, the shortest over the operators examined.
+    /// The end of the first stable delay interval, s; the smallest over the operators examined.
     pub maximum_delay: f64,
-    /// The slowest multiplier under sampled controllers, the largest over the operators' corners and the
-    /// worst of tier 4; `None` without a sample period.
+    /// The slowest multiplier under sampled controllers, over the corners of the operator box and the worst
+    /// operators of tier 4; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
-    /// The largest stiffness (N/m) up to the bound of tier 4 that the sampled dyad keeps, the least over
-    /// the operators' corners and the worst of tier 4.
+    /// The largest stiffness (N/m), up to the bound of tier 4, that is stable under sampled controllers,
+    /// over the corners of the operator box and the worst operators of tier 4.
     pub sampled_stiffness_bound: Option<f64>,
 }
 
-/// The four verdicts, the paper's beside them, and what follows.
+/// The four verdicts, the paper's verdict and the conclusions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdicts {
-    /// The stiffness in question, N/m.
+    /// The given stiffness, N/m.
     pub stiffness: f64,
-    /// The network in question.
+    /// The given network.
     pub network: Network,
     /// Tiers 1 to 4.
     pub tiers: [Verdict; 4],
-    /// The bound of tier 2 from the robots' own damping, N/m: it holds for every passive operator.
+    /// The bound of tier 2 from the robots' own damping, N/m, valid for every passive operator.
     pub any_passive_operator: Option<f64>,
-    /// True where the sampled dyad is stable at this constant delay on every axis; `None` without a
-    /// sample period.
+    /// True if the sampled dyad is stable at this constant delay on every axis; `None` without a sample
+    /// period.
     pub sampled_stable: Option<bool>,
-    /// What the paper says.
+    /// The paper's verdict.
     pub paper: PaperVerdict,
-    /// The largest stiffness over the tiers whose assumption the bare network keeps. Sampling counts:
-    /// tiers 3 and 4 give no more than the sampled dyad bears at this delay.
+    /// The largest stiffness bound over the tiers whose assumption the network meets without a buffer.
+    /// Tiers 3 and 4 are limited to what the sampled dyad allows at this delay.
     pub stiffness_allowed: Option<Allowed>,
-    /// The same with the playout buffer in place that makes the delay constant.
+    /// The same behind a playout buffer that makes the delay constant.
     pub stiffness_allowed_behind_buffer: Option<Allowed>,
-    /// Where the age of a partner sample comes from, forward and backward.
+    /// The contributions to the age of a partner sample, forward and backward.
     pub delay_budget: [DelayBudget; 2],
-    /// Every axis.
+    /// The verdicts per axis.
     pub axes: Vec<AxisVerdict>,
-    /// How many pairs of operators were examined per axis: one without a range.
+    /// The number of operator pairs examined per axis; 1 without a range.
     pub operators_examined: usize,
-    /// What to change, where tier 4 is not satisfied.
+    /// Changes that would satisfy tier 4, if it is not satisfied.
     pub remedies: Remedies,
 }
 
@@ -211,18 +215,18 @@ impl Verdicts {
 
 /// The four verdicts on a dyad at a stiffness (N/m) over a network.
 ///
-/// With `operators` every verdict is the worst over both ranges, which take the place of the dyad's
-/// own operators: tiers 1 and 2 exactly, tiers 3 and 4 over corners and a grid, refined at its worst point.
+/// With `operators` every verdict is the worst over both ranges, which replace the dyad's own operators:
+/// exactly for tiers 1 and 2, over corners and a refined grid for tiers 3 and 4.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the stiffness is out of range or a range does not have the dyad's axes.
+/// [`InvalidInput`] if the stiffness is out of range or a range does not have the dyad's axes.
 ///
 /// # Examples
 ///
 /// ```
 /// use telespring::{Delay, hman};
-/// use telespring::criteria::verdicts::{Network, Tier, verdicts};
+/// use telespring::verdicts::{Network, Tier, verdicts};
 /// let network = Network::constant(Delay::each_way(0.1)?);
 /// let verdicts = verdicts(&hman(), None, 71.2, &network)?;
 /// assert!(verdicts.tier(Tier::ConstantDelay).satisfied);
@@ -243,7 +247,7 @@ pub fn verdicts(
     let mut operators_examined = 0;
     for index in 0..count {
         let region = OperatorBox::new(dyad, operators, index);
-        let examined = operators::examine(&region, network, k)?;
+        let examined = operators::examine_tiers(&region, network, k)?;
         operators_examined = operators_examined.max(examined.count);
         axes.push(axis_verdict(dyad, index, &region, &examined, network, k, &mut remedies)?);
     }
@@ -265,8 +269,8 @@ pub fn verdicts(
         sampled_stable: (network.sample_period() > 0.0)
             .then(|| axes.iter().all(|axis| axis.sampled.is_some_and(|sampled| sampled.is_stable()))),
         paper,
-        stiffness_allowed: allowed(&tiers, sampled_bound, false),
-        stiffness_allowed_behind_buffer: allowed(&tiers, sampled_bound, true),
+        stiffness_allowed: largest_allowed(&tiers, sampled_bound, false),
+        stiffness_allowed_behind_buffer: largest_allowed(&tiers, sampled_bound, true),
         delay_budget: network.budget(),
         axes,
         operators_examined,
@@ -274,6 +278,7 @@ pub fn verdicts(
     })
 }
 
+/// Checks that both operator ranges have the axes of the dyad.
 fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<()> {
     let axes = dyad.axis_names().len();
     for (range, name) in operators.into_iter().flatten().zip(["operators[0]", "operators[1]"]) {
@@ -282,7 +287,7 @@ fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<(
             return Err(InvalidInput::new(
                 name,
                 format!("{got} value(s)"),
-                format!("one value per axis of the robots is needed, that is {axes}"),
+                format!("one value per axis of the robots is needed: {axes}"),
                 "Give every list one value per axis.",
             ));
         }
@@ -290,12 +295,12 @@ fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<(
     Ok(())
 }
 
-/// One axis in detail; what would help it tightens the remedies.
+/// The verdicts on one axis; tightens the remedies where tier 4 is not satisfied.
 fn axis_verdict(
     dyad: &Dyad,
     index: usize,
     region: &OperatorBox,
-    examined: &Examined,
+    examined: &ExaminedTiers,
     network: &Network,
     k: f64,
     remedies: &mut Remedies,
@@ -329,7 +334,7 @@ fn axis_verdict(
     }
     let sampled_stiffness_bound = sampled.map(|_| {
         let limit = examined.tiers[3].stiffness_bound.unwrap_or(f64::INFINITY);
-        // The nominal one first: it is often the worst, and a lower limit shortens the other searches.
+        // The nominal axis first: it is often the worst, and a lower limit shortens the other searches.
         let nominal_bound = sampled::stiffness_bound(&nominal, network, limit);
         held.iter()
             .filter(|&axis| *axis != nominal)
@@ -347,7 +352,7 @@ fn axis_verdict(
     })
 }
 
-/// One tier over all axes: the least bound counts, and every axis must keep the rule.
+/// The verdict of one tier over all axes: the smallest bound counts, and every axis must satisfy the rule.
 fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Verdict {
     let index = tier as usize;
     let assumption = match tier {
@@ -383,14 +388,14 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
             verdict.attained = here.attained;
             verdict.worst_axis = Some(i);
             verdict.worst_operators = Some(here.operators);
-            verdict.margin = Some(Margin { ratio: bound / k, difference: bound - k });
+            verdict.margin = Some(StiffnessMargin { ratio: bound / k, difference: bound - k });
         }
     }
     verdict.satisfied = axes.iter().all(|axis| axis.tiers[index].satisfied);
     verdict
 }
 
-/// The bound of tier 2 from the robots alone, the worst axis.
+/// The bound of tier 2 from the robots' damping alone, over all axes.
 fn any_passive_operator(dyad: &Dyad, network: &Network) -> Option<f64> {
     let [first, second] = dyad.robots();
     (dyad.coupling_damping() == 0.0).then(|| {
@@ -409,6 +414,7 @@ fn any_passive_operator(dyad: &Dyad, network: &Network) -> Option<f64> {
     })
 }
 
+/// The paper's verdict over all axes, compared with the exact one.
 fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -> PaperVerdict {
     let least = |values: Vec<f64>| {
         values
@@ -430,8 +436,8 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
     }
 }
 
-/// The largest bound over the tiers whose assumption holds.
-fn allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
+/// The largest stiffness bound over the tiers whose assumption is met.
+fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
     tiers
         .iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
