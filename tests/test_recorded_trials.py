@@ -166,9 +166,9 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "trial twice": (
         in_index(lambda table: table.assign(trial=[1, 1, 2, 1, 2, 1, 2, 3])),
-        ["trials.csv, line 3: trial = 1", "this one stands in line 2"],
+        ["trials.csv, line 3: trial = 1", "this one is in line 2"],
     ),
-    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one stands in line 2"]),
+    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one is in line 2"]),
     "time back": (
         in_first(replaced("time_s", 10, 0.05)),
         [f"{FIRST}, line 12: time_s = 0.05 after 0.09", "time must increase"],
@@ -228,11 +228,11 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "seed empty": (
         in_index(replaced("seed", 0, "")),
-        [f"{FIRST}: seed = empty", "Take the column seed out of trials.csv"],
+        ["trials.csv, line 2: seed = empty", "Remove the column seed from trials.csv"],
     ),
     "a header only": (
         in_first(lambda table: table.iloc[:0]),
-        [f"{FIRST} = a header only", "a line per sample"],
+        [f"{FIRST} = only a header", "a line per sample"],
     ),
     "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is needed"]),
 }

@@ -166,8 +166,7 @@ def _lag_within_shifts(
         )
         total = _shifted_sums(target_weight, target, longest)
         spread = (
-            _shifted_sums(target_weight, target**2, longest)
-            - total**2 / np.asarray(samples)[..., None, None]
+            _shifted_sums(target_weight, target**2, longest) - total**2 / np.asarray(samples)[..., None, None]
         )
         spread = np.asarray(spread.sum(axis=-1))
         correlation = np.empty((*shape, spread.shape[-1]))

@@ -90,7 +90,9 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
         "baseline": {
             "condition": baseline,
             "te2_median": (
-                None if baseline is None else mean_sd_median(errors[tracking_error_name(2, baseline)])["median"]
+                None
+                if baseline is None
+                else mean_sd_median(errors[tracking_error_name(2, baseline)])["median"]
             ),
         },
         "table1": table_1_rows(errors, trials, with_baseline),

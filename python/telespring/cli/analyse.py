@@ -1,18 +1,25 @@
-"""The command `telespring analyse`."""
+"""The command `telespring analyse`: measure and compare trials, and write tables and figures."""
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
 from telespring._errors import InvalidInput
+from telespring._files import replacing, write_whole
 from telespring.cli.common import refusals
 from telespring.model import Study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from telespring.analysis.trials import Trials
 
 __all__ = ["analyse_command"]
 
@@ -23,24 +30,27 @@ def analyse_command(
         typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
     ] = None,
     study: Annotated[
-        Path | None, typer.Option(help="Study whose task is the target of trials recorded without one.")
+        Path | None, typer.Option(help="Study whose task gives the target of trials recorded without one.")
     ] = None,
     discard: Annotated[
         float | None,
-        typer.Option(help="First part of every trial to leave out, s; as recorded unless given."),
+        typer.Option(help="Duration to leave out at the start of every trial, s. Default: as recorded."),
     ] = None,
     baseline: Annotated[
-        str | None, typer.Option(help="Condition whose TE2 all is compared with; unconnected unless given.")
+        str | None,
+        typer.Option(
+            help="Condition whose TE2 is the reference of the tests. Default: the unconnected mode."
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
         "out/analysis"
     ),
     export: Annotated[
-        Path | None, typer.Option(help="Write the trials as CSV into this folder, too.")
+        Path | None, typer.Option(help="Also write the trials as CSV into this folder.")
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
     template: Annotated[
-        Path | None, typer.Option(help="Write an example of recorded trials into this folder, and stop.")
+        Path | None, typer.Option(help="Only write an example of recorded trials into this folder.")
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print analysis.json instead of the table.")
@@ -50,7 +60,7 @@ def analyse_command(
     console = Console(highlight=False)
     with refusals():
         from telespring import analysis
-        from telespring.analysis.sources import open_trials, write_analysis
+        from telespring.analysis.sources import open_trials
         from telespring.show.screens.analysis import analysis_screen
 
         if template is not None:
@@ -60,29 +70,57 @@ def analyse_command(
             raise InvalidInput(
                 "PATH", "missing", "a rehearsal or recorded trials are needed", "Name a file or a folder."
             )
-        # Any: a study without an experiment has None there.
-        asked: Any = None if study is None else getattr(Study.read(study), "experiment", None)
-        if study is not None and asked is None:
+        experiment = None if study is None else Study.read(study).experiment
+        if study is not None and experiment is None:
             raise InvalidInput(
                 "study",
                 str(study),
                 "a study whose robots have the axes x and y is needed",
-                "Only those have a task.",
+                "Use a study with these axes: only such a study has a task.",
             )
-        dataset = open_trials(path, None if asked is None else asked.task)
-        if discard is None and asked is not None and "discard" not in dataset.attrs:
-            discard = float(asked.discard)
-        trials = analysis.take_trials(dataset, discard)
-        numbers = analysis.analyse_taken(trials, analysis.measure_trials(trials), baseline)
-        written = write_analysis(trials, numbers, out, figures=figures)
+        dataset = open_trials(path, None if experiment is None else experiment.task)
+        if discard is None and experiment is not None and "discard" not in dataset.attrs:
+            discard = experiment.discard
+        trials = analysis.Trials.from_dataset(dataset, discard)
+        numbers = analysis.compare_conditions(trials, baseline)
+        written = _write_analysis(trials, numbers, out, figures=figures)
         if export is not None:
-            written = (*written, analysis.write_recorded(dataset, export))
+            written.append(analysis.write_recorded(dataset, export))
     if as_json:
+        # Some terminals cannot print every letter; JSON can escape them.
         escape_letters = not sys.stdout.encoding.lower().startswith("utf")
         typer.echo(json.dumps(numbers, indent=1, ensure_ascii=escape_letters, allow_nan=False))
         return
-    console.print(analysis_screen(numbers, str(path)))
-    if "resampled_to" in dataset.attrs:
-        period = 1e3 * dataset.attrs["resampled_to"]
-        console.print(f"The trials' samples lay at different times: put on a grid of {period:.4g} ms.")
-    console.print(f"Written: {', '.join(str(each) for each in written)}", markup=False)
+    console.print(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
+    console.print(f"Written: {', '.join(str(file) for file in written)}", markup=False)
+
+
+def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *, figures: bool) -> list[Path]:
+    """Write ``analysis.json``, ``table1.csv`` and Figs. 7 and 8, each file whole or not at all."""
+    from telespring.analysis.table import table_1_csv
+
+    text = json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    written = [
+        write_whole(folder / "analysis.json", text),
+        write_whole(folder / "table1.csv", table_1_csv(numbers["table1"])),
+    ]
+    if figures:
+        from telespring.show.drawings import draw_errors, draw_trajectories
+
+        written += _write_figure(folder / "trajectories", draw_trajectories(trials))
+        written += _write_figure(folder / "tracking-errors", draw_errors(numbers))
+    return written
+
+
+def _write_figure(stem: Path, figure: Figure) -> list[Path]:
+    """Write a figure as SVG and PNG; the same figure gives the same bytes."""
+    from telespring.show.figures.style import styled
+
+    paths = [stem.with_suffix(suffix) for suffix in (".svg", ".png")]
+    for path in paths:
+        is_svg = path.suffix == ".svg"
+        with replacing(path) as beside, styled(**{"svg.hashsalt": stem.name}):
+            figure.savefig(
+                beside, dpi="figure" if is_svg else 200.0, metadata={"Date": None} if is_svg else None
+            )
+    return paths

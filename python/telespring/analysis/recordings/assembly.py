@@ -1,4 +1,4 @@
-"""Assemble recorded trials into one dataset in the layout of a rehearsal, resampled where their times differ."""
+"""Assemble recorded trials into one dataset like a rehearsal's, resampled where sample times differ."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def assemble_dataset(
     if first.seed is not None:
         seeds = np.zeros(shape, dtype=np.uint64)
         for i, j, trial in placed:
-            seeds[i, j] = trial.entry.seed
+            seeds[i, j] = trial.entry.seed or 0
         variables["seed"] = (per_trial, seeds)
     attributes = {"discard": first.discard, "resampled_to": period, "study": study}
     return xr.Dataset(

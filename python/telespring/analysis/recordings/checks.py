@@ -30,7 +30,9 @@ __all__ = [
     "refuse",
 ]
 
-_LAYOUT_HELP = "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
+_LAYOUT_HELP = (
+    "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
+)
 
 #: A gap longer than this many samples is not interpolated.
 _LONGEST_GAP = 5.0
@@ -94,9 +96,7 @@ def parse_stiffness(text: str, where: str) -> float | None:
     """Parse the stiffness of a condition, N/m; empty (None) in the unconnected mode."""
     stiffness = None if text == "" else parse_number(text, where)
     if stiffness is not None and stiffness <= 0.0:
-        refuse(
-            where, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode."
-        )
+        refuse(where, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode.")
     return stiffness
 
 
