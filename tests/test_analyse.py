@@ -206,10 +206,8 @@ def test_law_a_study_gives_the_target_and_what_to_discard(
     assert refused.exit_code == 2
     assert "Add them, or name the study by --study." in refused.stderr
     task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
-    experiment = SimpleNamespace(task=task, discard=0.5)
-    monkeypatch.setattr(
-        analyse, "Study", SimpleNamespace(read=lambda _: SimpleNamespace(experiment=experiment))
-    )
+    study = SimpleNamespace(experiment=SimpleNamespace(task=task, discard=0.5))
+    monkeypatch.setattr(analyse, "Study", SimpleNamespace(read=lambda _: study))
     found = run(*arguments, "--study", "paper.toml")
     assert found.exit_code == 0, found.output
     numbers = json.loads(found.stdout)

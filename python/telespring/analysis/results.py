@@ -75,6 +75,9 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
         for robot in (1, 2)
     }
     with_baseline = compare_with_baseline(errors, trials, baseline)
+    reference_median = (
+        None if baseline is None else mean_sd_median(errors[tracking_error_name(2, baseline)])["median"]
+    )
     same_condition = [
         (tracking_error_name(1, label), tracking_error_name(2, label)) for label in trials.labels
     ]
@@ -87,14 +90,7 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
             "discard": trials.discard,
             "sample_period": trials.sample_period,
         },
-        "baseline": {
-            "condition": baseline,
-            "te2_median": (
-                None
-                if baseline is None
-                else mean_sd_median(errors[tracking_error_name(2, baseline)])["median"]
-            ),
-        },
+        "baseline": {"condition": baseline, "te2_median": reference_median},
         "table1": table_1_rows(errors, trials, with_baseline),
         "kruskal_wallis": _kruskal_wallis_tests(errors, trials, baseline),
         "wilcoxon": {

@@ -63,7 +63,7 @@ def compare_with_baseline(
 
 
 def mean_sd_median(values: FloatArray) -> dict[str, float | None]:
-    """Compute mean, standard deviation (n − 1) and median without NaN; None where there are too few values."""
+    """Compute mean, standard deviation (n − 1) and median without NaN; None for too few values."""
     present = values[np.isfinite(values)]
     return {
         "mean": finite_or_none(present.mean()) if len(present) else None,

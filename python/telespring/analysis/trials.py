@@ -1,4 +1,4 @@
-"""Trials of an experiment as plain arrays, checked once: status, window of analysis, positions, target, forces."""
+"""Trials of an experiment as checked arrays: status, analysed samples, positions, target and forces."""
 
 from __future__ import annotations
 
@@ -81,7 +81,8 @@ class Trials:
 
     def trial_target(self, condition: int, trial: int) -> FloatArray:
         """Return the target of one trial, (time, axis), m."""
-        return self.target[condition % self.target.shape[0], trial % self.target.shape[1]]
+        shared = self.target.shape[:2]
+        return np.asarray(self.target[condition % shared[0], trial % shared[1]])
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset, discard: float | None = None) -> Trials:
@@ -207,7 +208,7 @@ def _not_trials(field: str, allowed: str) -> InvalidInput:
         field,
         "missing, or of another shape",
         allowed,
-        "Use a file that `telespring rehearse` wrote, or recorded trials as docs/recorded-trials.md describes.",
+        "Use a file from `telespring rehearse`, or recorded trials as in docs/recorded-trials.md.",
     )
 
 

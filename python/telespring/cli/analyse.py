@@ -38,19 +38,15 @@ def analyse_command(
     ] = None,
     baseline: Annotated[
         str | None,
-        typer.Option(
-            help="Condition whose TE2 is the reference of the tests. Default: the unconnected mode."
-        ),
+        typer.Option(help="Reference condition of the tests, by its TE2. Default: the unconnected mode."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
         "out/analysis"
     ),
-    export: Annotated[
-        Path | None, typer.Option(help="Also write the trials as CSV into this folder.")
-    ] = None,
+    export: Annotated[Path | None, typer.Option(help="Also write the trials as CSV to this folder.")] = None,
     figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
     template: Annotated[
-        Path | None, typer.Option(help="Only write an example of recorded trials into this folder.")
+        Path | None, typer.Option(help="Only write an example of recorded trials to this folder.")
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print analysis.json instead of the table.")

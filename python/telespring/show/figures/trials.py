@@ -145,7 +145,7 @@ def _half_extent(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
     for panel in panels:
         present = np.isfinite(panel.position).all(axis=-1).any(axis=-1).any(axis=-1)
         if present.any():
-            # The widest fifth of the trials does not count, so that a few diverging ones do not shrink the others.
+            # Without the widest fifth, so that a few diverging trials do not shrink the others.
             farthest = np.nanmax(np.abs(panel.position[present]), axis=(1, 2))
             moved = np.maximum(moved, 1e3 * np.quantile(farthest, 0.8, axis=0))
     return np.asarray(1.08 * np.minimum(moved, _WIDEST * target))

@@ -53,11 +53,8 @@ def _table(numbers: Mapping[str, Any]) -> Table:
         cells = [_tracking_error_cell(row, robot) for robot in (1, 2)]
         for name, _, factor, decimals in columns:
             means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
-            cells.append(
-                Text(
-                    "|".join("–" if mean is None else _short(factor * mean, decimals, 10.0) for mean in means)
-                )
-            )
+            shown = ["–" if mean is None else _short(factor * mean, decimals, 10.0) for mean in means]
+            cells.append(Text("|".join(shown)))
         early, begun = row["ended_early"], row["trials"]
         trials = Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))
         table.add_row(row["condition"], *cells, trials)
@@ -78,11 +75,13 @@ def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
 
 def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
     analysed = numbers["analysed"]
+    has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
+    forces = "; spring and effort are root mean squares" if has_forces else ""
     yield Text("")
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
         f"{1e3 * analysed['sample_period']:.4g} ms. TE: mean ± standard deviation of the tracking error. "
-        "Other columns: means for robot 1|robot 2; spring and effort are root mean squares."
+        f"Other columns: means for robot 1|robot 2{forces}."
     )
     if resampled_to is not None:
         yield Text(
