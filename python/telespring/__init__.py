@@ -3,6 +3,9 @@
 Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 
+from typing import TYPE_CHECKING
+
+from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import InvalidInput
 from telespring.model import (
     Coupling,
@@ -130,3 +133,8 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
+
+serve_moved_modules()
+if not TYPE_CHECKING:
+    # Hidden from type checkers, which would accept every name.
+    __getattr__ = old_names(__name__)

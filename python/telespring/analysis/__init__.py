@@ -1,5 +1,8 @@
 """Measure and compare the trials of an experiment, rehearsed or recorded, as section V of the paper does."""
 
+from typing import TYPE_CHECKING
+
+from telespring._deprecated import old_names
 from telespring.analysis.measures import measure, measure_trials
 from telespring.analysis.recordings.assembly import target_of
 from telespring.analysis.recordings.reading import read_recorded
@@ -35,3 +38,6 @@ __all__ = [
     "write_recorded",
     "write_template",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__ = old_names(__name__)
