@@ -73,7 +73,7 @@ def open_trials(path: str | os.PathLike[str], task: Mapping[str, Any] | None = N
         "path",
         str(path),
         "a whole netCDF file is needed, and this one is damaged",
-        "Run `telespring rehearse` again, or copy the file again.",
+        "Copy the file again, or run `telespring rehearse` with --fresh.",
     )
     if signature != _HDF5_SIGNATURE:
         raise damaged

@@ -76,7 +76,7 @@ def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
 def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
     analysed = numbers["analysed"]
     has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
-    forces = "; spring and effort are root mean squares" if has_forces else ""
+    forces = "; forces are root mean squares" if has_forces else ""
     yield Text("")
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
