@@ -124,10 +124,7 @@ class Comparison:
     def arrow(self, *, corrected: bool = False) -> Literal["↑", "↓", ""]:
         """Return the arrow of Table I: "↑" if the first group is larger, "↓" if smaller, "" if p ≥ 0.05.
 
-        Parameters
-        ----------
-        corrected
-            Use Holm's p instead of the raw one, which the paper uses.
+        The paper uses the raw p; `corrected` takes Holm's.
         """
         p_value = self.p_holm if corrected else self.p_value
         if p_value is None or p_value >= LEVEL or self.superiority is None or self.superiority == 0.5:
@@ -255,19 +252,9 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
 def compare_pairs(
     pairs: Sequence[tuple[str, str]], values: Mapping[str, ArrayLike]
 ) -> tuple[Comparison, ...]:
-    """Compare pairs of groups as one family, with p corrected by Holm's method.
+    """Compare pairs of groups, by their names in `values`, as one family: p is corrected by Holm's method.
 
-    Parameters
-    ----------
-    pairs : sequence
-        Names of the two groups of each comparison.
-    values : mapping
-        The groups' values.
-
-    Returns
-    -------
-    tuple of Comparison
-        In the order of `pairs`; a comparison without values does not count towards the family.
+    A comparison without values does not count towards the family.
 
     Examples
     --------
@@ -285,15 +272,7 @@ def compare_pairs(
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Correct the p values of one family by Holm's method (1979).
 
-    Parameters
-    ----------
-    p_values : sequence
-        Raw values; None where there was no test. Those do not count towards the family.
-
-    Returns
-    -------
-    list
-        Corrected values in the same order, None where there was no test.
+    None stands for a comparison without a test; it does not count towards the family.
 
     Examples
     --------

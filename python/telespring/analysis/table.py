@@ -75,25 +75,9 @@ def mean_sd_median(values: FloatArray) -> dict[str, float | None]:
 def table_1_rows(
     errors: Mapping[str, FloatArray], trials: Trials, comparisons: Mapping[str, Comparison]
 ) -> list[dict[str, Any]]:
-    """Lay out Table I, a row per condition.
+    """Lay out Table I, a row per condition, from tracking errors (m) and comparisons with the baseline.
 
-    Parameters
-    ----------
-    errors
-        Tracking errors (m) by `tracking_error_name`.
-    trials
-        The experiment.
-    comparisons
-        Comparisons with the baseline by `tracking_error_name`.
-
-    Returns
-    -------
-    list of dict
-        ``condition``; ``stiffness`` (N/m, None unconnected) and ``delay`` (s); number of ``trials`` begun and
-        ``ended_early``; per robot i ``tei_mean``, ``tei_sd``, ``tei_median`` in mm, ``tei_n``, ``tei_arrow``
-        ("↑", "↓" or "") by the raw ``tei_p`` < 0.05 as in the paper, ``tei_arrow_holm`` by ``tei_p_holm``,
-        and the effect size ``tei_superiority`` (Vargha and Delaney's A) with its interval from
-        ``tei_superiority_low`` to ``tei_superiority_high``.
+    docs/recorded-trials.md lists the keys of a row; means, standard deviations and medians are in mm.
     """
     rows = []
     begun = (trials.status != "absent").sum(axis=1)

@@ -227,11 +227,7 @@ def _increasing_times(dataset: xr.Dataset) -> FloatArray:
 
 
 def _analysed_samples(
-    dataset: xr.Dataset,
-    status: NDArray[np.str_],
-    labels: tuple[str, ...],
-    time: FloatArray,
-    discard: float,
+    dataset: xr.Dataset, status: NDArray[np.str_], labels: tuple[str, ...], time: FloatArray, discard: float
 ) -> NDArray[np.bool_]:
     """Select the samples of completed trials after the discarded part, (condition, trial, time)."""
     if not (math.isfinite(discard) and discard >= 0.0):

@@ -55,16 +55,9 @@ class RecordedTrial:
 def assemble_dataset(
     trials: list[RecordedTrial], task: Mapping[str, Any] | None, study: str | None
 ) -> xr.Dataset:
-    """Assemble recorded trials into one dataset over conditions and trials.
+    """Assemble recorded trials, in the order of the list, into one dataset over conditions and trials.
 
-    Parameters
-    ----------
-    trials
-        In the order of the list.
-    task
-        A study's task, for trials without a target.
-    study
-        Text of the study file, if there is one.
+    `task` is a study's, for trials without a target; `study` the text of the study file, if there is one.
     """
     import xarray as xr
 
@@ -186,10 +179,7 @@ def _resample_to_one_grid(trials: list[RecordedTrial]) -> tuple[list[RecordedTri
 
 
 def _target(
-    trials: list[RecordedTrial],
-    targets: FloatArray | None,
-    task: Mapping[str, Any] | None,
-    time: FloatArray,
+    trials: list[RecordedTrial], targets: FloatArray | None, task: Mapping[str, Any] | None, time: FloatArray
 ) -> tuple[tuple[str, ...], FloatArray, dict[str, str]]:
     """Choose the target: one for all trials, recorded or from the task, or one per trial."""
     units = {"units": "m"}

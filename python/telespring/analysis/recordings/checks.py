@@ -16,20 +16,6 @@ from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "check_index_columns",
-    "check_metres",
-    "check_numeric_columns",
-    "check_required_columns",
-    "check_times",
-    "parse_delay",
-    "parse_number",
-    "parse_status",
-    "parse_stiffness",
-    "parse_whole_number",
-    "refuse",
-]
-
 _LAYOUT_HELP = (
     "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
 )

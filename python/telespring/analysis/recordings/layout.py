@@ -2,20 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = [
-    "AXES",
-    "INDEX",
-    "INDEX_OPTIONAL",
-    "INDEX_REQUIRED",
-    "QUANTITIES",
-    "SI",
-    "STATUSES",
-    "STUDY",
-    "TARGET",
-    "TIME",
-    "columns_of",
-]
-
 AXES = ("x", "y")
 
 #: Name of the file that lists the trials of a folder.
@@ -31,12 +17,7 @@ TIME = "time_s"
 TARGET = tuple(f"target_{axis}_m" for axis in AXES)
 
 #: Quantities of both robots with the unit suffix of their columns; the first is required.
-QUANTITIES = {
-    "position": "m",
-    "velocity": "m_per_s",
-    "coupling_force": "N",
-    "agent_force": "N",
-}
+QUANTITIES = {"position": "m", "velocity": "m_per_s", "coupling_force": "N", "agent_force": "N"}
 
 #: SI units in the notation of xarray attributes, by unit suffix.
 SI = {"m": "m", "m_per_s": "m/s", "N": "N", "s": "s"}

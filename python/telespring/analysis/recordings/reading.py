@@ -11,20 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring._types import FloatArray
+from telespring.analysis.recordings import checks
 from telespring.analysis.recordings.assembly import RecordedTrial, TrialEntry, assemble_dataset
-from telespring.analysis.recordings.checks import (
-    check_index_columns,
-    check_metres,
-    check_numeric_columns,
-    check_required_columns,
-    check_times,
-    parse_delay,
-    parse_number,
-    parse_status,
-    parse_stiffness,
-    parse_whole_number,
-    refuse,
-)
 from telespring.analysis.recordings.layout import INDEX, QUANTITIES, STUDY, TARGET, TIME, columns_of
 
 if TYPE_CHECKING:
@@ -78,7 +66,7 @@ def read_recorded(path: str | os.PathLike[str], task: Mapping[str, Any] | None =
 def _read_index(path: Path) -> list[TrialEntry]:
     """Read the list of trials; no trial and no file may be listed twice."""
     table = _read_csv(path, path.name, text=True)
-    check_index_columns(path.name, list(table.columns))
+    checks.check_index_columns(path.name, list(table.columns))
     entries = [
         _parse_entry(
             {str(column): str(text).strip() for column, text in row.items()}, f"{path.name}, line {line}"
@@ -86,13 +74,13 @@ def _read_index(path: Path) -> list[TrialEntry]:
         for line, row in enumerate(table.to_dict("records"), start=2)
     ]
     if not entries:
-        refuse(path.name, "no lines", "a line per trial is needed")
+        checks.refuse(path.name, "no lines", "a line per trial is needed")
     listed: dict[str, dict[object, int]] = {"trial": {}, "file": {}}
     for line, entry in enumerate(entries, start=2):
         keys = {"trial": (entry.stiffness, entry.delay, entry.number), "file": entry.file}
         for column, key in keys.items():
             if key in listed[column]:
-                refuse(
+                checks.refuse(
                     f"{path.name}, line {line}: {column}",
                     str(entry.number if column == "trial" else entry.file),
                     f"every {column} may be listed once, and this one is in line {listed[column][key]}",
@@ -101,7 +89,7 @@ def _read_index(path: Path) -> list[TrialEntry]:
             listed[column][key] = line
     if len({entry.discard for entry in entries}) > 1:
         values = sorted({str(entry.discard) for entry in entries})
-        refuse(f"{path.name}: discard_s", " and ".join(values), "one value for all trials is needed")
+        checks.refuse(f"{path.name}: discard_s", " and ".join(values), "one value for all trials is needed")
     return entries
 
 
@@ -110,17 +98,19 @@ def _parse_entry(row: Mapping[str, str], where: str) -> TrialEntry:
     ended_at: float | None = None
     if "ended_at_s" in row:
         text = row["ended_at_s"]
-        ended_at = parse_number(text, f"{where}: ended_at_s") if text else math.nan
+        ended_at = checks.parse_number(text, f"{where}: ended_at_s") if text else math.nan
     no_seed = f"Remove the column seed from {INDEX}: trials of people have no seed."
     return TrialEntry(
         file=row["file"],
-        stiffness=parse_stiffness(row["stiffness_N_per_m"], f"{where}: stiffness_N_per_m"),
-        delay=parse_delay(row["delay_s"], f"{where}: delay_s"),
-        number=parse_whole_number(row["trial"], f"{where}: trial", "Number the trials of a condition."),
-        status=parse_status(row.get("status", ""), f"{where}: status"),
+        stiffness=checks.parse_stiffness(row["stiffness_N_per_m"], f"{where}: stiffness_N_per_m"),
+        delay=checks.parse_delay(row["delay_s"], f"{where}: delay_s"),
+        number=checks.parse_whole_number(
+            row["trial"], f"{where}: trial", "Number the trials of a condition."
+        ),
+        status=checks.parse_status(row.get("status", ""), f"{where}: status"),
         ended_at=ended_at,
-        seed=parse_whole_number(row["seed"], f"{where}: seed", no_seed) if "seed" in row else None,
-        discard=parse_number(row["discard_s"], f"{where}: discard_s") if "discard_s" in row else None,
+        seed=checks.parse_whole_number(row["seed"], f"{where}: seed", no_seed) if "seed" in row else None,
+        discard=checks.parse_number(row["discard_s"], f"{where}: discard_s") if "discard_s" in row else None,
     )
 
 
@@ -136,10 +126,10 @@ def _read_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
     columns = [TIME, *(column for quantity in quantities for column in columns_of(quantity))]
     has_target = any(column.startswith("target_") for column in present)
     columns += TARGET if has_target else ()
-    check_required_columns(entry.file, present, columns)
-    check_numeric_columns(entry.file, table, columns)
+    checks.check_required_columns(entry.file, present, columns)
+    checks.check_numeric_columns(entry.file, table, columns)
     time = np.asarray(table[TIME], dtype=float)
-    check_times(entry.file, time)
+    checks.check_times(entry.file, time)
     series: dict[str, FloatArray] = {
         quantity: np.asarray(table[list(columns_of(quantity))], dtype=float).reshape(-1, 2, 2)
         for quantity in quantities
@@ -148,7 +138,7 @@ def _read_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
         series["target"] = np.asarray(table[list(TARGET)], dtype=float)
     if entry.status == "completed":
         for quantity in series.keys() & {"position", "target"}:
-            check_metres(entry.file, quantity, series[quantity])
+            checks.check_metres(entry.file, quantity, series[quantity])
     return RecordedTrial(entry, time, series)
 
 
@@ -165,15 +155,15 @@ def _read_csv(path: Path, name: str, *, text: bool = False) -> pd.DataFrame:
             precision: dict[str, Any] = {} if is_exact else {"float_precision": "round_trip"}
             table = pd.read_csv(path, encoding="utf-8-sig", **precision)
     except UnicodeDecodeError:
-        refuse(name, "not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8.")
+        checks.refuse(name, "not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8.")
     except pd.errors.EmptyDataError:
-        refuse(name, "empty", "a line of column names and a line per sample are needed")
+        checks.refuse(name, "empty", "a line of column names and a line per sample are needed")
     except pd.errors.ParserError as error:
         reason = str(error).removeprefix("Error tokenizing data. C error: ").strip()
-        refuse(name, reason, "every line must have as many fields as there are column names")
+        checks.refuse(name, reason, "every line must have as many fields as there are column names")
     table.columns = [str(column).strip() for column in table.columns]
     if len(table.columns) == 1 and ";" in table.columns[0]:
-        refuse(
+        checks.refuse(
             name,
             "separated by semicolons",
             "columns must be separated by commas, and decimals written with a point",
