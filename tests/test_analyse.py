@@ -151,9 +151,9 @@ def test_ref_conditions_are_named_as_in_the_paper(du2025: dict[str, Any]) -> Non
         stiffness, delay = row.get("stiffness", math.nan), 1e-3 * row.get("delay", 0.0)
         assert condition_label(stiffness, delay) == row["task"]
     arrows = {"less": "↓", "greater": "↑", "": ""}
-    told = [arrows[row["TE2"]["against_baseline"]] for row in du2025["table1"]["row"]]
-    assert told.count("↑") == 5
-    assert told.count("↓") == 1
+    printed = [arrows[row["TE2"]["against_baseline"]] for row in du2025["table1"]["row"]]
+    assert printed.count("↑") == 5
+    assert printed.count("↓") == 1
 
 
 def test_law_the_command_prints_table_one_and_writes_everything(made: xr.Dataset, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Recorded trials: what is written is read back, and what would mislead is refused in words that help."""
+"""Recorded trials: written files are read back, and misleading ones are refused with a remedy."""
 
 from __future__ import annotations
 

@@ -43,8 +43,8 @@ def check_required_columns(file: str, columns: Sequence[str], required: Sequence
             stem = name if name in ("file", "trial") else name.rsplit("_", 1)[0]
             similar = [column for column in columns if column.startswith(stem) or stem.startswith(column)]
             similar = similar or difflib.get_close_matches(name, columns, n=1)
-            found = f"missing; {similar[0]} is there instead" if similar else "missing"
-            refuse(f"{file}: {name}", found, f"the column {name} is needed")
+            value = f"missing; {similar[0]} is there instead" if similar else "missing"
+            refuse(f"{file}: {name}", value, f"the column {name} is needed")
 
 
 def check_index_columns(file: str, columns: Sequence[str]) -> None:
