@@ -8,15 +8,20 @@ from typing import TYPE_CHECKING
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import InvalidInput
 from telespring.model import (
+    Agent,
+    Arm,
+    Condition,
     Coupling,
     DelaySystem,
     Dyad,
     Experiment,
+    LaboratorySettings,
     Network,
     Operator,
     OperatorRange,
     Robot,
     Study,
+    Task,
     Uncertainty,
     hman,
 )
@@ -72,9 +77,12 @@ from telespring.theory.verdicts import (
 )
 
 __all__ = [
+    "Agent",
+    "Arm",
     "AxisTier",
     "AxisVerdict",
     "CertificateWarning",
+    "Condition",
     "Coupling",
     "Crossing",
     "DelayBudget",
@@ -86,6 +94,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "InvalidInput",
+    "LaboratorySettings",
     "Network",
     "Nyquist",
     "Operator",
@@ -103,6 +112,7 @@ __all__ = [
     "StiffnessAllowed",
     "StiffnessMargin",
     "Study",
+    "Task",
     "Trajectory",
     "Uncertainty",
     "Verdict",

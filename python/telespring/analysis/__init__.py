@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 from telespring._deprecated import old_names
 from telespring.analysis.measures import measure, measure_trials
-from telespring.analysis.recordings.assembly import target_of
 from telespring.analysis.recordings.reading import read_recorded
 from telespring.analysis.recordings.writing import write_recorded, write_template
 from telespring.analysis.results import analyse_trials, compare_conditions
@@ -17,7 +16,8 @@ from telespring.analysis.statistics import (
     kruskal_wallis,
     superiority_interval,
 )
-from telespring.analysis.trials import Trials, condition_label
+from telespring.analysis.trials import Trials
+from telespring.study.conditions import condition_label
 
 __all__ = [
     "Comparison",
@@ -34,7 +34,6 @@ __all__ = [
     "measure_trials",
     "read_recorded",
     "superiority_interval",
-    "target_of",
     "write_recorded",
     "write_template",
 ]

@@ -14,20 +14,22 @@ from telespring.analysis.recordings.reading import read_recorded
 if TYPE_CHECKING:
     import xarray as xr
 
+    from telespring.model import Task
+
 __all__ = ["open_trials"]
 
 _REHEARSAL = "rehearsal.nc"
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def open_trials(path: str | os.PathLike[str], task: Mapping[str, Any] | None = None) -> xr.Dataset:
+def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | None = None) -> xr.Dataset:
     """Open a rehearsal or recorded trials.
 
     Parameters
     ----------
     path : path
         A rehearsal's ``.nc`` file or its folder; or recorded trials, their folder or their list.
-    task : mapping, optional
+    task : telespring.Task or mapping, optional
         A study's task, for recorded trials without a target.
 
     Returns

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "condition_label", "trial_statuses"]
+__all__ = ["Trials", "trial_statuses"]
 
 _PER_SAMPLE = ("condition", "trial", "time", "robot", "axis")
 #: The discarded part may end this fraction of a sample after a sample that is still kept, for rounding.
@@ -118,9 +119,8 @@ class Trials:
         if dataset["condition"].dtype.kind in "UOT" and "condition" in dataset.coords:
             labels = tuple(str(label) for label in np.asarray(dataset["condition"]))
         else:
-            labels = tuple(
-                condition_label(k, d) for k, d in zip(stiffness.tolist(), delay.tolist(), strict=True)
-            )
+            pairs = zip(stiffness.tolist(), delay.tolist(), strict=True)
+            labels = tuple(condition_labels([(None if math.isnan(k) else k, d) for k, d in pairs]))
         status = trial_statuses(dataset)
         if discard is None:
             discard = float(dataset.attrs.get("discard", 0.0))
@@ -151,29 +151,6 @@ class Trials:
             window=window,
             discard=discard,
         )
-
-
-def condition_label(stiffness: float, delay: float) -> str:
-    """Name a condition as the paper does.
-
-    Parameters
-    ----------
-    stiffness
-        N/m; NaN in the unconnected mode.
-    delay
-        One-way delay, s.
-
-    Returns
-    -------
-    str
-        "UM", or "CM-" with the stiffness in N/m and the delay in ms, both rounded.
-
-    Examples
-    --------
-    >>> condition_label(35.61599, 0.16719), condition_label(float("nan"), 0.0)
-    ('CM-36-167', 'UM')
-    """
-    return "UM" if math.isnan(stiffness) else f"CM-{stiffness:.0f}-{1e3 * delay:.0f}"
 
 
 def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:

@@ -13,12 +13,15 @@ from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.analysis.recordings.checks import refuse
 from telespring.analysis.recordings.layout import AXES, QUANTITIES, SI, TARGET
-from telespring.analysis.trials import condition_label
+from telespring.study.conditions import condition_labels
+from telespring.study.target import target_positions
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset", "target_of"]
+    from telespring.model import Task
+
+__all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset"]
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class RecordedTrial:
 
 
 def assemble_dataset(
-    trials: list[RecordedTrial], task: Mapping[str, Any] | None, study: str | None
+    trials: list[RecordedTrial], task: Task | Mapping[str, Any] | None, study: str | None
 ) -> xr.Dataset:
     """Assemble recorded trials, in the order of the list, into one dataset over conditions and trials.
 
@@ -111,7 +114,7 @@ def assemble_dataset(
     return xr.Dataset(
         variables,
         coords={
-            "condition": ("condition", _labels(conditions)),
+            "condition": ("condition", condition_labels(conditions)),
             "stiffness": (
                 "condition",
                 [math.nan if stiffness is None else stiffness for stiffness, _ in conditions],
@@ -125,13 +128,6 @@ def assemble_dataset(
         },
         attrs={name: value for name, value in attributes.items() if value is not None},
     )
-
-
-def _labels(conditions: list[tuple[float | None, float]]) -> list[str]:
-    labels = [condition_label(math.nan if k is None else k, delay) for k, delay in conditions]
-    if len(set(labels)) < len(labels):
-        labels = ["UM" if k is None else f"CM-{k:.6g}-{1e3 * delay:.6g}" for k, delay in conditions]
-    return labels
 
 
 def _check_same_quantities(trials: list[RecordedTrial]) -> None:
@@ -179,7 +175,10 @@ def _resample_to_one_grid(trials: list[RecordedTrial]) -> tuple[list[RecordedTri
 
 
 def _target(
-    trials: list[RecordedTrial], targets: FloatArray | None, task: Mapping[str, Any] | None, time: FloatArray
+    trials: list[RecordedTrial],
+    targets: FloatArray | None,
+    task: Task | Mapping[str, Any] | None,
+    time: FloatArray,
 ) -> tuple[tuple[str, ...], FloatArray, dict[str, str]]:
     """Choose the target: one for all trials, recorded or from the task, or one per trial."""
     units = {"units": "m"}
@@ -191,48 +190,17 @@ def _target(
                 f"the columns {' and '.join(TARGET)} are needed, or a study whose task is the target",
                 "Add them, or name the study by --study.",
             )
-        return ("time", "axis"), target_of(task, time), units
+        try:
+            positions = target_positions(task, time)
+        except InvalidInput as refused:
+            refuse(
+                refused.field,
+                refused.value,
+                refused.allowed,
+                f"Record the target itself, in the columns {' and '.join(TARGET)}.",
+            )
+        return ("time", "axis"), positions, units
     shared = max((trial.series["target"] for trial in trials), key=len)
     if all(np.array_equal(trial.series["target"], shared[: len(trial.time)]) for trial in trials):
         return ("time", "axis"), shared, units
     return ("condition", "trial", "time", "axis"), targets, units
-
-
-def target_of(task: Mapping[str, Any], time: FloatArray) -> FloatArray:
-    """Compute where a study's task puts the target.
-
-    Parameters
-    ----------
-    task : mapping
-        ``kind`` "figure-eight" with ``amplitude`` (two numbers, m) and ``angular_frequency`` (rad/s).
-    time : ndarray
-        s.
-
-    Returns
-    -------
-    ndarray
-        (time, axis), m: (A sin 2ωt, B sin ωt), Eq. 12.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the task is a program: that alone knows its target.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": np.pi}
-    >>> target_of(task, np.array([0.0, 0.25])).round(4).tolist()
-    [[0.0, 0.0], [0.05, 0.0707]]
-    """
-    kind = task.get("kind", "figure-eight")
-    if kind != "figure-eight":
-        raise InvalidInput(
-            "task.kind",
-            str(kind),
-            "only the target of a figure-eight can be computed for recorded trials",
-            f"Record the target itself, in the columns {' and '.join(TARGET)}.",
-        )
-    first, second = task["amplitude"]
-    phase = task["angular_frequency"] * np.asarray(time)
-    return np.stack([first * np.sin(2.0 * phase), second * np.sin(phase)], axis=-1)

@@ -19,17 +19,19 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from telespring.model import Task
+
 __all__ = ["read_recorded"]
 
 
-def read_recorded(path: str | os.PathLike[str], task: Mapping[str, Any] | None = None) -> xr.Dataset:
+def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | None = None) -> xr.Dataset:
     """Read recorded trials into the layout of a rehearsal.
 
     Parameters
     ----------
     path : path
         A folder that contains ``trials.csv``, or that file.
-    task : mapping, optional
+    task : telespring.Task or mapping, optional
         A study's task, which gives the target where the files have none.
 
     Returns

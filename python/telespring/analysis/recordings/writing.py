@@ -11,9 +11,11 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.analysis.recordings.assembly import target_of
 from telespring.analysis.recordings.layout import AXES, INDEX, QUANTITIES, STUDY, TARGET, TIME, columns_of
-from telespring.analysis.trials import condition_label, trial_statuses
+from telespring.analysis.trials import trial_statuses
+from telespring.model import Study
+from telespring.study.conditions import condition_label
+from telespring.study.target import target_positions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,11 +138,16 @@ def write_template(folder: str | os.PathLike[str]) -> Path:
     import xarray as xr
 
     time = np.arange(601) / 100.0
-    task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
-    target = target_of(task, time)
+    experiment = Study.paper().experiment
+    assert experiment is not None
+    task = experiment.task
+    target = target_positions(task, time)
     lags = np.array([[0.060, 0.120], [0.070, 0.110]])[:, None, :] + np.array([0.0, 0.004, 0.008])[:, None]
     position = np.stack(
-        [[np.stack([target_of(task, time - lag) for lag in pair], axis=1) for pair in row] for row in lags]
+        [
+            [np.stack([target_positions(task, time - lag) for lag in trial], axis=1) for trial in condition]
+            for condition in lags
+        ]
     ).round(6)
     extension = position[..., ::-1, :] - position
     # Unconnected first, then the spring; adding 0 below turns −0 into 0.
