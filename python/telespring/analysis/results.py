@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.analysis.measures import MEASURES, measure_trials
 from telespring.analysis.plausibility import ShortTrial, StillHandle, implausible_trials
@@ -20,7 +21,6 @@ from telespring.analysis.table import (
     tracking_error_name,
 )
 from telespring.analysis.trials import Trials
-from telespring.theory.axis import finite_or_none
 
 if TYPE_CHECKING:
     import xarray as xr

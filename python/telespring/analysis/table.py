@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.analysis.statistics import Comparison, compare_pairs
 from telespring.analysis.trials import Trials
-from telespring.theory.axis import finite_or_none
 
 __all__ = [
     "choose_baseline",
