@@ -31,19 +31,21 @@ help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
 study: $(STAMPS)/binding ## set everything up and analyse the paper's robots into out/study/
-	$(VENV)/bin/telespring study
+	$(VENV)/bin/telespring reproduce
 
 # The same generated cases on every machine; `make verify` draws new ones.
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and prove it
 	PROPTEST_RNG_SEED=20251121 cargo test --workspace --locked
 	$(PYTHON_IN_VENV) -m pytest
 
-lint: $(STAMPS)/test ## formatting, warnings as errors, types
+lint: $(STAMPS)/test ## formatting, warnings as errors, types, imports between rooms
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(PYTHON_IN_VENV) -m ruff check .
 	$(PYTHON_IN_VENV) -m ruff format --check .
 	$(PYTHON_IN_VENV) -m mypy
+	PYTHONPATH=python $(VENV)/bin/lint-imports --no-cache --no-logo
+	$(PYTHON_IN_VENV) tools/check_imports.py
 
 format: $(STAMPS)/test ## write the formatting that lint asks for
 	cargo fmt --all

@@ -18,6 +18,7 @@ import telespring as ts
 from made_trials import offsets, small
 from telespring import cli
 from telespring.analysis import analyse_trials, compare, condition_label, holm, kruskal_wallis, write_recorded
+from telespring.cli import analyse
 
 CONDITIONS = [(math.nan, 0.0), (36.0, 0.0), (36.0, 0.167), (142.0, 0.0), (142.0, 0.167)]
 
@@ -150,9 +151,9 @@ def test_ref_conditions_are_named_as_in_the_paper(du2025: dict[str, Any]) -> Non
         stiffness, delay = row.get("stiffness", math.nan), 1e-3 * row.get("delay", 0.0)
         assert condition_label(stiffness, delay) == row["task"]
     arrows = {"less": "↓", "greater": "↑", "": ""}
-    told = [arrows[row["TE2"]["against_baseline"]] for row in du2025["table1"]["row"]]
-    assert told.count("↑") == 5
-    assert told.count("↓") == 1
+    printed = [arrows[row["TE2"]["against_baseline"]] for row in du2025["table1"]["row"]]
+    assert printed.count("↑") == 5
+    assert printed.count("↓") == 1
 
 
 def test_law_the_command_prints_table_one_and_writes_everything(made: xr.Dataset, tmp_path: Path) -> None:
@@ -203,10 +204,10 @@ def test_law_a_study_gives_the_target_and_what_to_discard(
     arguments = ("analyse", tmp_path / "lab", "--out", tmp_path / "out", "--json", "--no-figures")
     refused = run(*arguments)
     assert refused.exit_code == 2
-    assert "Add them, or give the study by --study." in refused.stderr
+    assert "Add them, or name the study by --study." in refused.stderr
     task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
-    experiment = SimpleNamespace(task=task, discard=0.5)
-    monkeypatch.setattr(ts, "Study", SimpleNamespace(read=lambda _: SimpleNamespace(experiment=experiment)))
+    study = SimpleNamespace(experiment=SimpleNamespace(task=task, discard=0.5))
+    monkeypatch.setattr(analyse, "Study", SimpleNamespace(read=lambda _: study))
     found = run(*arguments, "--study", "paper.toml")
     assert found.exit_code == 0, found.output
     numbers = json.loads(found.stdout)
@@ -222,7 +223,7 @@ def test_law_the_example_can_be_analysed_as_it_is(tmp_path: Path) -> None:
     assert "64|124" in shown.stdout
 
 
-def test_law_trials_that_look_cut_off_or_stuck_are_told(made: xr.Dataset, tmp_path: Path) -> None:
+def test_law_trials_that_look_cut_off_or_stuck_are_reported(made: xr.Dataset, tmp_path: Path) -> None:
     assert analyse_trials(made)["warnings"] == []
     odd = made.isel(trial=slice(0, 6)).copy(deep=True)
     size = odd.sizes["time"]
@@ -264,7 +265,7 @@ def test_law_what_holds_no_trials_is_refused(tmp_path: Path) -> None:
     assert "position over condition, trial, time, robot, axis is needed" in refused(broken)
 
 
-def test_law_a_trial_that_ended_early_is_told(tmp_path: Path) -> None:
+def test_law_a_trial_that_ended_early_is_reported(tmp_path: Path) -> None:
     small().to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
     shown = run("analyse", tmp_path, "--out", tmp_path / "out", "--no-figures")
     assert shown.exit_code == 0, shown.output

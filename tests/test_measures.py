@@ -11,7 +11,7 @@ import xarray as xr
 
 import telespring as ts
 from made_trials import FREQUENCY, PER_SAMPLE, RATE, experiment, figure_eight, offsets, small
-from telespring.analysis import measure, take_trials
+from telespring.analysis import Trials, measure
 
 UNCONNECTED = [(np.nan, 0.0)]
 
@@ -59,7 +59,7 @@ def test_law_a_trial_that_ended_early_has_no_measures_and_is_counted() -> None:
     assert missing.tolist() == [[False] * 3, [False, False, True], [False, True, False]]
     for name in ("interaction_force_rms", "interaction_force_peak", "effort_rms", "power"):
         assert np.array_equal(np.isnan(np.asarray(found[name])).all(axis=-1), missing)
-    taken = take_trials(trials)
+    taken = Trials.from_dataset(trials)
     assert taken.ended_early.sum() == 1
     assert taken.completed.sum() == 7
 
@@ -188,7 +188,7 @@ def spoilt(what: str) -> xr.Dataset:
         ("one robot", "two robots, two axes"),
         ("no stiffness", "a coordinate stiffness is needed"),
         ("time", "times that increase are needed"),
-        ("discard", "trial 1 of UM ends at 2 s, less must be left out"),
+        ("discard", "trial 1 of UM ends at 2 s, so less must be discarded"),
         ("negative", "a time of 0 s or more is needed"),
     ],
 )
@@ -197,7 +197,7 @@ def test_law_what_is_no_experiment_is_refused(what: str, words: str) -> None:
         measure(spoilt(what))
 
 
-def test_law_a_single_sample_is_told_as_that() -> None:
+def test_law_a_single_sample_is_refused() -> None:
     with pytest.raises(ts.InvalidInput, match="time = 1 sample: trials of two samples or more"):
         measure(small().isel(time=slice(0, 1)))
 
@@ -212,4 +212,4 @@ def test_law_endings_may_be_flags() -> None:
     assert measure(flags).identical(measure(plain))
     attributes["flag_meanings"] = "completed out_of_reach absent"
     flags["status"] = ("condition", "trial"), np.array(values, dtype=np.int8), attributes
-    assert take_trials(flags).status[2, 1] == "out of reach"
+    assert Trials.from_dataset(flags).status[2, 1] == "out of reach"

@@ -1,4 +1,4 @@
-"""Recorded trials: what is written is read back, and what would mislead is refused in words that help."""
+"""Recorded trials: written files are read back, and misleading ones are refused with a remedy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import xarray as xr
 
 import telespring as ts
 from made_trials import figure_eight, offsets, small
-from telespring.analysis import measure, read_recorded, target_of, write_recorded, write_template
+from telespring.analysis import measure, read_recorded, write_recorded, write_template
 from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED, TARGET, TIME, columns_of
 
 TASK = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
@@ -49,7 +49,7 @@ def test_law_conditions_of_one_name_stay_apart(tmp_path: Path) -> None:
     errors = np.array([[[0.01, 0.01]], [[0.02, 0.02]]])
     write_recorded(offsets(errors, [(35.6, 0.1), (36.2, 0.1)]), tmp_path)
     found = read_recorded(tmp_path)
-    assert found["condition"].values.tolist() == ["CM-35.6-100", "CM-36.2-100"]
+    assert found["condition"].values.tolist() == ["CM-35.6-100.0", "CM-36.2-100.0"]
     assert np.asarray(measure(found)["tracking_error"])[:, 0, 0] == pytest.approx([0.01, 0.02])
 
 
@@ -80,7 +80,7 @@ def test_ref_a_missing_target_is_computed_from_the_task(tmp_path: Path) -> None:
     assert np.asarray(found["target"]) == pytest.approx(figure_eight(np.asarray(found["time"])), abs=1e-15)
     assert np.asarray(measure(found)["tracking_error"]) == pytest.approx(0.01, rel=1e-12)
     with pytest.raises(ts.InvalidInput, match="Record the target itself"):
-        target_of({"kind": "python", "function": "mine:circle"}, np.zeros(2))
+        read_recorded(tmp_path, {"kind": "python", "function": "mine:circle"})
 
 
 def test_law_a_clock_that_jitters_is_put_on_a_grid_and_said_so(tmp_path: Path) -> None:
@@ -166,9 +166,9 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "trial twice": (
         in_index(lambda table: table.assign(trial=[1, 1, 2, 1, 2, 1, 2, 3])),
-        ["trials.csv, line 3: trial = 1", "this one stands in line 2"],
+        ["trials.csv, line 3: trial = 1", "this one is in line 2"],
     ),
-    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one stands in line 2"]),
+    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one is in line 2"]),
     "time back": (
         in_first(replaced("time_s", 10, 0.05)),
         [f"{FIRST}, line 12: time_s = 0.05 after 0.09", "time must increase"],
@@ -228,11 +228,11 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "seed empty": (
         in_index(replaced("seed", 0, "")),
-        [f"{FIRST}: seed = empty", "Take the column seed out of trials.csv"],
+        ["trials.csv, line 2: seed = empty", "Remove the column seed from trials.csv"],
     ),
     "a header only": (
         in_first(lambda table: table.iloc[:0]),
-        [f"{FIRST} = a header only", "a line per sample"],
+        [f"{FIRST} = only a header", "a line per sample"],
     ),
     "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is needed"]),
 }

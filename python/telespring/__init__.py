@@ -3,17 +3,25 @@
 Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 
+from typing import TYPE_CHECKING
+
+from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import InvalidInput
 from telespring.model import (
+    Agent,
+    Arm,
+    Condition,
     Coupling,
     DelaySystem,
     Dyad,
     Experiment,
+    LaboratorySettings,
     Network,
     Operator,
     OperatorRange,
     Robot,
     Study,
+    Task,
     Uncertainty,
     hman,
 )
@@ -69,9 +77,12 @@ from telespring.theory.verdicts import (
 )
 
 __all__ = [
+    "Agent",
+    "Arm",
     "AxisTier",
     "AxisVerdict",
     "CertificateWarning",
+    "Condition",
     "Coupling",
     "Crossing",
     "DelayBudget",
@@ -83,6 +94,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "InvalidInput",
+    "LaboratorySettings",
     "Network",
     "Nyquist",
     "Operator",
@@ -100,6 +112,7 @@ __all__ = [
     "StiffnessAllowed",
     "StiffnessMargin",
     "Study",
+    "Task",
     "Trajectory",
     "Uncertainty",
     "Verdict",
@@ -130,3 +143,8 @@ __all__ = [
     "unstable_root_count",
     "verdicts",
 ]
+
+serve_moved_modules()
+if not TYPE_CHECKING:
+    # Hidden from type checkers, which would accept every name.
+    __getattr__ = old_names(__name__)

@@ -1,9 +1,12 @@
-"""Measure and compare the trials of an experiment, rehearsed or recorded, as the paper's section V does."""
+"""Measure and compare the trials of an experiment, rehearsed or recorded, as section V of the paper does."""
 
+from typing import TYPE_CHECKING
+
+from telespring._deprecated import old_names
 from telespring.analysis.measures import measure, measure_trials
-from telespring.analysis.recordings.reading import read_recorded, target_of
+from telespring.analysis.recordings.reading import read_recorded
 from telespring.analysis.recordings.writing import write_recorded, write_template
-from telespring.analysis.results import analyse_taken, analyse_trials
+from telespring.analysis.results import analyse_trials, compare_conditions
 from telespring.analysis.statistics import (
     Comparison,
     GroupTest,
@@ -13,15 +16,16 @@ from telespring.analysis.statistics import (
     kruskal_wallis,
     superiority_interval,
 )
-from telespring.analysis.trials import Trials, condition_label, take_trials
+from telespring.analysis.trials import Trials
+from telespring.study.conditions import condition_label
 
 __all__ = [
     "Comparison",
     "GroupTest",
     "Trials",
-    "analyse_taken",
     "analyse_trials",
     "compare",
+    "compare_conditions",
     "compare_pairs",
     "condition_label",
     "holm",
@@ -30,8 +34,9 @@ __all__ = [
     "measure_trials",
     "read_recorded",
     "superiority_interval",
-    "take_trials",
-    "target_of",
     "write_recorded",
     "write_template",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__ = old_names(__name__)

@@ -1,4 +1,4 @@
-"""What a trial is measured by: tracking error, interaction force, lag and effort."""
+"""Measures of a trial: tracking error, interaction force, lag behind the target, effort and power."""
 
 from __future__ import annotations
 
@@ -8,60 +8,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._types import FloatArray
-from telespring.analysis.trials import Trials, take_trials
+from telespring.analysis.trials import Trials
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LONGEST_LAG", "measure", "measure_trials"]
+__all__ = ["MEASURES", "measure", "measure_trials"]
 
-#: Longest lag searched for, s: longer than any visual tracking lag of a person.
-LONGEST_LAG = 1.0
+#: Longest lag that is searched for, s; no person tracks a visible target with more.
+_LONGEST_LAG = 1.0
 
-_UNITS = {
+#: Unit and meaning of every measure.
+MEASURES = {
     "tracking_error": ("m", "mean distance to the target (Eq. 15)"),
     "interaction_force_rms": ("N", "root mean square of the coupling force"),
     "interaction_force_peak": ("N", "largest coupling force"),
-    "lag": ("s", "by how much the robot is later than the target"),
+    "lag": ("s", "lag of the robot behind the target"),
     "lag_correlation": ("1", "correlation with the target at that lag"),
     "effort_rms": ("N", "root mean square of the agent's force"),
-    "power": ("W", "mean mechanical power that the agent puts in"),
+    "power": ("W", "mean mechanical power delivered by the agent"),
 }
 
 
 def measure(dataset: xr.Dataset, discard: float | None = None) -> xr.Dataset:
-    """Measure every trial.
+    """Measure every trial: tracking error, interaction force, lag, effort and power.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Trials, as `telespring.analysis.take_trials` describes them.
+        Trials in the layout that `telespring.analysis.Trials.from_dataset` describes.
     discard : float, optional
-        First part of every trial to leave out, s; the dataset's own unless given.
+        Duration to leave out at the start of every trial, s. Default: as recorded in the dataset.
 
     Returns
     -------
     xarray.Dataset
         Over (condition, trial, robot): ``tracking_error`` (m, Eq. 15), ``lag`` (s) with
-        ``lag_correlation``, and where the forces were recorded ``interaction_force_rms`` and
-        ``interaction_force_peak`` (N), ``effort_rms`` (N) and, with velocities, ``power`` (W). NaN for a
+        ``lag_correlation``; where the forces were recorded ``interaction_force_rms`` and
+        ``interaction_force_peak`` (N) and ``effort_rms`` (N); with velocities also ``power`` (W). NaN for a
         trial that was not completed; ``status`` says why.
 
     Raises
     ------
     telespring.InvalidInput
-        Where the dataset holds no such trials.
+        If the dataset does not hold such trials.
 
     Notes
     -----
-    A force is the length of its vector. The lag is the shift of the target at which it correlates best
-    with the robot's position: Pearson's correlation, both axes together, each with its own mean taken
-    off, over all shifts up to 1 s (half the target's period or a quarter of the analysed time where these
-    are shorter) either way, refined by a parabola through the best shift and its neighbours. On the
-    paper's target sampled at 100 Hz that finds a known lag to 10 µs over five periods and to 30 µs over
-    two. It is NaN where the best shift is the last one tried, and where target or robot rests. A robot
-    that rounds off or overshoots the target at one frequency more than at another has no single lag; what
-    is given then is the best one.
+    A force is measured by the length of its vector. The lag is the shift of the target that maximises
+    Pearson's correlation with the robot's position, both axes together, each with its mean removed. All
+    shifts up to 1 s either way are tried (up to half the target's period or a quarter of the analysed time
+    where these are shorter), and a parabola through the best shift and its neighbours refines the result.
+    On the paper's target sampled at 100 Hz, a known lag is recovered to 10 µs over five periods and to
+    30 µs over two. The lag is NaN if the best shift is the last one tried, and if target or robot does not
+    move. A robot whose phase differs between the target's frequencies has no single lag; the result is then
+    the best compromise.
 
     Examples
     --------
@@ -79,27 +80,15 @@ def measure(dataset: xr.Dataset, discard: float | None = None) -> xr.Dataset:
     >>> measure(trials)["tracking_error"].values.round(6).tolist()
     [[[0.003, 0.003]]]
     """
-    return measure_trials(take_trials(dataset, discard))
+    return measure_trials(Trials.from_dataset(dataset, discard))
 
 
 def measure_trials(trials: Trials) -> xr.Dataset:
-    """Measure trials that were checked already; see `measure`.
-
-    Parameters
-    ----------
-    trials
-        As `take_trials` gives them.
-
-    Returns
-    -------
-    xarray.Dataset
-        As `measure`.
-    """
+    """Measure trials that are already checked and laid out as arrays; see `measure`."""
     import xarray as xr
 
     window = trials.window[..., None]
     count = window.sum(axis=2)
-    found: dict[str, FloatArray] = {}
 
     def mean(values: FloatArray) -> FloatArray:
         # 0/0 where a trial was not completed: that trial has no mean.
@@ -109,21 +98,21 @@ def measure_trials(trials: Trials) -> xr.Dataset:
     def length(values: FloatArray) -> FloatArray:
         return np.asarray(np.hypot(values[..., 0], values[..., 1]))
 
-    found["tracking_error"] = mean(length(trials.position - trials.target[..., None, :]))
+    measures = {"tracking_error": mean(length(trials.position - trials.target[..., None, :]))}
     if trials.coupling_force is not None:
         force = length(trials.coupling_force)
-        found["interaction_force_rms"] = np.sqrt(mean(force**2))
+        measures["interaction_force_rms"] = np.sqrt(mean(force**2))
         peak = np.where(window, force, 0.0).max(axis=2)
-        found["interaction_force_peak"] = np.where(count > 0, peak, np.nan)
-    found["lag"], found["lag_correlation"] = _lag(trials)
+        measures["interaction_force_peak"] = np.where(count > 0, peak, np.nan)
+    measures["lag"], measures["lag_correlation"] = _lag_behind_target(trials)
     if trials.agent_force is not None:
-        found["effort_rms"] = np.sqrt(mean(length(trials.agent_force) ** 2))
+        measures["effort_rms"] = np.sqrt(mean(length(trials.agent_force) ** 2))
         if trials.velocity is not None:
-            found["power"] = mean((trials.agent_force * trials.velocity).sum(axis=-1))
+            measures["power"] = mean((trials.agent_force * trials.velocity).sum(axis=-1))
     dimensions = ("condition", "trial", "robot")
     variables: dict[str, Any] = {
-        name: (dimensions, values, {"units": _UNITS[name][0], "long_name": _UNITS[name][1]})
-        for name, values in found.items()
+        name: (dimensions, values, {"units": MEASURES[name][0], "long_name": MEASURES[name][1]})
+        for name, values in measures.items()
     }
     return xr.Dataset(
         variables | {"status": (("condition", "trial"), trials.status)},
@@ -137,72 +126,76 @@ def measure_trials(trials: Trials) -> xr.Dataset:
     )
 
 
-def _lag(trials: Trials) -> tuple[FloatArray, FloatArray]:
-    """Find lag (s) and correlation there, (condition, trial, robot)."""
+def _lag_behind_target(trials: Trials) -> tuple[FloatArray, FloatArray]:
+    """Estimate the lag (s) of every robot and the correlation at that lag, (condition, trial, robot)."""
     shape = (*trials.status.shape, 2)
-    lag, height = np.full(shape, np.nan), np.full(shape, np.nan)
-    step = float(np.median(np.diff(trials.time)))
-    longest = _longest_shifts(trials, step)
+    lag, correlation = np.full(shape, np.nan), np.full(shape, np.nan)
+    longest = _longest_shifts(trials)
     for shift in np.unique(longest[longest >= 1]).tolist():
-        same = longest == shift
-        lag[same], height[same] = (each[same] for each in _lag_within(trials, same, shift, step))
-    return lag, height
+        # Trials that are searched over the same shifts share one convolution.
+        group = longest == shift
+        lags, correlations = _lag_within_shifts(trials, group, shift)
+        lag[group], correlation[group] = lags[group], correlations[group]
+    return lag, correlation
 
 
-def _lag_within(
-    trials: Trials, chosen: NDArray[np.bool_], longest: int, step: float
+def _lag_within_shifts(
+    trials: Trials, chosen: NDArray[np.bool_], longest: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Find lags of up to so many samples of the chosen trials (condition, trial)."""
+    """Estimate lags of the chosen trials (condition, trial) from shifts of up to `longest` samples."""
     shape = (*trials.status.shape, 2)
-    nothing = np.full(shape, np.nan), np.full(shape, np.nan)
     # Samples nearer to a trial's end than the longest shift have no shifted target to compare with; at
-    # the start the discarded part holds it, as far as that goes.
+    # the start the discarded part provides it, as far as it reaches.
     last = trials.window.shape[-1] - trials.window[..., ::-1].argmax(axis=-1)
     index = np.arange(trials.window.shape[-1])
     window = trials.window & chosen[..., None] & (index >= longest) & (index < last[..., None] - longest)
     count: NDArray[np.int_] = np.asarray(window.sum(axis=-1))
     if not count.any():
-        return nothing
+        return np.full(shape, np.nan), np.full(shape, np.nan)
     weight = window[..., None].astype(float)
-    known = np.where(np.isfinite(trials.target), trials.target, 0.0)
+    target = np.where(np.isfinite(trials.target), trials.target, 0.0)
     # Far from zero, sums of squares would lose the target's own motion.
-    known = known - known.mean(axis=2, keepdims=True)
+    target = target - target.mean(axis=2, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore"):
-        # (condition, trial, shift, axis): sums over the window of the target shifted, which are the
-        # same for all trials that share target and window.
-        alike = window[count > 0]
-        shared = bool(np.all(alike == alike[0]))
-        once, samples = (
-            (alike[0][None, None, :, None].astype(float), count.max()) if shared else (weight, count)
+        # Sums of the shifted target over the window, (condition, trial, shift, axis), are the same for all
+        # trials that share target and window.
+        windows = window[count > 0]
+        shared = bool(np.all(windows == windows[0]))
+        target_weight, samples = (
+            (windows[0][None, None, :, None].astype(float), count.max()) if shared else (weight, count)
         )
-        total = _shifted_sums(once, known, longest)
-        spread = _shifted_sums(once, known**2, longest) - total**2 / np.asarray(samples)[..., None, None]
+        total = _shifted_sums(target_weight, target, longest)
+        spread = (
+            _shifted_sums(target_weight, target**2, longest) - total**2 / np.asarray(samples)[..., None, None]
+        )
         spread = np.asarray(spread.sum(axis=-1))
         correlation = np.empty((*shape, spread.shape[-1]))
         for robot in range(2):
             position = np.where(weight > 0.0, trials.position[..., robot, :], 0.0)
-            middle = position.sum(axis=2, keepdims=True) / count[..., None, None]
-            centred = np.where(weight > 0.0, position - middle, 0.0)
-            product = _shifted_sums(centred, known, longest).sum(axis=-1)
+            mean = position.sum(axis=2, keepdims=True) / count[..., None, None]
+            centred = np.where(weight > 0.0, position - mean, 0.0)
+            product = _shifted_sums(centred, target, longest).sum(axis=-1)
             own = (centred**2).sum(axis=(2, 3))[..., None]
-            # Below rounding nothing moves, and nothing correlates.
-            rests = (own < 1e-24 * count[..., None]) | (spread < 1e-24 * count[..., None])
-            correlation[:, :, robot] = np.where(rests, np.nan, product / np.sqrt(own * spread))
-    return _peak(correlation, step, longest)
+            # Below rounding nothing moves, and there is no correlation.
+            still = (own < 1e-24 * count[..., None]) | (spread < 1e-24 * count[..., None])
+            correlation[:, :, robot] = np.where(still, np.nan, product / np.sqrt(own * spread))
+    return _parabolic_peak(correlation, trials.sample_period, longest)
 
 
-def _longest_shifts(trials: Trials, step: float) -> NDArray[np.int_]:
-    """Give the samples by which the target is shifted at most, (condition, trial)."""
+def _longest_shifts(trials: Trials) -> NDArray[np.int_]:
+    """Return by how many samples the target is shifted at most in the lag search, (condition, trial)."""
     counts = trials.window.sum(axis=-1)
-    # The target's period is seen best over the longest trial.
+    # The longest trial resolves the target's period best.
     condition, trial = np.unravel_index(int(counts.argmax()), counts.shape)
     window = trials.window[condition, trial]
     if not window.any():
         return np.zeros(counts.shape, dtype=int)
-    goal = trials.target[condition % trials.target.shape[0], trial % trials.target.shape[1]][window]
-    power = (np.abs(np.fft.rfft(goal - goal.mean(axis=0), axis=0)) ** 2).sum(axis=1)
-    period = len(goal) / max(1, int(power.argmax()))
-    return np.asarray(np.minimum(min(LONGEST_LAG / step, period / 2.0), counts / 4.0), dtype=int)
+    target = trials.trial_target(int(condition), int(trial))[window]
+    power = (np.abs(np.fft.rfft(target - target.mean(axis=0), axis=0)) ** 2).sum(axis=1)
+    period = len(target) / max(1, int(power.argmax()))
+    return np.asarray(
+        np.minimum(min(_LONGEST_LAG / trials.sample_period, period / 2.0), counts / 4.0), dtype=int
+    )
 
 
 def _shifted_sums(weights: FloatArray, values: FloatArray, longest: int) -> FloatArray:
@@ -210,11 +203,12 @@ def _shifted_sums(weights: FloatArray, values: FloatArray, longest: int) -> Floa
     from scipy.signal import fftconvolve
 
     size = weights.shape[2]
-    whole = fftconvolve(weights, np.flip(values, axis=2), axes=2)
-    return np.asarray(whole[:, :, size - 1 - longest : size + longest])
+    sums = fftconvolve(weights, np.flip(values, axis=2), axes=2)
+    return np.asarray(sums[:, :, size - 1 - longest : size + longest])
 
 
-def _peak(correlation: FloatArray, step: float, longest: int) -> tuple[FloatArray, FloatArray]:
+def _parabolic_peak(correlation: FloatArray, step: float, longest: int) -> tuple[FloatArray, FloatArray]:
+    """Refine the best shift by a parabola through its neighbours: lag (s) and correlation."""
     undefined: NDArray[np.bool_] = np.asarray(~np.isfinite(correlation).all(axis=-1))
     filled = np.where(undefined[..., None], 0.0, correlation)
     best = filled.argmax(axis=-1)
@@ -222,9 +216,9 @@ def _peak(correlation: FloatArray, step: float, longest: int) -> tuple[FloatArra
     left, middle, right = (
         np.take_along_axis(filled, (inside + offset)[..., None], axis=-1)[..., 0] for offset in (-1, 0, 1)
     )
-    bend = left - 2.0 * middle + right
+    curvature = left - 2.0 * middle + right
     with np.errstate(invalid="ignore", divide="ignore"):
-        offset = 0.5 * (left - right) / bend
+        offset = 0.5 * (left - right) / curvature
         height = middle - 0.25 * (left - right) * offset
-    lost = undefined | (best != inside) | (bend >= 0.0)
-    return np.where(lost, np.nan, (inside + offset - longest) * step), np.where(lost, np.nan, height)
+    no_peak = undefined | (best != inside) | (curvature >= 0.0)
+    return np.where(no_peak, np.nan, (inside + offset - longest) * step), np.where(no_peak, np.nan, height)

@@ -1,67 +1,69 @@
-"""Trials that count as completed, and perhaps should not: far shorter than others, or a handle that stuck."""
+"""Completed trials that look cut off, or in which a handle stopped moving."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from telespring._types import FloatArray
 from telespring.analysis.trials import Trials
 
-__all__ = ["doubts"]
+__all__ = ["ShortTrial", "StillHandle", "implausible_trials"]
 
-#: A completed trial shorter than this share of the median one was perhaps cut off.
+#: A completed trial shorter than this fraction of the median one may have been cut off.
 _SHORT = 0.9
-#: A handle that moves less than this share of the target's extent, over this share of the trial, stuck.
-_REST, _PART = 1e-3, 0.4
+#: A handle is still if it moves less than this fraction of the target's extent at the end of a trial, for at
+#: least this fraction of the trial.
+_STILL_EXTENT, _STILL_TIME = 1e-3, 0.4
 
 
-def doubts(trials: Trials) -> list[str]:
-    """Say which completed trials look as if they were not.
+@dataclass(frozen=True)
+class ShortTrial:
+    """A completed trial much shorter than the median one; durations in s, `trial` from 1."""
 
-    Parameters
-    ----------
-    trials
-        As `telespring.analysis.take_trials` gives them.
+    condition: str
+    trial: int
+    duration: float
+    usual_duration: float
 
-    Returns
-    -------
-    list of str
-        Sentences that name condition, trial and robot.
-    """
+
+@dataclass(frozen=True)
+class StillHandle:
+    """A handle that does not move from `since` (s) to the end; None: throughout. `trial`, `robot` from 1."""
+
+    condition: str
+    trial: int
+    robot: int
+    since: float | None
+
+
+def implausible_trials(trials: Trials) -> list[ShortTrial | StillHandle]:
+    """List completed trials that look cut off or stuck, in the order of conditions and trials."""
     completed = np.argwhere(trials.completed)
     if len(completed) == 0:
         return []
     counts = trials.window.sum(axis=-1)
     usual = float(np.median(counts[trials.completed]))
-    step = float(np.median(np.diff(trials.time)))
-    said = []
-    for condition, trial in completed:
-        name = f"Trial {trial + 1} of {trials.labels[condition]}"
+    step = trials.sample_period
+    implausible: list[ShortTrial | StillHandle] = []
+    for condition, trial in completed.tolist():
+        label = trials.labels[condition]
         count = int(counts[condition, trial])
         if count < _SHORT * usual:
-            said.append(
-                f"{name} counts as completed with {count * step:.4g} s where {usual * step:.4g} s are usual: "
-                "if it was cut off, give it the status stopped."
-            )
+            implausible.append(ShortTrial(label, trial + 1, count * step, usual * step))
         window = trials.window[condition, trial]
-        goal = trials.target[condition % trials.target.shape[0], trial % trials.target.shape[1]][window]
-        limit = _REST * float(np.ptp(goal, axis=0).max())
+        target = trials.trial_target(condition, trial)[window]
+        limit = _STILL_EXTENT * float(np.ptp(target, axis=0).max())
         for robot in (0, 1):
-            path = trials.position[condition, trial, window, robot]
-            resting = _resting_at_the_end(path, limit)
-            if limit > 0.0 and resting >= _PART * count:
-                since = (
-                    "throughout"
-                    if resting == count
-                    else f"from {trials.time[window][count - resting]:.4g} s to its end"
-                )
-                said.append(
-                    f"{name}: the handle of robot {robot + 1} does not move {since}, and is analysed as if "
-                    "it had followed the target."
-                )
-    return said
+            still = _still_samples_at_the_end(trials.position[condition, trial, window, robot], limit)
+            if limit > 0.0 and still >= _STILL_TIME * count:
+                since = None if still == count else float(trials.time[window][count - still])
+                implausible.append(StillHandle(label, trial + 1, robot + 1, since))
+    return implausible
 
 
-def _resting_at_the_end(path: np.ndarray[tuple[int, ...], np.dtype[np.float64]], limit: float) -> int:
-    """Count the last samples (sample, axis) that stay within so many m of the very last."""
-    away = np.abs(path - path[-1]).max(axis=-1) > limit
-    return len(path) if not away.any() else int(away[::-1].argmax())
+def _still_samples_at_the_end(path: FloatArray, limit: float) -> int:
+    """Count the last samples (sample, axis) within `limit` (m) of the very last."""
+    moved = np.abs(path - path[-1]).max(axis=-1) > limit
+    return len(path) if not moved.any() else int(moved[::-1].argmax())

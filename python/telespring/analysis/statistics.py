@@ -1,7 +1,7 @@
-"""Do conditions differ: rank tests, Holm's correction and effect sizes.
+"""Rank tests between groups of trials, Holm's correction, and effect sizes with their intervals.
 
-The tests themselves are SciPy's and statsmodels'. What is chosen here is which groups are compared, which
-p values belong to one family, and how large a difference is said to be.
+The tests are SciPy's and statsmodels'. This module chooses between exact and asymptotic p values, defines the
+families of tests, and adds effect sizes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = [
 #: Significance level of the paper's arrows.
 LEVEL = 0.05
 
-#: Up to this many values on either side the exact distribution is used, unless values are tied.
+#: The exact distribution is used up to this many values in either group, unless values are tied.
 _EXACT_UP_TO = 50
 
 
@@ -43,15 +43,15 @@ class GroupTest:
     groups
         Names of the groups.
     sizes
-        Values in each.
+        Number of values in each group.
     statistic
-        H, corrected for ties; None where fewer than two groups have values.
+        H, corrected for ties; None if fewer than two groups have values.
     degrees_of_freedom
-        Groups less one.
+        Number of groups minus one.
     p_value
-        Of the chi-squared distribution; None where there is no H.
+        From the chi-squared distribution; None without H.
     p_holm
-        Corrected over the family of tests it belongs to.
+        Corrected within the test's family.
     epsilon_squared
         Effect size H/(n − 1), from 0 (ranks do not depend on the group) to 1 (Tomczak and Tomczak 2014).
     """
@@ -65,7 +65,7 @@ class GroupTest:
     epsilon_squared: float | None
 
     def to_json(self) -> dict[str, Any]:
-        """Give the test as plain values."""
+        """Convert the test to plain values."""
         return {
             "groups": list(self.groups),
             "sizes": list(self.sizes),
@@ -79,30 +79,30 @@ class GroupTest:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A two-sided Wilcoxon rank-sum test of two groups, with the size of their difference.
+    """A two-sided Wilcoxon rank-sum test of two groups, with its effect size.
 
     Attributes
     ----------
     first, second
         Names of the groups.
     sizes
-        Values in each.
+        Number of values in each group.
     statistic
-        U of the first group: over how many pairs its value is the larger, ties counting half.
+        U of the first group: the number of pairs in which its value is the larger; ties count half.
     p_value
-        Two-sided; None where a group has no values.
+        Two-sided; None if a group has no values.
     p_holm
-        Corrected over the family of tests it belongs to.
+        Corrected within the comparison's family.
     method
-        "exact" without ties and with up to 50 values on both sides, else "asymptotic": normal, corrected
-        for ties and continuity; "all equal" where no value differs and p is 1.
+        "exact" without ties and with up to 50 values in each group, otherwise "asymptotic": normal,
+        corrected for ties and continuity; "all equal" if all values are the same, then p is 1.
     superiority
         Vargha and Delaney's A = U/(n1 n2): the probability that a value of the first group is the
         larger. Cliff's delta and the rank-biserial correlation are 2A − 1.
     superiority_interval
         95 % interval of A by Newcombe's method 5.
     shift
-        Median of all differences first − second (Hodges and Lehmann), in the values' unit.
+        Median of all differences first − second (Hodges and Lehmann), in the unit of the values.
     """
 
     first: str
@@ -118,21 +118,13 @@ class Comparison:
 
     @property
     def cliffs_delta(self) -> float | None:
-        """2A − 1, from −1 (the first group is always the smaller) to 1."""
+        """Cliff's delta 2A − 1, from −1 (the first group is always the smaller) to 1."""
         return None if self.superiority is None else 2.0 * self.superiority - 1.0
 
     def arrow(self, *, corrected: bool = False) -> Literal["↑", "↓", ""]:
-        """Say which way the first group differs from the second.
+        """Return the arrow of Table I: "↑" if the first group is larger, "↓" if smaller, "" if p ≥ 0.05.
 
-        Parameters
-        ----------
-        corrected
-            Judge by Holm's p instead of the raw one, by which the paper judges.
-
-        Returns
-        -------
-        str
-            "↑" larger, "↓" smaller, "" where p is 0.05 or more.
+        The paper uses the raw p; `corrected` takes Holm's.
         """
         p_value = self.p_holm if corrected else self.p_value
         if p_value is None or p_value >= LEVEL or self.superiority is None or self.superiority == 0.5:
@@ -140,7 +132,7 @@ class Comparison:
         return "↑" if self.superiority > 0.5 else "↓"
 
     def to_json(self) -> dict[str, Any]:
-        """Give the comparison as plain values."""
+        """Convert the comparison to plain values."""
         interval = self.superiority_interval
         return {
             "first": self.first,
@@ -166,29 +158,28 @@ def kruskal_wallis(groups: Mapping[str, ArrayLike]) -> GroupTest:
     Parameters
     ----------
     groups : mapping
-        Values per name; a value that is not a number is one that does not exist, and a group without
-        values takes no part.
+        Values per name. NaN marks a missing value; a group without values is left out.
 
     Returns
     -------
     GroupTest
-        `p_holm` is the raw p until it is corrected in a family.
+        With the raw p as `p_holm`; `holm` corrects a family of tests.
 
     Examples
     --------
     Half-times of mucociliary clearance, Hollander and Wolfe 1973, p. 116.
 
-    >>> found = kruskal_wallis({
+    >>> test = kruskal_wallis({
     ...     "normal": [2.9, 3.0, 2.5, 2.6, 3.2],
     ...     "obstructive": [3.8, 2.7, 4.0, 2.4],
     ...     "asbestosis": [2.8, 3.4, 3.7, 2.2, 2.0],
     ... })
-    >>> round(found.statistic, 5), found.degrees_of_freedom, round(found.p_value, 2)
+    >>> round(test.statistic, 5), test.degrees_of_freedom, round(test.p_value, 2)
     (0.77143, 2, 0.68)
     """
     from scipy import stats
 
-    present = {name: _existing(values) for name, values in groups.items()}
+    present = {name: _drop_missing(values) for name, values in groups.items()}
     present = {name: values for name, values in present.items() if len(values)}
     names, sizes = tuple(present), tuple(len(values) for values in present.values())
     count = sum(sizes)
@@ -197,41 +188,41 @@ def kruskal_wallis(groups: Mapping[str, ArrayLike]) -> GroupTest:
         return GroupTest(names, sizes, None, freedom, None, None, None)
     if np.ptp(np.concatenate(list(present.values()))) == 0.0:
         return GroupTest(names, sizes, 0.0, freedom, 1.0, 1.0, 0.0)
-    found = stats.kruskal(*present.values())
-    statistic, p_value = float(found.statistic), float(found.pvalue)
+    test = stats.kruskal(*present.values())
+    statistic, p_value = float(test.statistic), float(test.pvalue)
     return GroupTest(names, sizes, statistic, freedom, p_value, p_value, statistic / (count - 1))
 
 
 def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("first", "second")) -> Comparison:
-    """Compare two unpaired groups by Wilcoxon's rank sum, which is Mann and Whitney's U.
+    """Compare two unpaired groups by Wilcoxon's rank-sum test (Mann and Whitney's U).
 
     Parameters
     ----------
     first, second : array_like
-        Values; one that is not a number is one that does not exist.
+        Values; NaN marks a missing one.
     names : (str, str)
-        What the groups are called.
+        Names of the groups.
 
     Returns
     -------
     Comparison
-        `p_holm` is the raw p until it is corrected in a family.
+        With the raw p as `p_holm`; `compare_pairs` corrects a family of comparisons.
 
     Examples
     --------
     Permeability of the human chorioamnion at term and earlier, Hollander and Wolfe 1973, p. 69.
 
-    >>> found = compare(
+    >>> comparison = compare(
     ...     [0.80, 0.83, 1.89, 1.04, 1.45, 1.38, 1.91, 1.64, 0.73, 1.46], [1.15, 0.88, 0.90, 0.74, 1.21]
     ... )
-    >>> found.statistic, round(found.p_value, 4), found.method
+    >>> comparison.statistic, round(comparison.p_value, 4), comparison.method
     (35.0, 0.2544, 'exact')
-    >>> found.superiority, [round(end, 2) for end in found.superiority_interval]
+    >>> comparison.superiority, [round(end, 2) for end in comparison.superiority_interval]
     (0.7, [0.39, 0.89])
     """
     from scipy import stats
 
-    one, other = _existing(first), _existing(second)
+    one, other = _drop_missing(first), _drop_missing(second)
     sizes = (len(one), len(other))
     if 0 in sizes:
         return Comparison(*names, sizes, None, None, None, "no values", None, None, None)
@@ -242,8 +233,8 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
         method, statistic, p_value = "all equal", 0.5 * sizes[0] * sizes[1], 1.0
     else:
         method = "asymptotic" if tied or max(sizes) > _EXACT_UP_TO else "exact"
-        found = stats.mannwhitneyu(one, other, alternative="two-sided", method=method)
-        statistic, p_value = float(found.statistic), min(1.0, float(found.pvalue))
+        test = stats.mannwhitneyu(one, other, alternative="two-sided", method=method)
+        statistic, p_value = float(test.statistic), min(1.0, float(test.pvalue))
     superiority = statistic / (sizes[0] * sizes[1])
     return Comparison(
         *names,
@@ -261,45 +252,27 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
 def compare_pairs(
     pairs: Sequence[tuple[str, str]], values: Mapping[str, ArrayLike]
 ) -> tuple[Comparison, ...]:
-    """Compare pairs of groups that make one family, for which p is corrected by Holm's method.
+    """Compare pairs of groups, by their names in `values`, as one family: p is corrected by Holm's method.
 
-    Parameters
-    ----------
-    pairs : sequence
-        Names of the two groups of each comparison.
-    values : mapping
-        The groups' values.
-
-    Returns
-    -------
-    tuple of Comparison
-        In the order of `pairs`; a comparison without values is not counted in the family.
+    A comparison without values does not count towards the family.
 
     Examples
     --------
-    >>> found = compare_pairs(
+    >>> family = compare_pairs(
     ...     [("a", "b"), ("a", "c")], {"a": range(5), "b": range(10, 15), "c": [1.5, 2.5, 3.5]}
     ... )
-    >>> [round(each.p_value, 4) for each in found], [round(each.p_holm, 4) for each in found]
+    >>> [round(test.p_value, 4) for test in family], [round(test.p_holm, 4) for test in family]
     ([0.0079, 0.7857], [0.0159, 0.7857])
     """
     raw = [compare(values[first], values[second], (first, second)) for first, second in pairs]
-    corrected = holm([each.p_value for each in raw])
-    return tuple(replace(each, p_holm=p) for each, p in zip(raw, corrected, strict=True))
+    corrected = holm([comparison.p_value for comparison in raw])
+    return tuple(replace(comparison, p_holm=p) for comparison, p in zip(raw, corrected, strict=True))
 
 
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Correct the p values of one family by Holm's method (1979).
 
-    Parameters
-    ----------
-    p_values : sequence
-        Raw values; None where there was no test, which then does not count.
-
-    Returns
-    -------
-    list
-        Corrected values in the same order, None where there was no test.
+    None stands for a comparison without a test; it does not count towards the family.
 
     Examples
     --------
@@ -318,23 +291,23 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
 def superiority_interval(
     superiority: float, sizes: tuple[int, int], confidence: float = 0.95
 ) -> tuple[float, float]:
-    """Give an interval of Vargha and Delaney's A that stays meaningful at 0 and 1.
+    """Compute a confidence interval of Vargha and Delaney's A that stays meaningful at 0 and 1.
 
     Parameters
     ----------
     superiority : float
         A, from 0 to 1.
     sizes : (int, int)
-        Values in the two groups.
+        Number of values in the two groups.
     confidence : float
-        Probability that the interval holds the true A.
+        Probability that the interval contains the true A.
 
     Returns
     -------
     low, high : float
-        The A at which the observed one lies at the edge of what its standard error allows: Hanley and
-        McNeil's, with the sizes' mean in both places (Newcombe 2006, Statistics in Medicine 25, 559-573,
-        method 5).
+        The values of A from which the observed one is just as far as its standard error allows: Hanley and
+        McNeil's, with the mean of both sizes in place of each (Newcombe 2006, Statistics in Medicine 25,
+        559-573, method 5).
 
     Examples
     --------
@@ -350,8 +323,8 @@ def superiority_interval(
     others = 0.5 * (sizes[0] + sizes[1]) - 1.0
 
     def excess(truth: float) -> float:
-        bend = 1.0 + others * ((1.0 - truth) / (2.0 - truth) + truth / (1.0 + truth))
-        variance = truth * (1.0 - truth) * bend / (sizes[0] * sizes[1])
+        inflation = 1.0 + others * ((1.0 - truth) / (2.0 - truth) + truth / (1.0 + truth))
+        variance = truth * (1.0 - truth) * inflation / (sizes[0] * sizes[1])
         return abs(superiority - truth) - width * math.sqrt(max(0.0, variance))
 
     # At the observed value the excess is negative (or zero, at 0 and 1), at the far ends positive.
@@ -361,6 +334,6 @@ def superiority_interval(
     return low, high
 
 
-def _existing(values: ArrayLike) -> FloatArray:
+def _drop_missing(values: ArrayLike) -> FloatArray:
     array = np.asarray(values, dtype=float).reshape(-1)
     return np.asarray(array[~np.isnan(array)])

@@ -1,4 +1,4 @@
-"""The one door to the analysis: a dataset of trials, checked once and laid out as plain arrays."""
+"""Trials of an experiment as checked arrays: status, analysed samples, positions, target and forces."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "condition_label", "status_of", "take_trials"]
+__all__ = ["Trials", "trial_statuses"]
 
-#: Share of a sample by which a sample's time may miss the end of the discarded part, for rounding.
+_PER_SAMPLE = ("condition", "trial", "time", "robot", "axis")
+#: The discarded part may end this fraction of a sample after a sample that is still kept, for rounding.
 _ROUNDING = 1e-6
 
 
@@ -28,27 +30,26 @@ class Trials:
     Attributes
     ----------
     labels
-        A name per condition, "UM" or as in "CM-36-167".
+        Names of the conditions, such as "UM" or "CM-36-167".
     stiffness
         N/m per condition, NaN in the unconnected mode.
     delay
         One-way delay, s, per condition.
     status
-        (condition, trial): "completed", "absent" where a condition has fewer trials than others, or how
-        the trial ended before its time.
+        (condition, trial): "completed"; "absent" where a condition has fewer trials than others; otherwise
+        how the trial ended early.
     time
         s from the start of a trial.
     position
         m.
     target
-        m, (condition, trial, time, axis); the first two dimensions are 1 where all trials share it.
+        m, (condition, trial, time, axis); the first two dimensions are 1 where all trials share one target.
     velocity, coupling_force, agent_force
         m/s and N, or None where they were not recorded.
     window
-        (condition, trial, time): the samples that the analysis takes, none of a trial that was not
-        completed.
+        (condition, trial, time): the analysed samples; none for a trial that was not completed.
     discard
-        First part of every trial that is left out, s.
+        Duration left out at the start of every trial, s.
     """
 
     labels: tuple[str, ...]
@@ -66,66 +67,107 @@ class Trials:
 
     @property
     def completed(self) -> NDArray[np.bool_]:
-        """Which trials ran to their end, (condition, trial)."""
+        """Which trials were completed, (condition, trial)."""
         return np.asarray(self.status == "completed")
 
     @property
     def ended_early(self) -> NDArray[np.bool_]:
-        """Which trials were begun and did not reach their end, (condition, trial)."""
+        """Which trials began but were not completed, (condition, trial)."""
         return np.asarray((self.status != "completed") & (self.status != "absent"))
 
+    @property
+    def sample_period(self) -> float:
+        """Median time between samples, s."""
+        return float(np.median(np.diff(self.time)))
 
-def condition_label(stiffness: float, delay: float) -> str:
-    """Name a condition as the paper does.
+    def trial_target(self, condition: int, trial: int) -> FloatArray:
+        """Return the target of one trial, (time, axis), m."""
+        shared = self.target.shape[:2]
+        return np.asarray(self.target[condition % shared[0], trial % shared[1]])
 
-    Parameters
-    ----------
-    stiffness
-        N/m; NaN in the unconnected mode.
-    delay
-        One-way delay, s.
+    @classmethod
+    def from_dataset(cls, dataset: xr.Dataset, discard: float | None = None) -> Trials:
+        """Check a dataset of trials and lay it out as arrays.
 
-    Returns
-    -------
-    str
-        "UM", or "CM-" with the stiffness in N/m and the delay in ms, both rounded.
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            ``position`` (m) over (condition, trial, time, robot, axis) with two robots and the axes x and
+            y; ``target`` (m) over (time, axis) or (condition, trial, time, axis). Optional: ``velocity``
+            (m/s), ``coupling_force`` and ``agent_force`` (N), shaped as ``position``; ``status``
+            (condition, trial), without which all trials count as completed; ``samples`` (condition, trial)
+            where trials differ in length. Coordinates ``stiffness`` (N/m, NaN unconnected) and ``delay``
+            (s) over condition, and ``time`` (s).
+        discard : float, optional
+            Duration to leave out at the start of every trial, s. Default: the dataset's attribute
+            ``discard``, or nothing.
 
-    Examples
-    --------
-    >>> condition_label(35.61599, 0.16719), condition_label(float("nan"), 0.0)
-    ('CM-36-167', 'UM')
-    """
-    return "UM" if math.isnan(stiffness) else f"CM-{stiffness:.0f}-{1e3 * delay:.0f}"
+        Returns
+        -------
+        Trials
+            The arrays and the window of analysis.
+
+        Raises
+        ------
+        telespring.InvalidInput
+            If a variable is missing, or a completed trial has a value that is not a number.
+        """
+        _check_layout(dataset)
+        time = _increasing_times(dataset)
+        stiffness = np.asarray(dataset["stiffness"], dtype=float)
+        delay = np.asarray(dataset["delay"], dtype=float)
+        if dataset["condition"].dtype.kind in "UOT" and "condition" in dataset.coords:
+            labels = tuple(str(label) for label in np.asarray(dataset["condition"]))
+        else:
+            pairs = zip(stiffness.tolist(), delay.tolist(), strict=True)
+            labels = tuple(condition_labels([(None if math.isnan(k) else k, d) for k, d in pairs]))
+        status = trial_statuses(dataset)
+        if discard is None:
+            discard = float(dataset.attrs.get("discard", 0.0))
+        target = dataset["target"]
+        if "condition" in target.dims:
+            targets = _contiguous(target.transpose("condition", "trial", "time", "axis"))
+        else:
+            targets = _contiguous(target.transpose("time", "axis"))[None, None]
+        series = {
+            name: _contiguous(dataset[name].transpose(*_PER_SAMPLE))
+            for name in ("position", "velocity", "coupling_force", "agent_force")
+            if name in dataset.variables and set(_PER_SAMPLE) == set(dataset[name].dims)
+        }
+        window = _analysed_samples(dataset, status, labels, time, discard)
+        for name, values in {**series, "target": targets[..., None, :]}.items():
+            _check_finite(name, values, window, labels, time)
+        return cls(
+            labels=labels,
+            stiffness=stiffness,
+            delay=delay,
+            status=status,
+            time=time,
+            position=series["position"],
+            target=targets,
+            velocity=series.get("velocity"),
+            coupling_force=series.get("coupling_force"),
+            agent_force=series.get("agent_force"),
+            window=window,
+            discard=discard,
+        )
 
 
-def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
-    """Check a dataset of trials and lay it out as arrays.
+def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:
+    """Decode how every trial ended, (condition, trial): words, or flags as the CF conventions write them."""
+    if "status" not in dataset.variables:
+        return np.full((dataset.sizes["condition"], dataset.sizes["trial"]), "completed")
+    status = dataset["status"].transpose("condition", "trial")
+    raw: NDArray[Any] = np.asarray(status)
+    meanings = status.attrs.get("flag_meanings")
+    if raw.dtype.kind in "iu" and meanings is not None:
+        words = dict(zip(np.ravel(status.attrs["flag_values"]).tolist(), str(meanings).split(), strict=True))
+        return np.array([[words[int(flag)].replace("_", " ") for flag in row] for row in raw])
+    return raw.astype(str)
 
-    Parameters
-    ----------
-    dataset
-        ``position`` (m) over (condition, trial, time, robot, axis) with two robots and the axes x and y;
-        ``target`` (m) over (time, axis) or (condition, trial, time, axis); where they were recorded
-        ``velocity`` (m/s), ``coupling_force`` and ``agent_force`` (N) as ``position``; ``status``
-        (condition, trial) unless all were completed, ``samples`` (condition, trial) where trials differ
-        in length; coordinates ``stiffness`` (N/m, NaN unconnected) and ``delay`` (s) over condition, and
-        ``time`` (s).
-    discard
-        First part of every trial to leave out, s; the dataset's own attribute ``discard`` unless given,
-        nothing where there is none.
 
-    Returns
-    -------
-    Trials
-        The arrays and the samples to take.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where something is missing, or a completed trial holds a value that is not a number.
-    """
-    order = ("condition", "trial", "time", "robot", "axis")
-    for name, dimensions in (("position", order), ("target", ("time", "axis"))):
+def _check_layout(dataset: xr.Dataset) -> None:
+    for name, dimensions in (("position", _PER_SAMPLE), ("target", ("time", "axis"))):
         if name not in dataset.variables or not set(dimensions) <= set(dataset[name].dims):
             raise _not_trials(name, f"{name} over {', '.join(dimensions)} is needed")
     for name in ("time", "stiffness", "delay"):
@@ -136,6 +178,18 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
         raise _not_trials(
             "position", "two robots, two axes and at least one condition, trial and sample are needed"
         )
+
+
+def _not_trials(field: str, allowed: str) -> InvalidInput:
+    return InvalidInput(
+        field,
+        "missing, or of another shape",
+        allowed,
+        "Use a file from `telespring rehearse`, or recorded trials as in docs/recorded-trials.md.",
+    )
+
+
+def _increasing_times(dataset: xr.Dataset) -> FloatArray:
     time = np.asarray(dataset["time"], dtype=float)
     if len(time) < 2:
         raise InvalidInput(
@@ -146,101 +200,51 @@ def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:
         )
     if not np.all(np.diff(time) > 0.0):
         raise _not_trials("time", "times that increase are needed")
-    stiffness = np.asarray(dataset["stiffness"], dtype=float)
-    delay = np.asarray(dataset["delay"], dtype=float)
-    if dataset["condition"].dtype.kind in "UOT" and "condition" in dataset.coords:
-        labels = tuple(str(label) for label in np.asarray(dataset["condition"]))
-    else:
-        labels = tuple(condition_label(k, d) for k, d in zip(stiffness.tolist(), delay.tolist(), strict=True))
-    shape = (sizes["condition"], sizes["trial"])
-    status = status_of(dataset, shape)
-    samples = np.full(shape, len(time))
+    return time
+
+
+def _analysed_samples(
+    dataset: xr.Dataset, status: NDArray[np.str_], labels: tuple[str, ...], time: FloatArray, discard: float
+) -> NDArray[np.bool_]:
+    """Select the samples of completed trials after the discarded part, (condition, trial, time)."""
+    if not (math.isfinite(discard) and discard >= 0.0):
+        raise InvalidInput(
+            "discard", str(discard), "a time of 0 s or more is needed", "Omit it to discard nothing."
+        )
+    samples = np.full(status.shape, len(time))
     if "samples" in dataset.variables:
         samples = np.asarray(dataset["samples"].transpose("condition", "trial"), dtype=int)
-    left_out = float(dataset.attrs.get("discard", 0.0)) if discard is None else discard
-    if not (math.isfinite(left_out) and left_out >= 0.0):
-        raise InvalidInput(
-            "discard", str(left_out), "a time of 0 s or more is needed", "Leave it away to discard nothing."
-        )
-    step = float(np.median(np.diff(time)))
-    taken = time >= left_out - _ROUNDING * step
-    window = taken & (np.arange(len(time)) < samples[..., None]) & (status == "completed")[..., None]
-    empty = (status == "completed") & (window.sum(axis=-1) < 2)
-    if np.any(empty):
-        condition, trial = np.argwhere(empty)[0]
+    kept = time >= discard - _ROUNDING * float(np.median(np.diff(time)))
+    completed = status == "completed"
+    window = kept & (np.arange(len(time)) < samples[..., None]) & completed[..., None]
+    too_short = completed & (window.sum(axis=-1) < 2)
+    if np.any(too_short):
+        condition, trial = np.argwhere(too_short)[0]
         end = time[max(0, samples[condition, trial] - 1)]
         raise InvalidInput(
             "discard",
-            f"{left_out:g} s",
-            f"trial {trial + 1} of {labels[condition]} ends at {end:g} s, less must be left out",
-            "Give a shorter --discard, or leave that trial away.",
+            f"{discard:g} s",
+            f"trial {trial + 1} of {labels[condition]} ends at {end:g} s, so less must be discarded",
+            "Discard less (--discard), or remove that trial.",
         )
-    target = dataset["target"]
-    if "condition" in target.dims:
-        goals = np.ascontiguousarray(target.transpose("condition", "trial", "time", "axis"), dtype=float)
-    else:
-        goals = np.ascontiguousarray(target.transpose("time", "axis"), dtype=float)[None, None]
-    # In one order of memory, so that sums round alike wherever the trials come from.
-    series = {
-        name: np.ascontiguousarray(dataset[name].transpose(*order), dtype=float)
-        if name in dataset.variables and set(order) == set(dataset[name].dims)
-        else None
-        for name in ("position", "velocity", "coupling_force", "agent_force")
-    }
-    position = series["position"]
-    assert position is not None
-    for name, values in {**series, "target": goals[..., None, :]}.items():
-        if values is not None:
-            _refuse_gaps(name, values, window, labels, time)
-    return Trials(
-        labels=labels,
-        stiffness=stiffness,
-        delay=delay,
-        status=status,
-        time=time,
-        position=position,
-        target=goals,
-        velocity=series["velocity"],
-        coupling_force=series["coupling_force"],
-        agent_force=series["agent_force"],
-        window=window,
-        discard=left_out,
-    )
+    return np.asarray(window)
 
 
-def _not_trials(field: str, allowed: str) -> InvalidInput:
-    return InvalidInput(
-        field,
-        "not there, or not of that shape",
-        allowed,
-        "Give what `telespring rehearse` wrote, or recorded trials as docs/recorded-trials.md says.",
-    )
+def _contiguous(values: xr.DataArray) -> FloatArray:
+    # One memory layout, so that sums round alike wherever the trials come from.
+    return np.ascontiguousarray(values, dtype=float)
 
 
-def status_of(dataset: xr.Dataset, shape: tuple[int, int]) -> NDArray[np.str_]:
-    """Say in words how every trial ended, (condition, trial)."""
-    if "status" not in dataset.variables:
-        return np.full(shape, "completed")
-    status = dataset["status"].transpose("condition", "trial")
-    raw: NDArray[Any] = np.asarray(status)
-    meanings = status.attrs.get("flag_meanings")
-    if raw.dtype.kind in "iu" and meanings is not None:
-        # Numbers with their meaning beside, as the CF conventions write flags.
-        words = dict(zip(np.ravel(status.attrs["flag_values"]).tolist(), str(meanings).split(), strict=True))
-        return np.array([[words[int(each)].replace("_", " ") for each in row] for row in raw])
-    return raw.astype(str)
-
-
-def _refuse_gaps(
+def _check_finite(
     name: str, values: FloatArray, window: NDArray[np.bool_], labels: tuple[str, ...], time: FloatArray
 ) -> None:
-    broken = window & ~np.isfinite(values).all(axis=(-2, -1))
-    if np.any(broken):
-        condition, trial, sample = np.argwhere(broken)[0]
+    missing = window & ~np.isfinite(values).all(axis=(-2, -1))
+    if np.any(missing):
+        condition, trial, sample = np.argwhere(missing)[0]
         raise InvalidInput(
             name,
             "not a number",
             f"trial {trial + 1} of {labels[condition]} counts as completed, but has no {name} at "
             f"{time[sample]:g} s",
-            "Fill the gap, or give the trial the status that says how it ended.",
+            "Fill the gap, or set the trial's status to how it ended.",
         )

@@ -1,4 +1,4 @@
-"""Figs. 7 and 8 of an experiment's trials."""
+"""Draw the trials of an experiment and their analysis as Figs. 7 and 8."""
 
 from __future__ import annotations
 
@@ -15,22 +15,14 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_errors", "draw_trajectories"]
 
-#: Conditions beside each other where they are no grid of stiffness and delay.
+#: Panels per row where the conditions form no grid of stiffness and delay.
 _COLUMNS = 4
 
 
 def draw_trajectories(trials: Trials) -> Figure:
-    """Draw Fig. 7 of an experiment.
+    """Draw the trajectories of all trials, Fig. 7; see `telespring.show.figures.trajectory_figure`.
 
-    Parameters
-    ----------
-    trials
-        The experiment; what is discarded is not drawn, and of a trial that ended early all is.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        See `telespring.show.figures.trajectory_figure`.
+    The discarded part of a completed trial is not drawn; a trial that ended early is drawn whole.
     """
     from telespring.show.figures.trials import TrialPanel, trajectory_figure
 
@@ -41,50 +33,43 @@ def draw_trajectories(trials: Trials) -> Figure:
 
     def panel(i: int) -> TrialPanel:
         position = trials.position[i].copy()
-        # A trial that was completed shows its analysed part only.
         position[trials.completed[i][:, None] & ~trials.window[i]] = np.nan
-        goals = trials.target[i % trials.target.shape[0]]
-        goal = goals[int(np.isfinite(goals).all(axis=-1).sum(axis=-1).argmax())][kept]
+        targets = trials.target[i % trials.target.shape[0]]
+        longest = int(np.isfinite(targets).all(axis=-1).sum(axis=-1).argmax())
         early = int(trials.ended_early[i].sum())
         unconnected = not connected[i]
         title = (
             "unconnected" if unconnected else f"{trials.stiffness[i]:.0f} N/m, {1e3 * trials.delay[i]:.0f} ms"
         )
-        return TrialPanel(title, position, goal, f"{early} ended early" if early else "")
+        return TrialPanel(title, position, targets[longest][kept], f"{early} ended early" if early else "")
 
-    asked = [(float(k), float(d)) for k, d in zip(trials.stiffness, trials.delay, strict=True)]
-    crossed = [each for each, joined in zip(asked, connected, strict=True) if joined]
-    whole = len(crossed) == len(set(crossed)) == len(stiffnesses) * len(delays)
-    if not whole or (len(delays) == 1 and len(stiffnesses) > 1):
-        # Most places of a row per stiffness and a column per delay would be blank paper.
+    pairs = list(zip(trials.stiffness[connected].tolist(), trials.delay[connected].tolist(), strict=True))
+    is_full_grid = len(pairs) == len(set(pairs)) == len(stiffnesses) * len(delays)
+    if not is_full_grid or (len(delays) == 1 and len(stiffnesses) > 1):
+        # With a row per stiffness and a column per delay most of the figure would be blank.
         panels = [panel(i) for i in range(len(trials.labels))]
         columns = math.ceil(len(panels) / math.ceil(len(panels) / _COLUMNS))
         return trajectory_figure(
             None, [panels[first : first + columns] for first in range(0, len(panels), columns)]
         )
     grid: list[list[TrialPanel | None]] = [[None] * len(delays) for _ in stiffnesses]
-    alone = None
+    unconnected_panel = None
     for i in range(len(trials.labels)):
         if connected[i]:
             row, column = stiffnesses.index(trials.stiffness[i]), delays.index(trials.delay[i])
             grid[row][column] = panel(i)
-        elif alone is None:
-            alone = panel(i)
-    return trajectory_figure(alone, grid)
+        elif unconnected_panel is None:
+            unconnected_panel = panel(i)
+    return trajectory_figure(unconnected_panel, grid)
 
 
 def draw_errors(numbers: Mapping[str, Any]) -> Figure:
-    """Draw Fig. 8 of an experiment.
+    """Draw the tracking errors of all conditions, Fig. 8; see `telespring.show.figures.error_figure`.
 
     Parameters
     ----------
     numbers
-        The experiment's analysis, as `telespring.analysis.analyse_trials` gives it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        See `telespring.show.figures.error_figure`.
+        The analysis from `telespring.analysis.analyse_trials`.
     """
     from telespring.show.figures.trials import ErrorGroup, error_figure
 

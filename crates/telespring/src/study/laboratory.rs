@@ -126,7 +126,7 @@ fn number_or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, 
 }
 
 /// Reads a section `[arm1]` or `[arm2]`.
-fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
+pub(super) fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
         reader
             .get(section, key)
@@ -162,7 +162,7 @@ fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
 }
 
 /// Reads a section `[agent1]` or `[agent2]`.
-fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
+pub(super) fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
     }
@@ -187,7 +187,7 @@ fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Resul
 }
 
 /// Reads the section `[task]`.
-fn read_task(reader: &Reader<'_>, default: Task) -> Result<Task> {
+pub(super) fn read_task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {
         return Ok(Task::Python(read_python_object(reader, "task", "function", "targets:circle")?));

@@ -20,8 +20,8 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// Parses the text and checks that all sections and keys are known.
-    pub fn new(text: &'a str) -> Result<Self> {
-        let source = Source(text);
+    pub fn new(source: Source<'a>) -> Result<Self> {
+        let text = source.text();
         if text.len() > LONGEST {
             return Err(InvalidInput::new(
                 "study",

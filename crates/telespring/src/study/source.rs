@@ -6,9 +6,13 @@ use toml::de::DeValue;
 use super::keys::{SECTIONS, nearest_word};
 use crate::error::InvalidInput;
 
-/// The text of a study file.
+/// The text of a study.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a>(pub(super) &'a str);
+pub(super) struct Source<'a> {
+    text: &'a str,
+    /// False where no person has seen the text, so that its lines mean nothing.
+    has_lines: bool,
+}
 
 /// A key that the study format does not know.
 pub(super) struct UnknownKey<'k> {
@@ -26,16 +30,31 @@ pub(super) struct UnknownKey<'k> {
     pub keys: &'k [&'k str],
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The text of a file.
+    pub fn file(text: &'a str) -> Self {
+        Self { text, has_lines: true }
+    }
+
+    /// Text written by the library itself: its errors name no line.
+    pub fn generated(text: &'a str) -> Self {
+        Self { text, has_lines: false }
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &'a str {
+        self.text
+    }
+
     /// The line in the study file of a byte position, counted from 1.
     pub fn line(&self, position: usize) -> usize {
-        1 + self.0.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
+        1 + self.text.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
     }
 
     /// The value as written in the file, shortened to one line.
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
         const LONGEST_EXCERPT: usize = 60;
-        let raw = self.0.get(span).unwrap_or("").trim();
+        let raw = self.text.get(span).unwrap_or("").trim();
         if raw.is_empty() {
             return "a table".to_owned();
         }
@@ -60,9 +79,11 @@ impl Source<'_> {
         self.with_line(refusal, value.span().start)
     }
 
-    /// Adds the line in the study file of a byte position to an error.
+    /// Adds the line in the study file of a byte position to an error, unless the library wrote the text.
     pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
-        refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
+        if self.has_lines {
+            refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
+        }
         refusal
     }
 

@@ -1,1 +1,1 @@
-"""Recorded trials as CSV: their layout, reading, checks and writing."""
+"""Recorded trials as CSV: column layout, reading, checks, assembly into a dataset, and writing."""

@@ -1,190 +1,106 @@
-"""The files of recorded trials, one by one: the list, and a file per trial; refused where they mislead."""
+"""Checks of recorded trials: columns, numbers, units, times and statuses; misleading values are refused."""
 
 from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.analysis.recordings.layout import (
-    INDEX_OPTIONAL,
-    INDEX_REQUIRED,
-    QUANTITIES,
-    STATUSES,
-    TARGET,
-    TIME,
-    columns_of,
-)
+from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED, STATUSES, TIME
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TrialFile", "number_of", "read_index", "read_trial", "refuse", "whole_number_of"]
+_LAYOUT_HELP = (
+    "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
+)
 
-_LAYOUT = "docs/recorded-trials.md shows the layout, `telespring analyse --template DIR` writes an example."
-
-#: A gap this many times longer than a sample is not bridged by a straight line.
+#: A gap longer than this many samples is not interpolated.
 _LONGEST_GAP = 5.0
-#: No planar robot reaches that far, m; a position given in mm does.
-_FARTHEST = 5.0
-#: No trial is sampled that slowly, s; a time given in ms seems to be.
-_SLOWEST = 0.5
-#: No coupling is that late, s; a delay given in ms is.
-_LATEST = 10.0
+#: No planar robot reaches that far, m; a position in mm would.
+_LARGEST_POSITION = 5.0
+#: Nobody samples a trial that slowly, s; a time in ms would look like it.
+_LARGEST_STEP = 0.5
+#: No coupling has that delay, s; a delay in ms would.
+_LARGEST_DELAY = 10.0
 
 
-@dataclass(frozen=True, eq=False)
-class TrialFile:
-    """One file: its place in the index, its times (s) and its columns by quantity."""
-
-    file: str
-    key: tuple[float, float]
-    number: int
-    row: Mapping[str, str]
-    time: FloatArray
-    series: dict[str, FloatArray]
-
-
-def refuse(where: str, value: str, allowed: str, remedy: str = _LAYOUT) -> NoReturn:
-    """Refuse a file or one of its values."""
+def refuse(where: str, value: str, allowed: str, remedy: str = _LAYOUT_HELP) -> NoReturn:
+    """Refuse a recorded file or one of its values."""
     raise InvalidInput(where, value, allowed, remedy)
 
 
-def _read_csv(path: Path, name: str, *, text: bool = False) -> pd.DataFrame:
-    import pandas as pd
-
-    try:
-        if text:
-            table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
-        else:
-            # Exact reading of decimals was an option until pandas 3.1 made it the only way.
-            exact = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
-            precision: dict[str, Any] = {} if exact else {"float_precision": "round_trip"}
-            table = pd.read_csv(path, encoding="utf-8-sig", **precision)
-    except UnicodeDecodeError:
-        refuse(name, "not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8.")
-    except pd.errors.EmptyDataError:
-        refuse(name, "empty", "a line of column names and a line per sample are needed")
-    except pd.errors.ParserError as trouble:
-        reason = str(trouble).removeprefix("Error tokenizing data. C error: ").strip()
-        refuse(name, reason, "as many fields as there are column names are needed in every line")
-    table.columns = [str(column).strip() for column in table.columns]
-    if len(table.columns) == 1 and ";" in table.columns[0]:
-        refuse(
-            name,
-            "separated by semicolons",
-            "columns must be separated by commas, decimals by points",
-            "Export it with commas between columns and a point before decimals.",
-        )
-    return table
-
-
-def _near(name: str, columns: list[str]) -> str:
-    """Say what stands there in place of a missing column."""
-    stem = name.rsplit("_", 1)[0] if name not in ("file", "trial", "status") else name
-    other = [column for column in columns if column.startswith(stem) or stem.startswith(column)]
-    other = other or difflib.get_close_matches(name, columns, n=1)
-    return f"missing; {other[0]} is there instead" if other else "missing"
-
-
-def read_index(path: Path) -> list[dict[str, str]]:
-    """Read the list of trials.
-
-    Parameters
-    ----------
-    path
-        The list.
-
-    Returns
-    -------
-    list of dict
-        A row per trial, by column, as text; conditions and numbers are checked, no trial is there twice.
-    """
-    table = _read_csv(path, path.name, text=True)
-    columns = list(table.columns)
-    for name in INDEX_REQUIRED:
+def check_required_columns(file: str, columns: Sequence[str], required: Sequence[str]) -> None:
+    """Refuse a file that lacks a column; name the most similar one that it has."""
+    for name in required:
         if name not in columns:
-            refuse(f"{path.name}: {name}", _near(name, columns), f"the column {name} is needed")
+            # without the unit
+            stem = name if name in ("file", "trial") else name.rsplit("_", 1)[0]
+            similar = [column for column in columns if column.startswith(stem) or stem.startswith(column)]
+            similar = similar or difflib.get_close_matches(name, columns, n=1)
+            value = f"missing; {similar[0]} is there instead" if similar else "missing"
+            refuse(f"{file}: {name}", value, f"the column {name} is needed")
+
+
+def check_index_columns(file: str, columns: Sequence[str]) -> None:
+    """Refuse a list of trials that lacks a column or misspells an optional one."""
+    check_required_columns(file, columns, INDEX_REQUIRED)
     for name in columns:
         if name not in (*INDEX_REQUIRED, *INDEX_OPTIONAL) and difflib.get_close_matches(
             name, INDEX_OPTIONAL, n=1, cutoff=0.8
         ):
             refuse(
-                f"{path.name}: {name}",
+                f"{file}: {name}",
                 "not known",
-                f"the list may have {', '.join(INDEX_OPTIONAL)}",
-                "Mend its name; other columns are not read.",
+                f"the optional columns are {', '.join(INDEX_OPTIONAL)}",
+                "Correct its name; other columns are not read.",
             )
-    rows: list[dict[str, str]] = [
-        {str(name): str(value).strip() for name, value in row.items()} for row in table.to_dict("records")
-    ]
-    if not rows:
-        refuse(path.name, "no lines", "a line per trial is needed")
-    seen: dict[str, dict[object, int]] = {"trial": {}, "file": {}}
-    for line, row in enumerate(rows, start=2):
-        where = f"{path.name}, line {line}"
-        key = (*_condition(row, where), whole_number_of(row["trial"], f"{where}: trial"))
-        # Unconnected trials have no stiffness, and NaN equals nothing.
-        same = (-1.0 if math.isnan(key[0]) else key[0], *key[1:])
-        for name, value in (("trial", same), ("file", row["file"])):
-            if value in seen[name]:
-                refuse(
-                    f"{where}: {name}",
-                    row[name],
-                    f"every {name} may stand there once, and this one stands in line {seen[name][value]}",
-                    "Number the trials of a condition differently, or take one line away.",
-                )
-            seen[name][value] = line
-        row["status"] = _status(row.get("status", ""), f"{where}: status")
-    return rows
 
 
-def _status(text: str, where: str) -> str:
-    """Read how a trial ended; a word that is not known would silently take it out of all tests."""
-    word = " ".join(text.casefold().replace("_", " ").split())
-    if word and word not in STATUSES:
-        near = difflib.get_close_matches(word, STATUSES, n=1, cutoff=0.7)
+def parse_status(text: str, where: str) -> str:
+    """Parse how a trial ended; an unknown word would silently exclude the trial from all tests."""
+    status = " ".join(text.casefold().replace("_", " ").split())
+    if status and status not in STATUSES:
+        similar = difflib.get_close_matches(status, STATUSES, n=1, cutoff=0.7)
         refuse(
             where,
             text,
-            f"one of {', '.join(STATUSES)} is needed; empty is completed",
-            f"Write {near[0]}."
-            if near
-            else "A trial that ran to its end is completed, any other is stopped.",
+            f"one of {', '.join(STATUSES)} is needed; empty means completed",
+            f"Write {similar[0]}."
+            if similar
+            else "Write completed if the trial ran to its end, otherwise stopped.",
         )
-    return word
+    return status or "completed"
 
 
-def _condition(row: Mapping[str, str], where: str) -> tuple[float, float]:
-    text = row["stiffness_N_per_m"]
-    stiffness = math.nan if text == "" else number_of(text, f"{where}: stiffness_N_per_m")
-    if stiffness <= 0.0:
+def parse_stiffness(text: str, where: str) -> float | None:
+    """Parse the stiffness of a condition, N/m; empty (None) in the unconnected mode."""
+    stiffness = None if text == "" else parse_number(text, where)
+    if stiffness is not None and stiffness <= 0.0:
+        refuse(where, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode.")
+    return stiffness
+
+
+def parse_delay(text: str, where: str) -> float:
+    """Parse the one-way delay of a condition, s; empty means 0."""
+    delay = 0.0 if text == "" else parse_number(text, where)
+    if not 0.0 <= delay <= _LARGEST_DELAY:
         refuse(
-            f"{where}: stiffness_N_per_m",
+            where,
             text,
-            "a stiffness above 0 N/m is needed",
-            "Leave it empty in the unconnected mode.",
-        )
-    delay = 0.0 if row["delay_s"] == "" else number_of(row["delay_s"], f"{where}: delay_s")
-    if not 0.0 <= delay <= _LATEST:
-        refuse(
-            f"{where}: delay_s",
-            row["delay_s"],
-            f"a one-way delay from 0 to {_LATEST:g} s is needed",
+            f"a one-way delay from 0 to {_LARGEST_DELAY:g} s is needed",
             "Write it in s; 167 ms is 0.167.",
         )
-    return stiffness, delay
+    return delay
 
 
-def number_of(text: str, where: str) -> float:
-    """Read a finite number of the list, or refuse it at its place `where`."""
+def parse_number(text: str, where: str) -> float:
+    """Parse a finite number of the list of trials."""
     try:
         value = float(text)
     except ValueError:
@@ -194,106 +110,62 @@ def number_of(text: str, where: str) -> float:
     return value
 
 
-def whole_number_of(text: str, where: str) -> int:
-    """Read a whole number from 0, or refuse it at its place `where`."""
+def parse_whole_number(text: str, where: str, remedy: str) -> int:
+    """Parse a whole number of 0 or more of the list of trials."""
     if not text.isdecimal():
-        refuse(where, text or "empty", "a whole number from 0 is needed", "Count the trials of a condition.")
+        refuse(where, text or "empty", "a whole number of 0 or more is needed", remedy)
     return int(text)
 
 
-def read_trial(folder: Path, row: Mapping[str, str]) -> TrialFile:
-    """Read the file of one trial.
+def check_numeric_columns(file: str, table: pd.DataFrame, columns: Sequence[str]) -> None:
+    """Refuse a trial without samples, or with a field that is not a finite number."""
+    import pandas as pd
 
-    Parameters
-    ----------
-    folder
-        Where the list stands; the file's name counts from there.
-    row
-        The trial's row of the list.
-
-    Returns
-    -------
-    TrialFile
-        Its samples.
-    """
-    name = row["file"]
-    table = _read_csv(folder / name, name)
-    columns = list(table.columns)
-    wanted = [TIME, *columns_of("position")]
-    for quantity in list(QUANTITIES)[1:]:
-        if any(column.startswith(f"{quantity}_") for column in columns):
-            wanted += columns_of(quantity)
-    if any(column.startswith("target_") for column in columns):
-        wanted += TARGET
-    for column in wanted:
-        if column not in columns:
-            refuse(f"{name}: {column}", _near(column, columns), f"the column {column} is needed")
     if table.empty:
         refuse(
-            name,
-            "a header only",
+            file,
+            "only a header",
             "a line per sample is needed",
-            "Leave this trial away in the list, or record it again.",
+            "Remove this trial from the list, or record it again.",
         )
-    for column in wanted:
+    for column in columns:
         values = table[column]
         if values.dtype.kind not in "fi" or not np.isfinite(np.asarray(values, dtype=float)).all():
-            import pandas as pd
-
             numbers = np.asarray(pd.to_numeric(values, errors="coerce"), dtype=float)
             line = int(np.argmin(np.isfinite(numbers)))
             text = str(values.iloc[line])
             refuse(
-                f"{name}, line {line + 2}: {column}",
+                f"{file}, line {line + 2}: {column}",
                 "empty" if text == "nan" else text,
                 "a number is needed in every line",
-                "Leave lines without samples away; a decimal needs a point.",
+                "Remove lines without samples; write decimals with a point.",
             )
-    time = np.asarray(table[TIME], dtype=float)
-    _check_time(name, time)
-    series = {
-        quantity: np.asarray(table[list(columns_of(quantity))], dtype=float).reshape(-1, 2, 2)
-        for quantity in QUANTITIES
-        if columns_of(quantity)[0] in wanted
-    }
-    if TARGET[0] in wanted:
-        series["target"] = np.asarray(table[list(TARGET)], dtype=float)
-    if row.get("status", "") in ("", "completed"):
-        for quantity in ("position", "target"):
-            farthest = float(np.median(np.abs(series[quantity]))) if quantity in series else 0.0
-            if farthest > _FARTHEST:
-                refuse(
-                    f"{name}: {quantity}",
-                    f"typically {farthest:.4g}",
-                    f"positions in m are needed, and no robot reaches {_FARTHEST:g} m",
-                    "Divide by 1000 if they are in mm.",
-                )
-    return TrialFile(name, _condition(row, name), int(row["trial"]), row, time, series)
 
 
-def _check_time(name: str, time: FloatArray) -> None:
+def check_times(file: str, time: FloatArray) -> None:
+    """Refuse sample times that do not increase, seem to be in ms, start late or leave a long gap."""
     if len(time) < 2:
-        refuse(name, f"{len(time)} samples", "at least two are needed")
+        refuse(file, f"{len(time)} samples", "at least two are needed")
     steps = np.diff(time)
     if not np.all(steps > 0.0):
         line = int(np.argmax(steps <= 0.0)) + 3
         refuse(
-            f"{name}, line {line}: {TIME}",
+            f"{file}, line {line}: {TIME}",
             f"{time[line - 2]:.10g} after {time[line - 3]:.10g}",
             "time must increase from line to line",
-            "Sort the samples, and take away those written twice.",
+            "Sort the samples, and remove duplicates.",
         )
     step = float(np.median(steps))
-    if step > _SLOWEST:
+    if step > _LARGEST_STEP:
         refuse(
-            f"{name}: {TIME}",
+            f"{file}: {TIME}",
             f"a sample every {step:g} s",
-            f"samples at most {_SLOWEST:g} s apart are needed",
+            f"samples at most {_LARGEST_STEP:g} s apart are needed",
             "Divide by 1000 if the times are in ms.",
         )
     if not -step <= time[0] <= max(1.0, step):
         refuse(
-            f"{name}: {TIME}",
+            f"{file}: {TIME}",
             f"begins at {time[0]:.10g} s",
             "time must count from the start of the trial, where the target starts",
             "Subtract the time at which the trial started.",
@@ -301,8 +173,20 @@ def _check_time(name: str, time: FloatArray) -> None:
     if steps.max() > _LONGEST_GAP * step:
         line = int(np.argmax(steps)) + 3
         refuse(
-            f"{name}, line {line}: {TIME}",
+            f"{file}, line {line}: {TIME}",
             f"{steps.max():.4g} s without a sample",
-            f"a gap of up to {_LONGEST_GAP:g} samples ({_LONGEST_GAP * step:.4g} s) can be bridged",
-            "Leave this trial away, or end it before the gap.",
+            f"gaps of up to {_LONGEST_GAP:g} samples ({_LONGEST_GAP * step:.4g} s) are allowed",
+            "Remove this trial, or end it before the gap.",
+        )
+
+
+def check_metres(file: str, quantity: str, values: FloatArray) -> None:
+    """Refuse positions that seem to be in mm."""
+    typical = float(np.median(np.abs(values)))
+    if typical > _LARGEST_POSITION:
+        refuse(
+            f"{file}: {quantity}",
+            f"typically {typical:.4g}",
+            f"positions in m are needed, and no robot reaches {_LARGEST_POSITION:g} m",
+            "Divide by 1000 if they are in mm.",
         )

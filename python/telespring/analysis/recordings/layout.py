@@ -1,8 +1,6 @@
-"""Names and units of the columns in which trials are recorded, as docs/recorded-trials.md has them."""
+"""Column names and units of recorded trials, as docs/recorded-trials.md lists them."""
 
 from __future__ import annotations
-
-__all__ = ["AXES", "INDEX", "INDEX_OPTIONAL", "INDEX_REQUIRED", "QUANTITIES", "TARGET", "TIME", "columns_of"]
 
 AXES = ("x", "y")
 
@@ -10,26 +8,23 @@ AXES = ("x", "y")
 INDEX = "trials.csv"
 INDEX_REQUIRED = ("file", "stiffness_N_per_m", "delay_s", "trial")
 INDEX_OPTIONAL = ("status", "ended_at_s", "seed", "discard_s")
-#: How a trial may have ended.
+#: How a trial may end.
 STATUSES = ("completed", "stopped", "diverged", "out of reach", "aborted", "failed")
+#: Name of the study file that may lie beside the list.
+STUDY = "study.toml"
 
 TIME = "time_s"
 TARGET = tuple(f"target_{axis}_m" for axis in AXES)
 
-#: Quantities of both robots and the units at the end of their columns; the first is always needed.
-QUANTITIES = {
-    "position": "m",
-    "velocity": "m_per_s",
-    "coupling_force": "N",
-    "agent_force": "N",
-}
+#: Quantities of both robots with the unit suffix of their columns; the first is required.
+QUANTITIES = {"position": "m", "velocity": "m_per_s", "coupling_force": "N", "agent_force": "N"}
 
-#: SI units as xarray's readers know them.
+#: SI units in the notation of xarray attributes, by unit suffix.
 SI = {"m": "m", "m_per_s": "m/s", "N": "N", "s": "s"}
 
 
 def columns_of(quantity: str) -> tuple[str, ...]:
-    """Name a quantity's four columns, robot 1 on x and y before robot 2.
+    """Name the four columns of a quantity: robot 1 on x and y, then robot 2.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Write trials as a lab would record them, from a rehearsal or as an example to start from."""
+"""Write trials as CSV in the layout of recorded trials: an experiment, or an example for a lab."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.analysis.recordings.layout import AXES, INDEX, QUANTITIES, TARGET, TIME, columns_of
-from telespring.analysis.recordings.reading import target_of
-from telespring.analysis.trials import condition_label, status_of
+from telespring.analysis.recordings.layout import AXES, INDEX, QUANTITIES, STUDY, TARGET, TIME, columns_of
+from telespring.analysis.trials import trial_statuses
+from telespring.model import Study
+from telespring.study.conditions import condition_label
+from telespring.study.target import target_positions
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["write_recorded", "write_template"]
+
+_PER_SAMPLE = ("condition", "trial", "time", "robot", "axis")
 
 
 def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
@@ -27,22 +31,22 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Trials, as `telespring.analysis.take_trials` describes them.
+        Trials in the layout that `telespring.analysis.Trials.from_dataset` describes.
     folder : path
-        Where to; made where it is missing. It may not hold such a list already.
+        Destination; created if missing. It must not contain a list of trials yet.
 
     Returns
     -------
     pathlib.Path
-        The list, ``trials.csv``. It is written last, so that a folder with a list is whole. Reading it
-        back gives the same numbers.
+        The list, ``trials.csv``. It is written last, so a folder with a list is complete. Reading it back
+        gives the same numbers.
 
     Raises
     ------
     telespring.InvalidInput
-        Where the folder holds a list already.
+        If the folder already contains a list of trials.
     OSError
-        Where the folder cannot be written.
+        If the folder cannot be written.
 
     Examples
     --------
@@ -50,8 +54,8 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     >>> from telespring.analysis import read_recorded
     >>> place = tempfile.mkdtemp()
     >>> trials = read_recorded(write_template(place + "/example"))
-    >>> again = read_recorded(write_recorded(trials, place + "/copy"))
-    >>> trials.identical(again)
+    >>> copy = read_recorded(write_recorded(trials, place + "/copy"))
+    >>> trials.identical(copy)
     True
     """
     import pandas as pd
@@ -60,57 +64,54 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     index = place / INDEX
     if index.exists():
         raise InvalidInput(
-            "folder", str(place), f"a folder without {INDEX} is needed", "Choose another, or remove that one."
+            "folder",
+            str(place),
+            f"a folder without {INDEX} is needed",
+            "Choose another folder, or remove that file.",
         )
-    shape = (dataset.sizes["condition"], dataset.sizes["trial"])
-    status = status_of(dataset, shape)
-    order = ("condition", "trial", "time", "robot", "axis")
-    present = [
-        name for name in QUANTITIES if name in dataset.variables and set(order) == set(dataset[name].dims)
-    ]
-    arrays = {name: np.asarray(dataset[name].transpose(*order)) for name in present}
-    target = np.asarray(
-        dataset["target"].transpose("condition", "trial", "time", "axis")
-        if "condition" in dataset["target"].dims
-        else dataset["target"].transpose("time", "axis")
-    )
-    time = np.asarray(dataset["time"])
+    status = trial_statuses(dataset)
+    columns = _columns(dataset)
+    has_position = dataset["position"].notnull().all(["robot", "axis"])
     rows: list[dict[str, Any]] = []
-    for i in range(shape[0]):
-        stiffness, delay = float(dataset["stiffness"][i]), float(dataset["delay"][i])
-        for j in range(shape[1]):
-            if status[i, j] == "absent":
-                continue
-            finite = np.isfinite(arrays["position"][i, j]).all(axis=(-2, -1))
-            # What a trial has up to its end; nothing after it was recorded.
-            count = len(finite) - int(finite[::-1].argmax())
-            columns = {TIME: time[:count]}
-            goal = target if target.ndim == 2 else target[i, j]
-            columns |= {name: goal[:count, axis] for axis, name in enumerate(TARGET)}
-            for quantity in present:
-                flat = arrays[quantity][i, j, :count].reshape(count, -1)
-                columns |= {name: flat[:, k] for k, name in enumerate(columns_of(quantity))}
-            name = f"{condition_label(stiffness, delay)}-{i + 1:02d}-{j + 1:03d}.csv"
-            with replacing(place / name) as beside:
-                pd.DataFrame(columns).to_csv(beside, index=False, lineterminator="\n")
-            row: dict[str, Any] = {
-                "file": name,
-                "stiffness_N_per_m": "" if math.isnan(stiffness) else repr(stiffness),
-                "delay_s": repr(delay),
-                "trial": j + 1,
-                "status": status[i, j],
-            }
-            if "ended_at" in dataset.variables:
-                ended = float(dataset["ended_at"].transpose("condition", "trial")[i, j])
-                row["ended_at_s"] = "" if math.isnan(ended) else repr(ended)
-            if "seed" in dataset.variables:
-                row["seed"] = int(dataset["seed"].transpose("condition", "trial")[i, j])
-            if "discard" in dataset.attrs:
-                row["discard_s"] = repr(float(dataset.attrs["discard"]))
-            rows.append(row)
+    for i, j in np.argwhere(status != "absent").tolist():
+        trial = dataset.isel(condition=i, trial=j)
+        stiffness, delay = float(trial["stiffness"]), float(trial["delay"])
+        file = f"{condition_label(stiffness, delay)}-{i + 1:02d}-{j + 1:03d}.csv"
+        # Nothing was recorded after the end of a trial.
+        recorded = np.flatnonzero(has_position.isel(condition=i, trial=j))
+        samples = columns.isel(condition=i, trial=j, time=slice(recorded[-1] + 1 if len(recorded) else None))
+        with replacing(place / file) as beside:
+            samples.to_dataframe()[list(columns)].to_csv(beside, index_label=TIME, lineterminator="\n")
+        row: dict[str, Any] = {
+            "file": file,
+            "stiffness_N_per_m": stiffness,
+            "delay_s": delay,
+            "trial": j + 1,
+            "status": status[i, j],
+        }
+        if "ended_at" in trial.variables:
+            row["ended_at_s"] = float(trial["ended_at"])
+        if "seed" in trial.variables:
+            row["seed"] = int(trial["seed"])
+        if "discard" in trial.attrs:
+            row["discard_s"] = float(trial.attrs["discard"])
+        rows.append(row)
     if "study" in dataset.attrs:
-        write_whole(place / "study.toml", dataset.attrs["study"])
+        write_whole(place / STUDY, dataset.attrs["study"])
     return write_whole(index, pd.DataFrame(rows).to_csv(index=False, lineterminator="\n"))
+
+
+def _columns(dataset: xr.Dataset) -> xr.Dataset:
+    """Flatten robots and axes into the columns of a trial's file, over (condition, trial, time)."""
+    import xarray as xr
+
+    columns = {name: dataset["target"].isel(axis=axis, drop=True) for axis, name in enumerate(TARGET)}
+    for quantity in QUANTITIES:
+        if quantity in dataset.variables and set(_PER_SAMPLE) == set(dataset[quantity].dims):
+            for place, name in enumerate(columns_of(quantity)):
+                robot, axis = divmod(place, len(AXES))
+                columns[name] = dataset[quantity].isel(robot=robot, axis=axis, drop=True)
+    return xr.Dataset(columns, coords={"time": dataset["time"]})
 
 
 def write_template(folder: str | os.PathLike[str]) -> Path:
@@ -119,43 +120,47 @@ def write_template(folder: str | os.PathLike[str]) -> Path:
     Parameters
     ----------
     folder : path
-        Where to; made where it is missing.
+        Destination; created if missing.
 
     Returns
     -------
     pathlib.Path
-        The list of the trials. Two conditions of three trials of the paper's task, 6 s at 100 Hz; robot 1
-        lags behind the target by about 60 ms, robot 2 by about 120 ms.
+        The list of the trials. Two conditions with three trials each of the paper's task, 6 s at 100 Hz;
+        robot 1 lags behind the target by about 60 ms, robot 2 by about 120 ms.
 
     Raises
     ------
     telespring.InvalidInput
-        Where the folder holds a list of trials already.
+        If the folder already contains a list of trials.
     OSError
-        Where the folder cannot be written.
+        If the folder cannot be written.
     """
     import xarray as xr
 
     time = np.arange(601) / 100.0
-    task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
-    target = target_of(task, time)
+    experiment = Study.paper().experiment
+    assert experiment is not None
+    task = experiment.task
+    target = target_positions(task, time)
     lags = np.array([[0.060, 0.120], [0.070, 0.110]])[:, None, :] + np.array([0.0, 0.004, 0.008])[:, None]
     position = np.stack(
-        [[np.stack([target_of(task, time - lag) for lag in pair], axis=1) for pair in row] for row in lags]
+        [
+            [np.stack([target_positions(task, time - lag) for lag in trial], axis=1) for trial in condition]
+            for condition in lags
+        ]
     ).round(6)
-    spring = position[..., ::-1, :] - position
+    extension = position[..., ::-1, :] - position
     # Unconnected first, then the spring; adding 0 below turns −0 into 0.
-    force = 36.0 * spring * np.array([0.0, 1.0])[:, None, None, None, None]
-    per_sample = ("condition", "trial", "time", "robot", "axis")
+    force = 36.0 * extension * np.array([0.0, 1.0])[:, None, None, None, None]
     return write_recorded(
         xr.Dataset(
             {
-                "position": (per_sample, position),
-                "coupling_force": (per_sample, force.round(6) + 0.0),
+                "position": (_PER_SAMPLE, position),
+                "coupling_force": (_PER_SAMPLE, force.round(6) + 0.0),
                 "target": (("time", "axis"), target.round(6)),
             },
             coords={
-                "stiffness": ("condition", [np.nan, 36.0]),
+                "stiffness": ("condition", [math.nan, 36.0]),
                 "delay": ("condition", [0.0, 0.167]),
                 "time": ("time", time),
                 "robot": ("robot", [1, 2]),

@@ -1,4 +1,4 @@
-"""Figs. 7 and 8: the trajectories of repeated trials, and their tracking errors."""
+"""Figures of repeated trials: trajectories (Fig. 7) and tracking errors (Fig. 8)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -20,13 +21,13 @@ from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, styled
 __all__ = ["ErrorGroup", "TrialPanel", "error_figure", "trajectory_figure"]
 
 _ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
-#: A trajectory is drawn with at most so many points; more cannot be told apart in a panel this small.
+#: Maximum number of points per trajectory; more cannot be distinguished in such a small panel.
 _POINTS = 600
-#: Dots per inch of the trajectories, which stand in the SVG as pictures: as paths they would be 20 MB.
+#: Dots per inch of the trajectories, which are rasterised: as paths in the SVG they would take 20 MB.
 _DOTS = 180
-#: A panel shows at most so many times the target's extent; what runs away leaves it.
+#: A panel shows at most this multiple of the target's extent; larger motions leave it.
 _WIDEST = 1.6
-#: Room in inch: at the figure's edges, above each row of panels, and beside each pair.
+#: Margins in inch: at the figure's edges, above each row of panels, and beside each pair.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ABOVE, _BESIDE = 0.52, 0.05, 0.22, 0.36, 0.19, 0.16
 
 
@@ -37,13 +38,13 @@ class TrialPanel:
     Attributes
     ----------
     title
-        The condition in words.
+        Name of the condition.
     position
-        m, (trial, time, robot, axis); NaN where a trial has ended.
+        m, (trial, time, robot, axis); NaN after the end of a trial.
     target
         m, (time, axis).
     note
-        A short remark, such as how many trials ended early; "" for none.
+        A short remark, such as the number of trials that ended early; "" for none.
     """
 
     title: str
@@ -59,15 +60,15 @@ class ErrorGroup:
     Attributes
     ----------
     label
-        Below the group, such as the delay.
+        Tick label of the group, such as the delay.
     family
-        Groups beside each other with the same family are bracketed under this name, such as a stiffness.
+        Name under which neighbouring groups are bracketed, such as a stiffness.
     errors
         Per robot the tracking error of each trial, m; NaN where there is none.
     arrows
         Per robot "↑", "↓" or "".
     ended_early
-        Trials without a tracking error.
+        Number of trials without a tracking error.
     """
 
     label: str
@@ -77,35 +78,32 @@ class ErrorGroup:
     ended_early: int = 0
 
 
-def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPanel | None]]) -> Figure:
-    """Draw Fig. 7: both robots' paths in the plane, every trial over the others.
+def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[TrialPanel | None]]) -> Figure:
+    """Draw the paths of both robots in the plane, all trials of a condition over each other (Fig. 7).
+
+    Every condition shows robot 1 on the left and robot 2 on the right, with the target; all panels share one
+    scale, and a note marks motions that leave the panel.
 
     Parameters
     ----------
-    alone
-        The unconnected mode, which stands in a column of its own; None where there is none.
+    unconnected
+        The unconnected mode, in a column of its own; None if there is none.
     grid
         Rows of panels, a row per stiffness and a column per delay; None where there is no condition.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Per condition robot 1 on the left and robot 2 on the right, with the target; all to one scale. A
-        motion that leaves the panel says so.
     """
-    columns = max([len(row) for row in grid], default=0) + (alone is not None)
+    columns = max([len(row) for row in grid], default=0) + (unconnected is not None)
     placed: dict[tuple[int, int], TrialPanel] = {}
-    if alone is not None:
-        placed[0, 0] = alone
+    if unconnected is not None:
+        placed[0, 0] = unconnected
     for row, panels in enumerate(grid):
         for column, panel in enumerate(panels):
             if panel is not None:
-                placed[row, column + (alone is not None)] = panel
-    reach = _reach(list(placed.values()))
-    # All panels have the proportions of what they show, so their places are computed, in inch.
+                placed[row, column + (unconnected is not None)] = panel
+    extent = _half_extent(list(placed.values()))
+    # All panels have the aspect ratio of their content, so their places are computed, in inch.
     cell = min(2.4, (FULL_WIDTH - _LEFT - _RIGHT) / max(1, columns))
     width = 0.5 * (cell - _BESIDE)
-    height = min(3.0, width * reach[1] / reach[0])
+    height = min(3.0, width * extent[1] / extent[0])
     rows = max(1, len(grid))
     total = _TOP + rows * (height + _ABOVE) + _BOTTOM
     with styled():
@@ -116,7 +114,7 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
                 left = _LEFT + column * cell + robot * (width + 0.4 * _BESIDE)
                 place = (left / FULL_WIDTH, bottom / total, width / FULL_WIDTH, height / total)
                 axes = figure.add_axes(place)
-                _paths(axes, panel, robot, reach)
+                _draw_paths(axes, panel, robot, extent)
                 axes.tick_params(
                     labelbottom=(row + 1, column) not in placed,
                     labelleft=robot == 0 and (row, column - 1) not in placed,
@@ -126,7 +124,7 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
                 if robot == 0:
                     axes.set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
                 elif panel.note:
-                    _remark(axes, 0.985, panel.note, "top", "#A03000")
+                    _annotate(axes, 0.985, panel.note, "top", "#A03000")
         handles = [
             *(
                 Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side} of each pair)")
@@ -139,53 +137,53 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
     return figure
 
 
-def _reach(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
-    """Give half the width and height of every panel, mm."""
-    goal = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
-    goal = np.maximum(goal, 0.25 * goal.max())
-    moved = goal
+def _half_extent(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
+    """Choose half the width and height that all panels show, mm."""
+    target = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
+    target = np.maximum(target, 0.25 * target.max())
+    moved = target
     for panel in panels:
-        there = np.isfinite(panel.position).all(axis=-1).any(axis=-1).any(axis=-1)
-        if there.any():
-            # Most trials count, so that a few that run away do not make the others small.
-            farthest = np.nanmax(np.abs(panel.position[there]), axis=(1, 2))
+        present = np.isfinite(panel.position).all(axis=-1).any(axis=-1).any(axis=-1)
+        if present.any():
+            # Without the widest fifth, so that a few diverging trials do not shrink the others.
+            farthest = np.nanmax(np.abs(panel.position[present]), axis=(1, 2))
             moved = np.maximum(moved, 1e3 * np.quantile(farthest, 0.8, axis=0))
-    return np.asarray(1.08 * np.minimum(moved, _WIDEST * goal))
+    return np.asarray(1.08 * np.minimum(moved, _WIDEST * target))
 
 
-def _paths(axes: Axes, panel: TrialPanel, robot: int, reach: NDArray[np.float64]) -> None:
+def _draw_paths(axes: Axes, panel: TrialPanel, robot: int, extent: NDArray[np.float64]) -> None:
     stride = max(1, math.ceil(panel.position.shape[1] / _POINTS))
     shown = 1e3 * panel.position[:, ::stride, robot]
     lines = [path[np.isfinite(path).all(axis=-1)] for path in shown]
-    # Beyond a few panels' width nothing is seen, and larger numbers break the drawing.
-    lines = [np.clip(path, -4.0 * reach, 4.0 * reach) for path in lines if len(path) > 1]
+    # Anything further out is invisible, and huge coordinates break the renderer.
+    lines = [np.clip(path, -4.0 * extent, 4.0 * extent) for path in lines if len(path) > 1]
     axes.add_collection(
         LineCollection(lines, colors=_ROBOTS[robot], linewidths=0.35, alpha=0.35, rasterized=True),
         autolim=False,
     )
-    goal = 1e3 * panel.target[:: max(1, stride // 2)]
+    target = 1e3 * panel.target[:: max(1, stride // 2)]
     axes.add_collection(
         LineCollection(
-            [goal[np.isfinite(goal).all(axis=-1)]], colors="black", linewidths=0.45, rasterized=True
+            [target[np.isfinite(target).all(axis=-1)]], colors="black", linewidths=0.45, rasterized=True
         ),
         autolim=False,
     )
-    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]))
-    step = 10.0 ** math.floor(math.log10(reach[0]))
-    edge = step * math.floor(0.85 * reach[0] / step)
+    axes.set(xlim=(-extent[0], extent[0]), ylim=(-extent[1], extent[1]))
+    step = 10.0 ** math.floor(math.log10(extent[0]))
+    edge = step * math.floor(0.85 * extent[0] / step)
     axes.set_xticks([-edge, 0.0, edge] if edge else [0.0], [f"{-edge:g}", "", f"{edge:g}"] if edge else ["0"])
     axes.locator_params(axis="y", nbins=5)
     axes.tick_params(labelsize=5.4, pad=1.5, length=1.5)
-    if any(np.any(np.abs(path) > 1.1 * reach) for path in lines):
-        _remark(axes, 0.015, "leaves the panel", "bottom", "#303030")
+    if any(np.any(np.abs(path) > 1.1 * extent) for path in lines):
+        _annotate(axes, 0.015, "leaves the panel", "bottom", "#303030")
 
 
-def _remark(axes: Axes, height: float, words: str, anchor: str, colour: str) -> None:
+def _annotate(axes: Axes, height: float, note: str, anchor: str, colour: str) -> None:
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
     axes.text(
         0.5,
         height,
-        words,
+        note,
         transform=axes.transAxes,
         ha="center",
         va=anchor,
@@ -196,22 +194,19 @@ def _remark(axes: Axes, height: float, words: str, anchor: str, colour: str) -> 
 
 
 def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_name: str = "UM") -> Figure:
-    """Draw Fig. 8: the tracking errors of both robots in every condition.
+    """Draw the tracking errors of both robots in every condition as boxes (Fig. 8).
+
+    A box shows median and quartiles, its whiskers reach to the last value within 1.5 box heights, and every
+    trial is a marker. An arrow above a box marks a significant difference from the baseline.
 
     Parameters
     ----------
     groups
         Conditions from left to right.
     baseline
-        Median TE2 that all is compared with, m; None where there is none.
+        Median TE2 of the baseline, m; None if there is none.
     baseline_name
-        The condition it belongs to.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Boxes (median, quartiles, whiskers to the last value within 1.5 times the box) with every trial as
-        a dot; an arrow above a box says that it differs from the baseline.
+        Name of the baseline condition.
     """
     values = [1e3 * np.concatenate(group.errors) for group in groups]
     finite = np.concatenate(values)
@@ -219,7 +214,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.1), layout="constrained")
         axes = figure.subplots()
-        places = _places(groups)
+        places = _group_places(groups)
         logarithmic = len(finite) > 0 and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite)
         if logarithmic:
             axes.set_yscale("log")
@@ -228,7 +223,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
             axes.yaxis.set_minor_locator(NullLocator())
         for place, group in zip(places, groups, strict=True):
             for robot in range(2):
-                _box(axes, place + (robot - 0.5) * 0.44, group, robot)
+                _draw_box(axes, place + (robot - 0.5) * 0.44, group, robot)
             if group.ended_early:
                 axes.annotate(
                     f"{group.ended_early} ended\nearly",
@@ -247,7 +242,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         axes.set_xlim(places[0] - 0.7, places[-1] + 0.7)
         axes.grid(axis="y", color="#E4E4E4", linewidth=0.5)
         axes.set_axisbelow(True)
-        _brackets(axes, places, groups)
+        _draw_brackets(axes, places, groups)
         low, high = axes.get_ylim()
         # Room for the arrows above the highest box.
         axes.set_ylim(low, high * (high / low) ** 0.06 if logarithmic else high + 0.06 * (high - low))
@@ -281,7 +276,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
     return figure
 
 
-def _places(groups: Sequence[ErrorGroup]) -> list[float]:
+def _group_places(groups: Sequence[ErrorGroup]) -> list[float]:
     places, place = [], 0.0
     for i, group in enumerate(groups):
         if i:
@@ -290,7 +285,7 @@ def _places(groups: Sequence[ErrorGroup]) -> list[float]:
     return places
 
 
-def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
+def _draw_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
     errors = 1e3 * group.errors[robot]
     errors = errors[np.isfinite(errors)]
     if len(errors) == 0:
@@ -309,8 +304,8 @@ def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
     )
     for box in drawn["boxes"]:
         box.set(edgecolor=colour, linewidth=0.7, hatch="////" if robot else None)
-        box.set_facecolor((*_rgb(colour), 0.28))
-    # Spread evenly by rank, so that the same trials give the same picture.
+        box.set_facecolor(to_rgba(colour, 0.28))
+    # A fixed spread, so that the same trials give the same figure.
     spread = 0.24 * (((np.arange(len(errors)) * 0.618034) % 1.0) - 0.5)
     axes.plot(
         place + spread,
@@ -334,11 +329,7 @@ def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
         )
 
 
-def _rgb(colour: str) -> tuple[float, float, float]:
-    return (int(colour[1:3], 16) / 255.0, int(colour[3:5], 16) / 255.0, int(colour[5:7], 16) / 255.0)
-
-
-def _brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
+def _draw_brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
     for family in dict.fromkeys(group.family for group in groups if group.family):
         inside = [place for place, group in zip(places, groups, strict=True) if group.family == family]
         transform = axes.get_xaxis_transform()

@@ -20,9 +20,8 @@ __all__ = ["find_experiment"]
 
 def find_experiment(scene: Scene) -> Found:
     """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
-    from telespring.analysis.measures import measure_trials
-    from telespring.analysis.results import analyse_taken
-    from telespring.analysis.trials import take_trials
+    from telespring.analysis.results import compare_conditions
+    from telespring.analysis.trials import Trials
     from telespring.rehearsal.run import forget
     from telespring.show.drawings import draw_errors, draw_trajectories
 
@@ -32,8 +31,8 @@ def find_experiment(scene: Scene) -> Found:
             # no page beside another study's trials
             forget(scene.rehearsal)
         return Found()
-    trials = take_trials(_rehearsed(scene))
-    analysed = analyse_taken(trials, measure_trials(trials))
+    trials = Trials.from_dataset(_rehearsed(scene))
+    analysed = compare_conditions(trials)
     rows = analysed["table1"]
     drawings = {
         "trajectories": figures.to_svg(

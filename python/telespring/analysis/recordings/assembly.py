@@ -1,0 +1,206 @@
+"""Assemble recorded trials into one dataset like a rehearsal's, resampled where sample times differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from telespring._errors import InvalidInput
+from telespring._types import FloatArray
+from telespring.analysis.recordings.checks import refuse
+from telespring.analysis.recordings.layout import AXES, QUANTITIES, SI, TARGET
+from telespring.study.conditions import condition_labels
+from telespring.study.target import target_positions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from telespring.model import Task
+
+__all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset"]
+
+
+@dataclass(frozen=True)
+class TrialEntry:
+    """A line of the list of trials: stiffness in N/m (None unconnected), times in s.
+
+    `ended_at` (NaN where empty), `seed` and `discard` are None where the list has no such column.
+    """
+
+    file: str
+    stiffness: float | None
+    delay: float
+    number: int
+    status: str
+    ended_at: float | None = None
+    seed: int | None = None
+    discard: float | None = None
+
+    @property
+    def condition(self) -> tuple[float | None, float]:
+        """Stiffness and delay, which identify the condition."""
+        return self.stiffness, self.delay
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedTrial:
+    """One recorded trial: its line in the list, its times (s) and its series by quantity."""
+
+    entry: TrialEntry
+    time: FloatArray
+    series: dict[str, FloatArray]
+
+
+def assemble_dataset(
+    trials: list[RecordedTrial], task: Task | Mapping[str, Any] | None, study: str | None
+) -> xr.Dataset:
+    """Assemble recorded trials, in the order of the list, into one dataset over conditions and trials.
+
+    `task` is a study's, for trials without a target; `study` the text of the study file, if there is one.
+    """
+    import xarray as xr
+
+    _check_same_quantities(trials)
+    trials, period = _resample_to_one_grid(trials)
+    conditions = list(dict.fromkeys(trial.entry.condition for trial in trials))
+    groups = [
+        sorted(
+            (trial for trial in trials if trial.entry.condition == condition),
+            key=lambda trial: trial.entry.number,
+        )
+        for condition in conditions
+    ]
+    placed = [(i, j, trial) for i, group in enumerate(groups) for j, trial in enumerate(group)]
+    time = max((trial.time for trial in trials), key=len)
+    shape = (len(groups), max(len(group) for group in groups))
+    series = {
+        name: np.full((*shape, len(time), *values.shape[1:]), np.nan)
+        for name, values in trials[0].series.items()
+    }
+    status = np.full(shape, "absent", dtype=object)
+    samples = np.full(shape, 0)
+    for i, j, trial in placed:
+        count = samples[i, j] = len(trial.time)
+        status[i, j] = trial.entry.status
+        for name, values in trial.series.items():
+            series[name][i, j, :count] = values
+    per_sample = ("condition", "trial", "time", "robot", "axis")
+    per_trial = ("condition", "trial")
+    variables: dict[str, Any] = {
+        name: (per_sample, series[name], {"units": SI[unit]})
+        for name, unit in QUANTITIES.items()
+        if name in series
+    }
+    variables["target"] = _target(trials, series.get("target"), task, time)
+    variables["status"] = (per_trial, status.astype(str))
+    if np.any((status == "completed") & (samples < len(time))):
+        variables["samples"] = (per_trial, samples)
+    first = trials[0].entry
+    if first.ended_at is not None:
+        ended_at = np.full(shape, np.nan)
+        for i, j, trial in placed:
+            ended_at[i, j] = trial.entry.ended_at
+        variables["ended_at"] = (per_trial, ended_at, {"units": "s"})
+    if first.seed is not None:
+        seeds = np.zeros(shape, dtype=np.uint64)
+        for i, j, trial in placed:
+            seeds[i, j] = trial.entry.seed or 0
+        variables["seed"] = (per_trial, seeds)
+    attributes = {"discard": first.discard, "resampled_to": period, "study": study}
+    return xr.Dataset(
+        variables,
+        coords={
+            "condition": ("condition", condition_labels(conditions)),
+            "stiffness": (
+                "condition",
+                [math.nan if stiffness is None else stiffness for stiffness, _ in conditions],
+                {"units": "N/m"},
+            ),
+            "delay": ("condition", [delay for _, delay in conditions], {"units": "s"}),
+            "trial": ("trial", np.arange(1, shape[1] + 1)),
+            "time": ("time", time, {"units": "s"}),
+            "robot": ("robot", [1, 2]),
+            "axis": ("axis", list(AXES)),
+        },
+        attrs={name: value for name, value in attributes.items() if value is not None},
+    )
+
+
+def _check_same_quantities(trials: list[RecordedTrial]) -> None:
+    first = trials[0]
+    for trial in trials[1:]:
+        for quantity in {*first.series} ^ {*trial.series}:
+            having, lacking = (first, trial) if quantity in first.series else (trial, first)
+            refuse(
+                f"{lacking.entry.file}: {quantity}",
+                "missing",
+                f"{having.entry.file} has it, and all trials must have the same columns",
+                f"Add it here, or remove the columns {quantity}_... from all other trials.",
+            )
+
+
+def _resample_to_one_grid(trials: list[RecordedTrial]) -> tuple[list[RecordedTrial], float | None]:
+    """Resample trials by linear interpolation, unless they share their times; also return the period, s."""
+    longest = max((trial.time for trial in trials), key=len)
+    step = float(np.median(np.diff(longest)))
+    if all(
+        np.allclose(trial.time, longest[: len(trial.time)], rtol=0.0, atol=1e-6 * step) for trial in trials
+    ):
+        return trials, None
+    period = float(np.median(np.concatenate([np.diff(trial.time) for trial in trials])))
+    begin = max(trial.time[0] for trial in trials)
+    resampled = []
+    for trial in trials:
+        count = math.floor((trial.time[-1] - begin) / period + 1e-9) + 1
+        if count < 2:
+            refuse(
+                trial.entry.file,
+                f"ends at {trial.time[-1]:g} s",
+                f"trials must overlap, and others only begin at {begin:g} s",
+                "Remove this trial, or record all trials from their start.",
+            )
+        time = begin + period * np.arange(count)
+        series = {
+            name: np.stack(
+                [np.interp(time, trial.time, column) for column in values.reshape(len(values), -1).T], axis=-1
+            ).reshape(count, *values.shape[1:])
+            for name, values in trial.series.items()
+        }
+        resampled.append(replace(trial, time=time, series=series))
+    return resampled, period
+
+
+def _target(
+    trials: list[RecordedTrial],
+    targets: FloatArray | None,
+    task: Task | Mapping[str, Any] | None,
+    time: FloatArray,
+) -> tuple[tuple[str, ...], FloatArray, dict[str, str]]:
+    """Choose the target: one for all trials, recorded or from the task, or one per trial."""
+    units = {"units": "m"}
+    if targets is None:
+        if task is None:
+            refuse(
+                f"{trials[0].entry.file}: {TARGET[0]}",
+                "missing",
+                f"the columns {' and '.join(TARGET)} are needed, or a study whose task is the target",
+                "Add them, or name the study by --study.",
+            )
+        try:
+            positions = target_positions(task, time)
+        except InvalidInput as refused:
+            refuse(
+                refused.field,
+                refused.value,
+                refused.allowed,
+                f"Record the target itself, in the columns {' and '.join(TARGET)}.",
+            )
+        return ("time", "axis"), positions, units
+    shared = max((trial.series["target"] for trial in trials), key=len)
+    if all(np.array_equal(trial.series["target"], shared[: len(trial.time)]) for trial in trials):
+        return ("time", "axis"), shared, units
+    return ("condition", "trial", "time", "axis"), targets, units

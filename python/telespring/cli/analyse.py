@@ -1,0 +1,122 @@
+"""The command `telespring analyse`: measure and compare trials, and write tables and figures."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from telespring._errors import InvalidInput
+from telespring._files import replacing, write_whole
+from telespring.cli.common import refusals
+from telespring.model import Study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from telespring.analysis.trials import Trials
+
+__all__ = ["analyse_command"]
+
+
+def analyse_command(
+    path: Annotated[
+        Path | None,
+        typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
+    ] = None,
+    study: Annotated[
+        Path | None, typer.Option(help="Study whose task gives the target of trials recorded without one.")
+    ] = None,
+    discard: Annotated[
+        float | None,
+        typer.Option(help="Duration to leave out at the start of every trial, s. Default: as recorded."),
+    ] = None,
+    baseline: Annotated[
+        str | None,
+        typer.Option(help="Reference condition of the tests, by its TE2. Default: the unconnected mode."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
+        "out/analysis"
+    ),
+    export: Annotated[Path | None, typer.Option(help="Also write the trials as CSV to this folder.")] = None,
+    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
+    template: Annotated[
+        Path | None, typer.Option(help="Only write an example of recorded trials to this folder.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print analysis.json instead of the table.")
+    ] = False,
+) -> None:
+    """Measure the trials of an experiment, rehearsed or recorded, and compare its conditions."""
+    console = Console(highlight=False)
+    with refusals():
+        from telespring import analysis
+        from telespring.analysis.sources import open_trials
+        from telespring.show.screens.analysis import analysis_screen
+
+        if template is not None:
+            console.print(f"Written: {analysis.write_template(template)}", markup=False)
+            return
+        if path is None:
+            raise InvalidInput(
+                "PATH", "missing", "a rehearsal or recorded trials are needed", "Name a file or a folder."
+            )
+        experiment = None if study is None else Study.read(study).experiment
+        if study is not None and experiment is None:
+            raise InvalidInput(
+                "study",
+                str(study),
+                "a study whose robots have the axes x and y is needed",
+                "Use a study with these axes: only such a study has a task.",
+            )
+        dataset = open_trials(path, None if experiment is None else experiment.task)
+        if discard is None and experiment is not None and "discard" not in dataset.attrs:
+            discard = experiment.discard
+        trials = analysis.Trials.from_dataset(dataset, discard)
+        numbers = analysis.compare_conditions(trials, baseline)
+        written = _write_analysis(trials, numbers, out, figures=figures)
+        if export is not None:
+            written.append(analysis.write_recorded(dataset, export))
+    if as_json:
+        # Some terminals cannot print every letter; JSON can escape them.
+        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
+        typer.echo(json.dumps(numbers, indent=1, ensure_ascii=escape_letters, allow_nan=False))
+        return
+    console.print(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
+    console.print(f"Written: {', '.join(str(file) for file in written)}", markup=False)
+
+
+def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *, figures: bool) -> list[Path]:
+    """Write ``analysis.json``, ``table1.csv`` and Figs. 7 and 8, each file whole or not at all."""
+    from telespring.analysis.table import table_1_csv
+
+    text = json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    written = [
+        write_whole(folder / "analysis.json", text),
+        write_whole(folder / "table1.csv", table_1_csv(numbers["table1"])),
+    ]
+    if figures:
+        from telespring.show.drawings import draw_errors, draw_trajectories
+
+        written += _write_figure(folder / "trajectories", draw_trajectories(trials))
+        written += _write_figure(folder / "tracking-errors", draw_errors(numbers))
+    return written
+
+
+def _write_figure(stem: Path, figure: Figure) -> list[Path]:
+    """Write a figure as SVG and PNG; the same figure gives the same bytes."""
+    from telespring.show.figures.style import styled
+
+    paths = [stem.with_suffix(suffix) for suffix in (".svg", ".png")]
+    for path in paths:
+        is_svg = path.suffix == ".svg"
+        with replacing(path) as beside, styled(**{"svg.hashsalt": stem.name}):
+            figure.savefig(
+                beside, dpi="figure" if is_svg else 200.0, metadata={"Date": None} if is_svg else None
+            )
+    return paths
