@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +9,7 @@ import typer
 from rich.console import Console
 
 from telespring._errors import InvalidInput
-from telespring.cli.common import refusals
+from telespring.cli.common import print_json, refusals
 from telespring.model import Study
 
 __all__ = ["analyse_command"]
@@ -78,8 +76,7 @@ def analyse_command(
         if export is not None:
             written = (*written, analysis.write_recorded(dataset, export))
     if as_json:
-        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
-        typer.echo(json.dumps(numbers, indent=1, ensure_ascii=escape_letters, allow_nan=False))
+        print_json(numbers)
         return
     console.print(analysis_screen(numbers, str(path)))
     if "resampled_to" in dataset.attrs:
