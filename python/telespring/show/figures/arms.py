@@ -1,4 +1,4 @@
-"""Stability over stiffness and delay, with free handles and in arms that have a stiffness of their own."""
+"""Stability over stiffness and delay, with free handles and with arms at the handles."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class ArmsPanel:
 
 
 def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
-    """Draw for every axis where the dyad is stable in arms, and the boundary of free handles.
+    """Draw the stable region with arms, and the boundary with free handles, axis by axis.
 
     Parameters
     ----------
@@ -51,11 +51,6 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
         One per axis, side by side.
     longest
         Largest one-way delay drawn, s.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")

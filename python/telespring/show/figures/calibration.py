@@ -1,4 +1,4 @@
-"""A calibration against published errors: cell by cell, along each unknown, and over pairs of unknowns."""
+"""Calibration against published errors: per cell, per unknown and per pair of unknowns."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class CellSeries:
 
 @dataclass(frozen=True)
 class ProfileCurve:
-    """Rise of the deviance along an unknown, and the rise up to which a value is inside its interval."""
+    """Rise of the deviance along an unknown, and the threshold of its interval."""
 
     name: str
     values: Floats
@@ -103,11 +103,6 @@ def cells_figure(
         Error of both robots that is predicted where nothing changes from the unconnected mode, m.
     highest
         Largest error drawn, m; what lies above is marked at the edge with its value.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A panel for each robot.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 4.8), layout="constrained")
@@ -185,7 +180,7 @@ def cells_figure(
 
 
 def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Figure:
-    """Draw how the deviance rises along each unknown, the others free.
+    """Draw the profile of the deviance along each unknown, the others refitted.
 
     Parameters
     ----------
@@ -193,11 +188,6 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
         One per unknown.
     names
         Of the curves, up to two: the same name looks the same in every panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels side by side; a dotted line is the rise that ends a 95 % interval.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 2.5), layout="constrained")
@@ -235,7 +225,7 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
 
 
 def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
-    """Draw the ridges on which two unknowns replace each other.
+    """Draw the deviance over pairs of unknowns: ridges show which ones trade off.
 
     Parameters
     ----------
@@ -243,11 +233,6 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
         Pairs of unknowns.
     columns
         Panels in a row.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The darker, the likelier; the line bounds the pairs inside the 95 % limit, the cross is the optimum.
     """
     count = -(-len(panels) // columns)
     with styled():

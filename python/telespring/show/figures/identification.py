@@ -25,11 +25,6 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
     ----------
     movements
         Name and movement of each column, such as the paper's and a designed one.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column per movement, rows for velocity, position and acceleration.
     """
     rows = (
         ("velocity", "Velocity, m/s", COLOURS["blue"], "solid", 1.0),
@@ -62,11 +57,6 @@ def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
     ----------
     robots
         Name and identification of each robot.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per robot and axis: force over time on the left, the plane on the right.
     """
     shown = [(name, found, axis) for name, found in robots for axis in found.axes]
     with styled():
@@ -133,11 +123,6 @@ def residual_figure(found: Identification) -> Figure:
     ----------
     found
         What was identified.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per axis. Samples that the robust fit left out are crossed.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(found.axes)), layout="constrained")

@@ -1,4 +1,4 @@
-"""Stability over stiffness and delay: what each promise allows, and where the paper's ends."""
+"""Maps of stability over stiffness and delay, exact and by the paper's formulas."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def tier_map(
     extent: tuple[float, float],
     stable_for: str = "all axes",
 ) -> Figure:
-    """Draw what each of the four verdicts allows, with every axis' boundary and the paper's.
+    """Draw what each tier allows, with the exact boundary of every axis and the paper's.
 
     Parameters
     ----------
@@ -64,11 +64,6 @@ def tier_map(
         Largest stiffness (N/m) and delay (s) drawn.
     stable_for
         What the shaded region holds for, as the legend says it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The map.
     """
     widest, longest = extent
     with styled():
@@ -140,7 +135,7 @@ def region_map(
     longest: Sequence[float],
     marks: Sequence[tuple[float, float] | None],
 ) -> Figure:
-    """Draw the stable region of single axes, and what the paper calls stable beyond it.
+    """Draw the stable region of single axes, and what the paper wrongly calls stable.
 
     Parameters
     ----------
@@ -151,11 +146,6 @@ def region_map(
         Per panel the largest delay drawn, s.
     marks
         Per panel a stiffness and delay to mark, or None.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels side by side.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.3), layout="constrained")

@@ -23,7 +23,7 @@ _VERDICT_COLOURS = {
 
 @dataclass(frozen=True)
 class NyquistPanel:
-    """One locus L(jω) for ω > 0, and what was counted on it.
+    """One locus L(jω) for ω > 0, and its encirclements of the critical point.
 
     Attributes
     ----------
@@ -50,11 +50,6 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
     ----------
     panels
         Rows of panels.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The grid, one scale for all panels.
     """
     rows, columns = len(panels), len(panels[0])
     with styled():
@@ -91,7 +86,7 @@ def _draw(axes: Axes, panel: NyquistPanel, extent: float) -> None:
 
 
 def _arrow(axes: Axes, locus: NDArray[np.complex128], colour: str) -> None:
-    """Show the sense of rising frequency where the locus is a third of its way round."""
+    """Draw an arrow towards higher frequency, a third of the way along the locus."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(locus)))])
     at = int(np.searchsorted(length, 0.33 * length[-1]))
     before = int(np.searchsorted(length, 0.33 * length[-1] - 0.06))

@@ -1,4 +1,4 @@
-"""Stability pose by pose in arms that couple the axes, and where along the target's path they do."""
+"""Stability and coupling of the axes in the poses along the target's path."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class PoseRange:
 def poses_figure(
     conditions: Sequence[PoseRange], places: NDArray[np.float64], cross_inertia: NDArray[np.float64]
 ) -> Figure:
-    """Draw how strongly the axes are coupled along the path, and each condition's range over the poses.
+    """Draw the coupling of the axes along the path, and the abscissa of each condition over the poses.
 
     Parameters
     ----------
@@ -55,11 +55,6 @@ def poses_figure(
         Positions of both handles, m, shape (pose, 2).
     cross_inertia
         Of robot 1 and 2 in each pose, arm included, over the diagonal; shape (pose, 2).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Path and ranges.
     """
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
     with styled():

@@ -1,4 +1,4 @@
-"""Fig. 5: both robots' positions after opposite steps of force, over stiffness and delay."""
+"""Fig. 5: responses of both robots to opposite steps of force, over stiffness and delay."""
 
 from __future__ import annotations
 
@@ -53,11 +53,6 @@ def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[Respons
         Names of the robots' axes.
     panels
         Rows of panels.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The grid; a panel whose motion grows has its own scale, printed on it.
     """
     rows, columns = len(panels), len(panels[0])
     longest = max(float(panel.time[-1]) for row in panels for panel in row)

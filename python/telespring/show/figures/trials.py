@@ -86,12 +86,6 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
         The unconnected mode, which stands in a column of its own; None where there is none.
     grid
         Rows of panels, a row per stiffness and a column per delay; None where there is no condition.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Per condition robot 1 on the left and robot 2 on the right, with the target; all to one scale. A
-        motion that leaves the panel says so.
     """
     columns = max([len(row) for row in grid], default=0) + (alone is not None)
     placed: dict[tuple[int, int], TrialPanel] = {}
@@ -140,7 +134,7 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
 
 
 def _reach(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
-    """Give half the width and height of every panel, mm."""
+    """Return half the width and height of every panel, mm."""
     goal = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
     goal = np.maximum(goal, 0.25 * goal.max())
     moved = goal
@@ -206,12 +200,6 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         Median TE2 that all is compared with, m; None where there is none.
     baseline_name
         The condition it belongs to.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Boxes (median, quartiles, whiskers to the last value within 1.5 times the box) with every trial as
-        a dot; an arrow above a box says that it differs from the baseline.
     """
     values = [1e3 * np.concatenate(group.errors) for group in groups]
     finite = np.concatenate(values)
