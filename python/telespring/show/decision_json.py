@@ -14,7 +14,7 @@ from telespring.show.tiers import TIERS
 from telespring.theory.axis import finite_or_none
 from telespring.theory.verdicts import DelayBudget, Verdict
 
-__all__ = ["decision_json"]
+__all__ = ["decision_json", "uncertainty_json"]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:
@@ -60,7 +60,7 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "rate": decision.decay_rate,
             "stiffness": [[low, finite_or_none(high)] for low, high in decision.decay_stiffness],
         },
-        "uncertainty": None if decision.uncertainty is None else _uncertainty(decision.uncertainty),
+        "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
         "axes_independent": decision.axes_independent,
         "warnings": robot_notes(decision),
         "in_arms": None if decision.arms is None else _arms(decision.arms),
@@ -129,7 +129,8 @@ def _budget(budget: DelayBudget) -> dict[str, float]:
     return {name: getattr(budget, name) for name in names}
 
 
-def _uncertainty(known: MarginUncertainty) -> dict[str, Any]:
+def uncertainty_json(known: MarginUncertainty) -> dict[str, Any]:
+    """Return `uncertainty` of `telespring decide --json`."""
     stable = known.stable
     return {
         "stable_probability": {
