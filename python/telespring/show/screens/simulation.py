@@ -52,7 +52,7 @@ def simulation_summary(
         if largest > _RUNAWAY:
             yield f"  axis {escape(axis.name)}: unstable, the robots run away from each other"
             continue
-        text = f"  axis {escape(axis.name)}: {_mm(apart[-1])} at the end, at most {_mm(largest)}"
+        text = f"  axis {escape(axis.name)}: ends at {_mm(apart[-1])}, peak {_mm(largest)}"
         rest = None
         one, other = forces[0][axis.index], forces[1][axis.index]
         if one != 0.0 and one == -other and axis.ground_stiffnesses == (0.0, 0.0):
@@ -61,7 +61,7 @@ def simulation_summary(
             text += ", unstable: it does not come to rest"
         elif rest is not None:
             overshoot = max(0.0, 100.0 * (largest / abs(rest) - 1.0))
-            text += f"; at rest {_mm(rest)}, overshoot {format_number(overshoot, 3)} %"
+            text += f"; rests at {_mm(rest)}, overshoot {format_number(overshoot, 3)} %"
         yield text
 
 
