@@ -18,7 +18,7 @@ import telespring as ts
 from jointed_arms import ARM, OTHER
 from telespring import cli
 from telespring._types import FloatArray
-from telespring.decision.arm_stability import arm_stability, names_arms_or_agents
+from telespring.decision.arm_stability import arm_stability
 from telespring.decision.equivalent_operators import equivalent_operators
 from telespring.decision.target_positions import target_positions
 from telespring.paper.page import render
@@ -28,7 +28,6 @@ from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.paper.sections.robots.section import find_allowed
 from telespring.show import figures
 from telespring.show.screens.arms import describe_unavailable
-from telespring.study.editing import with_values
 from telespring.theory.poses import pose_stability
 
 LUMPED: dict[str, Any] = {
@@ -40,7 +39,7 @@ CONDITIONS = [(35.6, 0.167), (71.2, 0.05), (142.0, 0.09), (142.0, 0.2)]
 
 
 def jointed(**more: Any) -> ts.Study:
-    return with_values(ts.Study.paper(), {"arm1": ARM, "arm2": OTHER, **more})
+    return ts.Study.paper().replace(**{"arm1": ARM, "arm2": OTHER, **more})
 
 
 def command(*arguments: str | Path) -> Result:
@@ -57,7 +56,7 @@ def written(folder: Path, study: ts.Study, more: str = "") -> Path:
 
 
 def test_cross_collocation_has_the_abscissa_in_lumped_arms() -> None:
-    study = with_values(ts.Study.paper(), LUMPED)
+    study = ts.Study.paper().replace(**LUMPED)
     found = arm_stability(study, CONDITIONS)
     k, delay = np.array(CONDITIONS).T
     one, two = ts.hman().robots
@@ -87,7 +86,7 @@ def test_cross_collocation_has_the_abscissa_in_lumped_arms() -> None:
 
 
 def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
-    study = with_values(ts.Study.paper(), LUMPED)
+    study = ts.Study.paper().replace(**LUMPED)
     found = arm_stability(study, CONDITIONS)
     operators = (ts.Operator([0.8, 0.5], [3.0, 2.3], 90.0), ts.Operator(0.4, 0.6, 120.0))
     dyad = ts.Dyad(*ts.hman().robots, operators)
@@ -96,7 +95,7 @@ def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
         assert each.spectral_abscissa == pytest.approx(worst, abs=1e-12)  # rounding of the sums
     # the report's boundary says the same of the same conditions
     conditions = [{"stiffness": k, "delay": d} for k, d in CONDITIONS]
-    study = with_values(study, {"protocol": {"conditions": conditions}})
+    study = study.replace(protocol={"conditions": conditions})
     numbers = find_arms(Scene.of(study)).numbers["arms"]
     assert [each["in_arms"] == "stable" for each in numbers["conditions"]] == [
         c.stable for c in found.conditions
@@ -118,7 +117,7 @@ def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
 
 def test_law_arms_take_the_place_of_the_operators() -> None:
     plain = arm_stability(ts.Study.paper(), CONDITIONS)
-    held = with_values(ts.Study.paper(), {"operator1": {"mass": 1.0, "damping": 3.0, "stiffness": 50.0}})
+    held = ts.Study.paper().replace(operator1={"mass": 1.0, "damping": 3.0, "stiffness": 50.0})
     assert arm_stability(held, CONDITIONS).conditions == plain.conditions
 
 
@@ -310,7 +309,7 @@ def test_law_robots_of_one_axis_have_no_arms() -> None:
 
 def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp_path: Path) -> None:
     path = written(tmp_path, ts.Study.paper())
-    assert not names_arms_or_agents(path)
+    assert not ts.Study.read(path).names_arms_or_agents
     plain = command("decide", path)
     assert "arms" not in plain.stdout
     assert json.loads(command("decide", path, "--json").stdout)["in_arms"] is None
@@ -384,9 +383,9 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert not arms["axes_independent"]
     assert "The axes are not independent" in html
     assert 'id="figure-arms"' in html
-    _, html = page(with_values(ts.Study.paper(), LUMPED))
+    _, html = page(ts.Study.paper().replace(**LUMPED))
     assert "which are the same in every pose" in html
-    arms, html = page(with_values(ts.Study.paper(), {"agent2": {"kind": "python", "class": "mine:Spring"}}))
+    arms, html = page(ts.Study.paper().replace(agent2={"kind": "python", "class": "mine:Spring"}))
     assert not arms["known"]
     assert "Not known: agent 2 is the program mine:Spring" in html
     arms, html = page(ts.Study.paper())
@@ -394,7 +393,7 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert "massless and undamped here" in html
     # nothing but the unconnected mode: nothing to judge, nothing that fails
     for study in (ts.Study.paper(), jointed()):
-        arms, _ = page(with_values(study, {"protocol": {"conditions": []}}))
+        arms, _ = page(study.replace(protocol={"conditions": []}))
         assert arms["conditions"] == []
 
 

@@ -17,7 +17,7 @@ from telespring.model import Study
 from telespring.show.screens.refusal import refusal_screen
 
 if TYPE_CHECKING:
-    from telespring.study.editing import RobotRecord
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = [
     "Backward",
@@ -91,9 +91,7 @@ def read_study(study: Path | None, robot1: Path | None = None, robot2: Path | No
     read = Study.paper() if study is None else Study.read(study)
     for side, robot in ((1, robot1), (2, robot2)):
         if robot is not None:
-            from telespring.study.editing import with_robot
-
-            read = with_robot(read, side, robot)
+            read = read.with_robot(side, robot)
     return read
 
 
@@ -101,7 +99,7 @@ def robot_records(robot1: Path | None, robot2: Path | None) -> tuple[RobotRecord
     """Read what identification recorded in the robot files."""
     if robot1 is robot2 is None:
         return None, None
-    from telespring.study.editing import robot_record
+    from telespring.study.robot_file import robot_record
 
     return (
         None if robot1 is None else robot_record(robot1),

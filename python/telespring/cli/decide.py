@@ -96,9 +96,9 @@ def decide_command(
 
 def _with_arms(decision: Decision, study: Study, study_file: Path) -> Decision:
     """Add the stability in arms where the study file itself says what holds the handles."""
-    from telespring.decision.arm_stability import arm_stability, names_arms_or_agents
+    from telespring.decision.arm_stability import arm_stability
 
-    if study.experiment is None or not names_arms_or_agents(study_file):
+    if study.experiment is None or not study.names_arms_or_agents:
         return decision
     condition = (decision.stiffness, decision.constant_delay)
     return replace(decision, arms=arm_stability(study, [condition], study_file.parent))

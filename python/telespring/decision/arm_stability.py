@@ -22,7 +22,7 @@ from telespring.theory import spectrum
 from telespring.theory.axis import axes_of
 from telespring.theory.poses import SIGNIFICANT_CROSS_INERTIA, cross_inertia, pose_stability
 
-__all__ = ["ArmStability", "ConditionStability", "PoseSample", "arm_stability", "names_arms_or_agents"]
+__all__ = ["ArmStability", "ConditionStability", "PoseSample", "arm_stability"]
 
 
 @dataclass(frozen=True)
@@ -163,9 +163,9 @@ def arm_stability(
             "Describe both robots with the axes x and y.",
         )
     programs = {
-        number: str(agent["class"])
+        number: agent.class_ or ""
         for number, agent in enumerate(experiment.agents, start=1)
-        if agent["kind"] == "python"
+        if agent.kind == "python"
     }
     if programs:
         return ArmStability("agent program", programs)
@@ -187,14 +187,6 @@ def arm_stability(
     verdicts = tuple(_over_poses(operators, positions, *pair) for pair in pairs)
     poses = PoseSample(positions, section, cross)
     return ArmStability(operators=operators, poses=poses, conditions=verdicts)
-
-
-def names_arms_or_agents(study_file: Path) -> bool:
-    """Whether a study file has one of the sections `[arm1]`, `[arm2]`, `[agent1]` and `[agent2]`."""
-    import tomllib
-
-    named = {"arm1", "arm2", "agent1", "agent2"}
-    return not named.isdisjoint(tomllib.loads(study_file.read_bytes().decode("utf-8-sig")))
 
 
 def _axis_by_axis(

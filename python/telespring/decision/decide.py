@@ -17,7 +17,7 @@ from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, ver
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
-    from telespring.study.editing import RobotRecord
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = ["AxisDecision", "Decision", "decide"]
 

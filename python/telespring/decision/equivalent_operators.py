@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-import numpy as np
-
 from telespring.model import Dyad, Operator, Study
 
 if TYPE_CHECKING:
@@ -80,27 +78,25 @@ def equivalent_operators(study: Study, experiment: Experiment) -> EquivalentOper
     >>> operators.arm_kinds, operators.agent_stiffness
     (('massless', 'massless'), (120.0, 120.0))
     """
-    first, second = experiment.agents
-    stiffness = (float(first["stiffness"]), float(second["stiffness"]))
-    damping = (float(first.get("damping", 0.0)), float(second.get("damping", 0.0)))
-    lumped = [arm if arm["kind"] == "lumped" else {} for arm in experiment.arms]
-    jointed = [arm if arm["kind"] == "two-link" else None for arm in experiment.arms]
-    mass, drag = ([_per_axis(arm.get(key, 0.0)) for arm in lumped] for key in ("mass", "damping"))
-    operators = [
-        Operator(list(mass[i]), [each + damping[i] for each in drag[i]], [stiffness[i]] * 2) for i in range(2)
-    ]
-    robots, damper = study.dyad.robots, float(study.dyad.coupling_damping)
+    (arm1, arm2), (agent1, agent2) = experiment.arms, experiment.agents
+    stiffness = (agent1.stiffness or 0.0, agent2.stiffness or 0.0)
+    damping = (agent1.damping or 0.0, agent2.damping or 0.0)
+    # None for the kinds of arm without such a key: a two-link arm acts by its links instead.
+    mass = (arm1.mass or _ZERO, arm2.mass or _ZERO)
+    drag = (arm1.damping or _ZERO, arm2.damping or _ZERO)
+    first, second = (
+        Operator(mass[i], [viscous + damping[i] for viscous in drag[i]], [stiffness[i]] * 2) for i in (0, 1)
+    )
+    robots, damper = study.dyad.robots, study.dyad.coupling_damping
     return EquivalentOperators(
         free=Dyad(*robots, coupling_damping=damper),
-        held=Dyad(*robots, (operators[0], operators[1]), damper),
-        jointed=(jointed[0], jointed[1]),
+        held=Dyad(*robots, (first, second), damper),
+        jointed=(
+            arm1.to_dict() if arm1.kind == "two-link" else None,
+            arm2.to_dict() if arm2.kind == "two-link" else None,
+        ),
         agent_stiffness=stiffness,
         agent_damping=damping,
-        arm_mass=(mass[0], mass[1]),
-        arm_damping=(drag[0], drag[1]),
+        arm_mass=mass,
+        arm_damping=drag,
     )
-
-
-def _per_axis(value: Any) -> Pair:
-    x, y = np.broadcast_to(np.asarray(value, dtype=float), 2).tolist()
-    return x, y

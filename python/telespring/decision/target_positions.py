@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.rehearsal.target import figure_of_eight, path_of_program
+from telespring.rehearsal.target import path_of_program
+from telespring.study.target import figure_eight_path
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
@@ -53,9 +54,9 @@ def target_positions(experiment: Experiment, modules: Path | None = None) -> tup
     >>> len(positions), section  # the centre is passed twice
     (31, 'period')
     """
-    if experiment.task["kind"] == "python":
+    if experiment.task.kind == "python":
         return _farthest_points(path_of_program(experiment, modules), _STEPS), "whole trial"
-    path, is_whole = figure_of_eight(experiment, _STEPS)
+    path, is_whole = figure_eight_path(experiment, _STEPS)
     # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
     positions = np.unique(np.round(path, 12) + 0.0, axis=0)
     return positions, "period" if is_whole else "part of a period"

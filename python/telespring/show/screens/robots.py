@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from telespring.decision.decide import Decision
-    from telespring.study.editing import RobotRecord
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = ["identification_notes", "robot_notes"]
 
