@@ -7,12 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    GREY,
+    legend_line,
+    legend_mark,
+    panel_label,
+    styled,
+)
 
 __all__ = [
     "CellSeries",
@@ -158,19 +166,14 @@ def cells_figure(
             )
             panel_label(axes, "ab"[robot], f"robot {robot + 1}, {('skilled', 'less skilled')[robot]} agent")
         rows[1].set_xticks(at, list(labels), rotation=45, ha="right", rotation_mode="anchor")
-        black = COLOURS["black"]
         figure.legend(
             handles=[
-                Line2D(
-                    [], [], color=black, marker="o", linestyle="none", markersize=3.5, label=published.name
-                ),
+                legend_mark(published.name, COLOURS["black"], "o", markersize=3.5),
                 *(
-                    Line2D(
-                        [], [], color=colour, marker=marker, linestyle="none", markersize=3.5, label=each.name
-                    )
+                    legend_mark(each.name, colour, marker, markersize=3.5)
                     for (colour, marker, _), each in zip(_LOOKS, simulated, strict=False)
                 ),
-                Line2D([], [], color=COLOURS["green"], linestyle=DASHES[0], label="as unconnected"),
+                legend_line("as unconnected", COLOURS["green"], DASHES[0]),
                 Patch(facecolor=_FITTED, edgecolor="#B0B0B0", label="fitted; the rest is held out"),
             ],
             loc="outside upper center",
@@ -211,12 +214,9 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
         row[0].set_ylabel("Rise of the deviance")
         figure.legend(
             handles=[
-                *(
-                    Line2D([], [], color=colour, linestyle=dashes, label=name)
-                    for name, (colour, dashes) in looks.items()
-                ),
-                Line2D([], [], color=GREY, linestyle=DASHES[0], linewidth=0.8, label="limit, 95 %"),
-                Line2D([], [], color=GREY, marker="o", linestyle="none", markersize=4, label="optimum"),
+                *(legend_line(name, colour, dashes) for name, (colour, dashes) in looks.items()),
+                legend_line("limit, 95 %", GREY, DASHES[0], linewidth=0.8),
+                legend_mark("optimum", GREY, "o", markersize=4),
             ],
             loc="outside upper center",
             ncols=4,
@@ -274,8 +274,8 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
             bar.set_label("Rise of the deviance over the 95 % limit")
         figure.legend(
             handles=[
-                Line2D([], [], color=COLOURS["vermilion"], linewidth=1.2, label="95 % limit"),
-                Line2D([], [], color=COLOURS["black"], marker="X", linestyle="none", label="optimum"),
+                legend_line("95 % limit", COLOURS["vermilion"], linewidth=1.2),
+                legend_mark("optimum", COLOURS["black"], "X"),
             ],
             loc="outside upper center",
             ncols=2,

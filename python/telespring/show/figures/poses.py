@@ -8,10 +8,18 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    GREY,
+    legend_line,
+    legend_mark,
+    panel_label,
+    styled,
+)
 
 __all__ = ["PoseRange", "poses_figure"]
 
@@ -99,16 +107,16 @@ def poses_figure(
             ranges.set_axis_off()
 
         one, two = 100.0 * cross_inertia.max(axis=0)
-        ours: Any = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
+        hollow: Any = {"markerfacecolor": "white", "markersize": 4.5}
         figure.legend(
             handles=[
-                Line2D([], [], marker="o", color=blue, label=f"robot 1 (largest {one:.2g} %)", **ours),
-                Line2D([], [], marker="s", color=vermilion, label=f"robot 2 (largest {two:.2g} %)", **ours),
-                Line2D([], [], marker="*", color=black, linestyle="none", label="where a condition is worst"),
-                Line2D([], [], color=blue, linewidth=2.0, label="from best to worst pose"),
-                Line2D([], [], marker="o", color=black, label="worst pose, stable", **ours),
-                Line2D([], [], marker="X", color=black, linestyle="none", label="worst pose, unstable"),
-                Line2D([], [], marker="D", color=vermilion, label="worst if uncoupled", **ours),
+                legend_mark(f"robot 1 (largest {one:.2g} %)", blue, "o", **hollow),
+                legend_mark(f"robot 2 (largest {two:.2g} %)", vermilion, "s", **hollow),
+                legend_mark("worst pose of a condition", black, "*"),
+                legend_line("from best to worst pose", blue, linewidth=2.0),
+                legend_mark("worst pose, stable", black, "o", **hollow),
+                legend_mark("worst pose, unstable", black, "X"),
+                legend_mark("worst if uncoupled", vermilion, "D", **hollow),
             ],
             loc="outside upper center",
             ncols=4,

@@ -11,9 +11,21 @@ from xml.etree import ElementTree as ET
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 
-__all__ = ["COLOURS", "DASHES", "FULL_WIDTH", "GREY", "SERIES", "panel_label", "styled", "to_svg"]
+__all__ = [
+    "COLOURS",
+    "DASHES",
+    "FULL_WIDTH",
+    "GREY",
+    "SERIES",
+    "legend_line",
+    "legend_mark",
+    "panel_label",
+    "styled",
+    "to_svg",
+]
 
 #: Width of a journal page's text, inch.
 FULL_WIDTH = 7.16
@@ -87,6 +99,16 @@ def styled(**overrides: object) -> Iterator[None]:
 def panel_label(axes: Axes, label: str, text: str = "") -> None:
     """Write the bold letter of a panel, and its title, above the top left corner."""
     axes.set_title(rf"$\mathbf{{({label})}}$ {text}" if label else text, loc="left", pad=3.0)
+
+
+def legend_line(label: str, colour: str, linestyle: LineStyleType = "solid", **style: Any) -> Line2D:
+    """Return a line for a legend."""
+    return Line2D([], [], color=colour, linestyle=linestyle, label=label, **style)
+
+
+def legend_mark(label: str, colour: str, marker: str, **style: Any) -> Line2D:
+    """Return a marker for a legend."""
+    return Line2D([], [], color=colour, linestyle="none", marker=marker, label=label, **style)
 
 
 def to_svg(figure: Figure, name: str, title: str, description: str) -> str:

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, legend_line, styled
 
 __all__ = ["ErrorGroup", "TrialPanel", "error_figure", "trajectory_figure"]
 
@@ -123,10 +124,10 @@ def trajectory_figure(alone: TrialPanel | None, grid: Sequence[Sequence[TrialPan
                     _remark(axes, 0.985, panel.note, "top", "#A03000")
         handles = [
             *(
-                Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side} of each pair)")
+                legend_line(f"robot {robot + 1} ({side} of each pair)", _ROBOTS[robot])
                 for robot, side in ((0, "left"), (1, "right"))
             ),
-            Line2D([], [], color="black", linewidth=0.6, label="target"),
+            legend_line("target", "black", linewidth=0.6),
         ]
         figure.legend(handles=handles, loc="upper center", ncols=3, borderaxespad=0.2)
         figure.supxlabel("Position x, mm", fontsize=7.5, y=0.05 / total, va="bottom")
@@ -253,13 +254,11 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         ]
         if baseline is not None:
             handles += [
-                Line2D(
-                    [],
-                    [],
-                    color="black",
+                legend_line(
+                    f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm",
+                    "black",
+                    (0.0, (4.0, 2.0)),
                     linewidth=0.7,
-                    linestyle=(0.0, (4.0, 2.0)),
-                    label=f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm",
                 ),
                 Line2D([], [], linestyle="none", label=f"↑ ↓ differs from TE2 in {baseline_name}, p < 0.05"),
             ]
@@ -297,7 +296,7 @@ def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
     )
     for box in drawn["boxes"]:
         box.set(edgecolor=colour, linewidth=0.7, hatch="////" if robot else None)
-        box.set_facecolor((*_rgb(colour), 0.28))
+        box.set_facecolor(to_rgba(colour, 0.28))
     # Spread evenly by rank, so that the same trials give the same picture.
     spread = 0.24 * (((np.arange(len(errors)) * 0.618034) % 1.0) - 0.5)
     axes.plot(
@@ -320,10 +319,6 @@ def _box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
             color=colour,
             fontweight="bold",
         )
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    return (int(colour[1:3], 16) / 255.0, int(colour[3:5], 16) / 255.0, int(colour[5:7], 16) / 255.0)
 
 
 def _brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
