@@ -549,7 +549,7 @@ def _decide_axis(
         stable_around=next((interval for interval in around if holds(interval, mean)), None),
         spectral_abscissa=float(spectrum.spectral_abscissa(dyad, stiffness, delay, axis=axis.index)),
         sampled_abscissa=None if judged.sampled is None else judged.sampled.abscissa_equivalent,
-        crossings=tuple(axis.crossings(stiffness)),
+        crossings=tuple(crossing.to_dict() for crossing in axis.crossings(stiffness)),
         stable=satisfied and (judged.sampled is None or judged.sampled.stable),
         continuous_stable=satisfied,
     )

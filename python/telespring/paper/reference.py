@@ -64,9 +64,9 @@ def reference_of(axes: list[Axis]) -> Reference:
 def classify(axis: Axis, stiffness: float, delay: float) -> str:
     """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
     for crossing in axis.crossings(stiffness):
-        spacing = math.pi / crossing["frequency"]
-        turns = round((delay - crossing["delay"]) / spacing)
-        if turns >= 0 and abs(delay - crossing["delay"] - turns * spacing) <= 1e-9 * delay:
+        spacing = math.pi / crossing.frequency
+        turns = round((delay - crossing.delay) / spacing)
+        if turns >= 0 and abs(delay - crossing.delay - turns * spacing) <= 1e-9 * delay:
             return "marginal"
     return "stable" if axis.is_stable(stiffness, delay) else "unstable"
 

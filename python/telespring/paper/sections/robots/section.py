@@ -46,7 +46,7 @@ def _study_numbers(study: Study, axes: list[Axis]) -> dict[str, Any]:
                 "axis": axis.name,
                 "mass": list(axis.masses),
                 "damping": list(axis.dampings),
-                "operator_stiffness": list(axis.ground_stiffnesses),
+                "operator_stiffness": list(axis.ground_stiffness),
                 "coupling_damping": axis.coupling_damping,
             }
             for axis in axes
