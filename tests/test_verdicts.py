@@ -154,7 +154,9 @@ def test_law_the_dictionary_is_json_and_loses_nothing_but_infinity(
 
     def compare(record: Any, said: Any) -> None:
         if isinstance(record, RECORDS):
-            readable = {name for name in dir(record) if name[0] != "_" and not callable(getattr(record, name))}
+            readable = {
+                name for name in dir(record) if name[0] != "_" and not callable(getattr(record, name))
+            }
             assert set(said) == readable - {"assumption_met"}
             for name, value in said.items():
                 compare(getattr(record, name), value)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, Protocol, TypeAlias, TypedDict, final, overload
+from typing import Any, Final, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,9 +88,8 @@ __all__ = [
 
 __version__: Final[str]
 
-# a number, and what broadcasts over arrays
-_N: TypeAlias = float
 _A: TypeAlias = ArrayLike
+_First: TypeAlias = ArrayLike | Dyad | DyadAxis
 
 class _Record:
     def to_dict(self) -> dict[str, Any]: ...
@@ -189,11 +188,11 @@ class DyadAxis:
     @overload
     def maximum_delay(self, k: float, method: Method = "exact") -> float: ...
     @overload
-    def maximum_delay(self, k: ArrayLike, method: Method = "exact") -> float | FloatArray: ...
+    def maximum_delay(self, k: Sequence[float] | FloatArray, method: Method = "exact") -> FloatArray: ...
     @overload
     def maximum_stiffness(self, delay: float) -> float: ...
     @overload
-    def maximum_stiffness(self, delay: ArrayLike) -> float | FloatArray: ...
+    def maximum_stiffness(self, delay: Sequence[float] | FloatArray) -> FloatArray: ...
     @overload
     def minimum_damping(self, k: float, delay: float) -> float: ...
     @overload
@@ -658,147 +657,52 @@ class Laboratory:
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
-# Functions whose first argument is a dyad, an axis, or the first of the seven numbers of an axis.
-class _CriticalStiffness(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, method: Method = ..., *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> float: ...
-    @overload
-    def __call__(
-        self, m1: _A, b1: _A, m2: _A, b2: _A, method: Method = ..., *, kh1: _A = 0, kh2: _A = 0, c: _A = 0
-    ) -> float | FloatArray: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, method: Method = ...) -> float: ...
-
-class _MaximumDelay(Protocol):
-    @overload
-    def __call__(
-        self,
-        m1: _N,
-        b1: _N,
-        m2: _N,
-        b2: _N,
-        k: _N,
-        method: Method = ...,
-        *,
-        kh1: _N = 0,
-        kh2: _N = 0,
-        c: _N = 0,
-    ) -> float: ...
-    @overload
-    def __call__(
-        self,
-        m1: _A,
-        b1: _A,
-        m2: _A,
-        b2: _A,
-        k: _A,
-        method: Method = ...,
-        *,
-        kh1: _A = 0,
-        kh2: _A = 0,
-        c: _A = 0,
-    ) -> float | FloatArray: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _N, method: Method = ...) -> float: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _A, method: Method = ...) -> float | FloatArray: ...
-
-class _MaximumStiffness(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, delay: _N, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> float: ...
-    @overload
-    def __call__(
-        self, m1: _A, b1: _A, m2: _A, b2: _A, delay: _A, *, kh1: _A = 0, kh2: _A = 0, c: _A = 0
-    ) -> float | FloatArray: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, delay: _N) -> float: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, delay: _A) -> float | FloatArray: ...
-
-class _MinimumDamping(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, k: _N, delay: _N, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> float: ...
-    @overload
-    def __call__(
-        self, m1: _A, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0, kh2: _A = 0, c: _A = 0
-    ) -> float | FloatArray: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _N, delay: _N) -> float: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _A, delay: _A) -> float | FloatArray: ...
-
-class _UnstableRootCount(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, k: _N, delay: _N, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> int: ...
-    @overload
-    def __call__(
-        self, m1: _A, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0, kh2: _A = 0, c: _A = 0
-    ) -> int | NDArray[np.int64]: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _N, delay: _N) -> int: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _A, delay: _A) -> int | NDArray[np.int64]: ...
-
-class _StabilityMap(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, k: _A, delay: _A, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> NDArray[np.bool_]: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _A, delay: _A) -> NDArray[np.bool_]: ...
-
-class _Crossings(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, k: _N, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> list[Crossing]: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _N) -> list[Crossing]: ...
-
-class _StableDelays(Protocol):
-    @overload
-    def __call__(
-        self, m1: _N, b1: _N, m2: _N, b2: _N, k: _N, horizon: _N, *, kh1: _N = 0, kh2: _N = 0, c: _N = 0
-    ) -> list[tuple[float, float]]: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, k: _N, horizon: _N) -> list[tuple[float, float]]: ...
-
-class _DecayStiffness(Protocol):
-    @overload
-    def __call__(
-        self,
-        m1: _N,
-        b1: _N,
-        m2: _N,
-        b2: _N,
-        delay: _N,
-        decay_rate: _N,
-        *,
-        kh1: _N = 0,
-        kh2: _N = 0,
-        c: _N = 0,
-    ) -> list[tuple[float, float]]: ...
-    @overload
-    def __call__(self, m1: Dyad | DyadAxis, delay: _N, decay_rate: _N) -> list[tuple[float, float]]: ...
-
-critical_stiffness: _CriticalStiffness
-maximum_delay: _MaximumDelay
-maximum_stiffness: _MaximumStiffness
-minimum_damping: _MinimumDamping
-unstable_root_count: _UnstableRootCount
-stability_map: _StabilityMap
-crossings: _Crossings
-stable_delays: _StableDelays
-decay_stiffness: _DecayStiffness
-
+# theory/criteria.pyi has their overloads
+def critical_stiffness(
+    m1: _First, b1: _A, m2: _A, b2: _A, method: Method = "exact", *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def maximum_delay(
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    k: _A,
+    method: Method = "exact",
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+) -> Any: ...
+def maximum_stiffness(
+    m1: _First, b1: _A, m2: _A, b2: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def minimum_damping(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def unstable_root_count(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def stability_map(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> NDArray[np.bool_]: ...
+def crossings(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> list[Crossing]: ...
+def stable_delays(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, horizon: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> list[tuple[float, float]]: ...
+def decay_stiffness(
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    delay: _A,
+    decay_rate: _A,
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+) -> list[tuple[float, float]]: ...
 def hman() -> Dyad: ...
 def certified_roots(
     dyad: Dyad, stiffness: float, delay: Delay, count: int = 8, axis: int | str = 0

@@ -175,8 +175,8 @@ pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
         .iter()
         .map(|argument| match &argument.values {
             Values::One(value) => Cow::Owned(vec![*value]),
-            Values::Many(array) => match array.as_slice() {
-                Ok(slice) if slice.len() == 1 || array.shape() == shape => Cow::Borrowed(slice),
+            Values::Many(array) => match array.as_array().to_slice() {
+                Some(slice) if slice.len() == 1 || array.shape() == shape => Cow::Borrowed(slice),
                 _ => {
                     let view = array.as_array();
                     let whole = view.broadcast(IxDyn(&shape)).expect("it broadcasts to the common shape");

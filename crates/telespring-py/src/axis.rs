@@ -353,7 +353,7 @@ impl DyadAxis {
     fn __repr__(&self) -> String {
         let [first, second] = self.axis.sides;
         format!(
-            "DyadAxis({:?}, {:?}, {:?}, {:?}, kh1={:?}, kh2={:?}, c={:?}, name={:?}, index={})",
+            "DyadAxis({:?}, {:?}, {:?}, {:?}, kh1={:?}, kh2={:?}, c={:?}, name='{}', index={})",
             first.mass,
             first.damping,
             second.mass,

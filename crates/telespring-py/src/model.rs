@@ -363,7 +363,7 @@ impl Dyad {
     /// 35.615988
     /// >>> dyad = ts.hman()
     /// >>> [round(dyad[name].maximum_delay(71.2), 4) for name in dyad.axes]
-    /// [0.1673, 0.2319]
+    /// [0.1673, 0.232]
     fn axis(&self, axis: AxisChoice) -> Outcome<DyadAxis> {
         let index = axis.index(&self.0)?;
         Ok(DyadAxis { name: self.0.axis_names()[index].clone(), index, axis: self.0.axis(index)? })
