@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from telespring._errors import InvalidInput
 from telespring.model import Dyad, Robot
-from telespring.theory.axis import Axis
+from telespring.theory.axis import Axis, free_axis
 
 __all__ = ["MAP_POINTS", "MAP_WIDTH", "Reference", "classify", "reference_of", "refuse_what_cannot_be_drawn"]
 
@@ -145,7 +145,7 @@ def _reference_stiffness(axes: list[Axis]) -> tuple[float, str]:
     critical = {axis.name: axis.critical_stiffness() for axis in axes}
     name = min(critical, key=lambda each: critical[each])
     if math.isinf(critical[name]):
-        return min(axis.critical_stiffness("paper") for axis in axes), name
+        return min(free_axis(*axis.parameters).critical_stiffness("paper") for axis in axes), name
     return critical[name], name
 
 
