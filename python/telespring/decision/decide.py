@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
-from telespring.model import Dyad, OperatorRange
-from telespring.theory import criteria, spectrum
-from telespring.theory.axis import Axis, axes_of, holds
+from telespring.model import Dyad, DyadAxis, OperatorRange
+from telespring.theory.axis import axes_of, free_axis, holds
+from telespring.theory.criteria import Crossing
 from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class AxisDecision:
     stable_delays: tuple[tuple[float, float], ...]
     stable_around: tuple[float, float] | None
     spectral_abscissa: float
-    crossings: tuple[criteria.Crossing, ...]
+    crossings: tuple[Crossing, ...]
 
     @property
     def name(self) -> str:
@@ -290,7 +290,7 @@ def decide(
     return Decision(
         verdicts=judged,
         axes=tuple(
-            _decide_axis(dyad, axis, verdict, stiffness, (forward, backward), horizon)
+            _decide_axis(axis, verdict, stiffness, (forward, backward), horizon)
             for axis, verdict in zip(axes, judged.axes, strict=True)
         ),
         horizon=horizon,
@@ -312,8 +312,7 @@ def _axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) ->
 
 
 def _decide_axis(
-    dyad: Dyad,
-    axis: Axis,
+    axis: DyadAxis,
     verdict: AxisVerdict,
     stiffness: float,
     delay: tuple[float, float],
@@ -323,29 +322,29 @@ def _decide_axis(
     around = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
     return AxisDecision(
         verdict=verdict,
-        critical_stiffness_paper=axis.critical_stiffness("paper"),
+        critical_stiffness_paper=free_axis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
         stable_delays=tuple(axis.stable_delays(stiffness, horizon)),
         stable_around=next((interval for interval in around if holds(interval, mean)), None),
-        spectral_abscissa=float(spectrum.spectral_abscissa(dyad, stiffness, delay, axis=axis.index)),
-        crossings=tuple(criteria.crossings(*axis.parameters, stiffness, **axis.keywords)),
+        spectral_abscissa=axis.spectral_abscissa(stiffness, delay),
+        crossings=tuple(axis.crossings(stiffness)),
     )
 
 
-def _maximum_delay_paper(axis: Axis, stiffness: float) -> float:
+def _maximum_delay_paper(axis: DyadAxis, stiffness: float) -> float:
     if not axis.is_plain:
         return math.nan
     if axis.dampings == (0.0, 0.0):
         # Eq. 5 allows no stiffness here, and the fraction in Eq. 9 is 0/0: no sign, no angle, no delay.
         return 0.0
-    return float(criteria.maximum_delay(*axis.parameters, stiffness, method="paper"))
+    return axis.maximum_delay(stiffness, "paper")
 
 
-def _decay_stiffness(axes: list[Axis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
+def _decay_stiffness(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
     """Intersect the ranges of stiffness, N/m, in which every axis decays at this rate, 1/s."""
     common = [(0.0, math.inf)]
     for axis in axes:
-        ranges = criteria.decay_stiffness(*axis.parameters, mean, rate, **axis.keywords)
+        ranges = axis.decay_stiffness(mean, rate)
         overlaps = [(max(a, c), min(b, d)) for a, b in common for c, d in ranges]
         common = [(low, high) for low, high in overlaps if low < high]
     return tuple(sorted(common))

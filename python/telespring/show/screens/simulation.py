@@ -55,7 +55,7 @@ def simulation_summary(
         text = f"  axis {escape(axis.name)}: ends at {_mm(apart[-1])}, peak {_mm(largest)}"
         rest = None
         one, other = forces[0][axis.index], forces[1][axis.index]
-        if one != 0.0 and one == -other and axis.ground_stiffnesses == (0.0, 0.0):
+        if one != 0.0 and one == -other and axis.ground_stiffness == (0.0, 0.0):
             rest = one / stiffness  # free robots under opposite steps
         if abscissa >= 0.0:
             text += ", unstable: it does not come to rest"
