@@ -18,7 +18,6 @@ from telespring._types import FloatArray
 from telespring.decision.equivalent_operators import EquivalentOperators, equivalent_operators
 from telespring.decision.target_positions import PathSection, target_positions
 from telespring.model import Study
-from telespring.theory import spectrum
 from telespring.theory.axis import axes_of
 from telespring.theory.poses import SIGNIFICANT_CROSS_INERTIA, cross_inertia, pose_stability
 
@@ -150,8 +149,8 @@ def arm_stability(
     Examples
     --------
     >>> import telespring as ts
-    >>> found = arm_stability(ts.Study.paper(), [(71.2, 0.084), (142.0, 0.084)])
-    >>> [condition.unstable_axes for condition in found.conditions]
+    >>> arms = arm_stability(ts.Study.paper(), [(71.2, 0.084), (142.0, 0.084)])
+    >>> [condition.unstable_axes for condition in arms.conditions]
     [(), ('x',)]
     """
     experiment = study.experiment
@@ -193,9 +192,7 @@ def _axis_by_axis(
     operators: EquivalentOperators, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
     axes = axes_of(operators.held)
-    worst = max(
-        float(spectrum.spectral_abscissa(operators.held, stiffness, delay, axis=axis.index)) for axis in axes
-    )
+    worst = max(axis.spectral_abscissa(stiffness, delay) for axis in axes)
     unstable = tuple(axis.name for axis in axes if not axis.is_stable(stiffness, 0.5 * sum(delay)))
     return ConditionStability(
         stiffness=stiffness,
@@ -214,20 +211,20 @@ def _axis_by_axis(
 def _over_poses(
     operators: EquivalentOperators, positions: FloatArray, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
-    found = pose_stability(operators.held, operators.jointed, stiffness, delay, positions)
-    x, y = found.worst_position.tolist()
-    unstable = int(np.count_nonzero(found.spectral_abscissa >= 0.0))
+    poses = pose_stability(operators.held, operators.jointed, stiffness, delay, positions)
+    x, y = poses.worst_position.tolist()
+    unstable = int(np.count_nonzero(poses.spectral_abscissa >= 0.0))
     return ConditionStability(
         stiffness=stiffness,
         delay=delay,
         unstable_axes=None,
-        spectral_abscissa=found.worst_abscissa,
-        least_abscissa=float(found.spectral_abscissa.min()),
-        independent_abscissa=float(found.uncoupled_abscissa.max()),
+        spectral_abscissa=poses.worst_abscissa,
+        least_abscissa=float(poses.spectral_abscissa.min()),
+        independent_abscissa=float(poses.uncoupled_abscissa.max()),
         unstable_poses=unstable,
         worst_position=(x, y),
         stable=unstable == 0,
-        complete=found.complete,
+        complete=poses.complete,
     )
 
 

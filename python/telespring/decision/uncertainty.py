@@ -220,8 +220,8 @@ def stable_probability(
     >>> from types import SimpleNamespace
     >>> import telespring as ts
     >>> known = SimpleNamespace(mass_sd=[0.01, 0.01], damping_sd=[0.08, 0.1], correlation=[0.0, 0.0])
-    >>> found = stable_probability(ts.hman(), (known, known), 71.231976, 0.16718632)
-    >>> 0.45 < found.value < 0.55
+    >>> probability = stable_probability(ts.hman(), (known, known), 71.231976, 0.16718632)
+    >>> 0.45 < probability.value < 0.55
     True
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)

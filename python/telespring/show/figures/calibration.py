@@ -117,7 +117,7 @@ def cells_figure(
         rows = figure.subplots(2, 1, sharex=True)
         at = np.arange(len(labels), dtype=float)
         lowest = 1e3 * float(
-            min(np.nanmin(each.mean - each.standard_deviation) for each in (published, *simulated))
+            min(np.nanmin(series.mean - series.standard_deviation) for series in (published, *simulated))
         )
         for robot, axes in enumerate(rows):
             for i in fitted:
@@ -134,13 +134,13 @@ def cells_figure(
                 elinewidth=0.8,
                 capsize=1.5,
             )
-            for (colour, marker, beside), each in zip(_LOOKS, simulated, strict=False):
-                values = 1e3 * each.mean[:, robot]
+            for (colour, marker, beside), series in zip(_LOOKS, simulated, strict=False):
+                values = 1e3 * series.mean[:, robot]
                 inside = values <= 1e3 * highest
                 axes.errorbar(
                     at[inside] + beside,
                     values[inside],
-                    yerr=1e3 * each.standard_deviation[inside, robot],
+                    yerr=1e3 * series.standard_deviation[inside, robot],
                     color=colour,
                     marker=marker,
                     markersize=3.5,
@@ -170,8 +170,8 @@ def cells_figure(
             handles=[
                 legend_mark(published.name, COLOURS["black"], "o", markersize=3.5),
                 *(
-                    legend_mark(each.name, colour, marker, markersize=3.5)
-                    for (colour, marker, _), each in zip(_LOOKS, simulated, strict=False)
+                    legend_mark(series.name, colour, marker, markersize=3.5)
+                    for (colour, marker, _), series in zip(_LOOKS, simulated, strict=False)
                 ),
                 legend_line("as unconnected", COLOURS["green"], DASHES[0]),
                 Patch(facecolor=_FITTED, edgecolor="#B0B0B0", label="fitted; the rest is held out"),
@@ -196,9 +196,9 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
         figure = Figure(figsize=(FULL_WIDTH, 2.5), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         looks = dict(zip(names, _VARIANTS, strict=False))
-        highest = 1.5 * max(curve.limit for each in panels for curve in each.curves)
-        for i, (axes, each) in enumerate(zip(row, panels, strict=True)):
-            for curve in each.curves:
+        highest = 1.5 * max(curve.limit for panel in panels for curve in panel.curves)
+        for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
+            for curve in panel.curves:
                 colour, dashes = looks[curve.name]
                 axes.plot(curve.values, curve.rise, color=colour, linestyle=dashes)
                 axes.axhline(curve.limit, color=colour, linestyle=DASHES[0], linewidth=0.8)
@@ -206,9 +206,9 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
                     [curve.best], [0.0], marker="o", color=colour, markersize=4, clip_on=False, zorder=5
                 )
             axes.set(
-                xlabel=each.label,
+                xlabel=panel.label,
                 ylim=(0.0, highest),
-                xlim=(0.0, max(curve.values[-1] for curve in each.curves)),
+                xlim=(0.0, max(curve.values[-1] for curve in panel.curves)),
             )
             panel_label(axes, "abcdef"[i])
         row[0].set_ylabel("Rise of the deviance")
@@ -239,25 +239,25 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
         figure = Figure(figsize=(FULL_WIDTH, 2.05 * count + 0.4), layout="constrained")
         grid = figure.subplots(count, columns, squeeze=False)
         shading = None
-        for axes, each in zip(grid.ravel(), panels, strict=False):
+        for axes, panel in zip(grid.ravel(), panels, strict=False):
             shading = axes.contourf(
-                each.first,
-                each.second,
-                np.minimum(each.rise / each.limit, _RISES),
+                panel.first,
+                panel.second,
+                np.minimum(panel.rise / panel.limit, _RISES),
                 levels=np.linspace(0.0, _RISES, 9),
                 cmap="Blues_r",
             )
             axes.contour(
-                each.first,
-                each.second,
-                each.rise / each.limit,
+                panel.first,
+                panel.second,
+                panel.rise / panel.limit,
                 levels=[1.0],
                 colors=[COLOURS["vermilion"]],
                 linewidths=1.2,
             )
             axes.plot(
-                [each.best[0]],
-                [each.best[1]],
+                [panel.best[0]],
+                [panel.best[1]],
                 "X",
                 color=COLOURS["black"],
                 markeredgecolor="white",
@@ -265,8 +265,8 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
                 clip_on=False,
                 zorder=5,
             )
-            axes.set(xlabel=each.labels[0], ylabel=each.labels[1])
-            panel_label(axes, "", each.title)
+            axes.set(xlabel=panel.labels[0], ylabel=panel.labels[1])
+            panel_label(axes, "", panel.title)
         for axes in grid.ravel()[len(panels) :]:
             axes.set_visible(False)
         if shading is not None:

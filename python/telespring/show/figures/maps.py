@@ -88,23 +88,23 @@ def tier_map(
         figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
         axes = figure.subplots()
         stiffness = axes_shown[0].stiffness
-        worst = np.min([each.exact for each in axes_shown], axis=0)
+        worst = np.min([axis.exact for axis in axes_shown], axis=0)
         axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=STABLE, linewidth=0.0)
-        for each, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
-            shown = np.where(np.isfinite(each.exact), each.exact, np.nan)
-            axes.plot(each.stiffness, 1e3 * shown, color=colour, label=f"axis {each.name}, exact")
-            if each.printed is not None:
-                printed = np.where(np.isfinite(each.printed), each.printed, np.nan)
+        for axis, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
+            shown = np.where(np.isfinite(axis.exact), axis.exact, np.nan)
+            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact")
+            if axis.printed is not None:
+                printed = np.where(np.isfinite(axis.printed), axis.printed, np.nan)
                 inside = np.flatnonzero(1e3 * printed < 1e3 * longest)
                 axes.plot(
-                    each.stiffness[inside][::12],
+                    axis.stiffness[inside][::12],
                     1e3 * printed[inside][::12],
                     linestyle="none",
                     marker="o",
                     markersize=3.6,
                     markerfacecolor="white",
                     markeredgecolor=colour,
-                    label=f"axis {each.name}, paper",
+                    label=f"axis {axis.name}, paper",
                 )
         green, black = COLOURS["green"], COLOURS["black"]
         axes.axvline(any_network, color=green, linestyle=DASHES[0], label="any network: left of this")
@@ -125,8 +125,8 @@ def tier_map(
             )
         if conditions:
             axes.plot(
-                [each[0] for each in conditions],
-                [1e3 * each[1] for each in conditions],
+                [stiffness for stiffness, _ in conditions],
+                [1e3 * delay for _, delay in conditions],
                 linestyle="none",
                 marker="x",
                 markersize=4.5,

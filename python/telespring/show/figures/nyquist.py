@@ -55,7 +55,7 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, FULL_WIDTH * rows / columns * 0.98), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        extent = 1.12 * max(1.0, max(float(np.abs(each.locus).max()) for row in panels for each in row))
+        extent = 1.12 * max(1.0, max(float(np.abs(panel.locus).max()) for row in panels for panel in row))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
         for row, row_panels in enumerate(panels):
             for column, panel in enumerate(row_panels):

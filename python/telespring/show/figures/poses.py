@@ -74,7 +74,7 @@ def poses_figure(
             path.scatter(
                 x, y, s=(_WIDTH * share) ** 2 + 1.0, marker=marker, facecolors="none", edgecolors=colour
             )
-        worst = sorted({each.worst_position for each in conditions})
+        worst = sorted({condition.worst_position for condition in conditions})
         path.plot([1e3 * at[0] for at in worst], [1e3 * at[1] for at in worst], "*", color=black, ms=7.0)
         path.set(xlabel="x, mm", ylabel="y, mm")
         path.set_aspect("equal", adjustable="box")
@@ -82,14 +82,14 @@ def poses_figure(
         panel_label(path, "a", "cross-axis inertia (width)")
 
         ranges.axvline(0.0, color=GREY, linestyle=DASHES[1], linewidth=0.8)
-        for row, each in enumerate(conditions):
-            unstable = each.worst >= 0.0
-            ranges.plot([each.least, each.worst], [row, row], color=blue, linewidth=2.0)
+        for row, condition in enumerate(conditions):
+            unstable = condition.worst >= 0.0
+            ranges.plot([condition.least, condition.worst], [row, row], color=blue, linewidth=2.0)
             ranges.plot(
-                each.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
+                condition.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
             )
             ranges.plot(
-                each.worst,
+                condition.worst,
                 row,
                 "X" if unstable else "o",
                 color=black,
@@ -97,7 +97,7 @@ def poses_figure(
                 ms=6.0 if unstable else 4.0,
                 zorder=5,
             )
-        ranges.set_yticks(range(len(conditions)), [each.label for each in conditions])
+        ranges.set_yticks(range(len(conditions)), [condition.label for condition in conditions])
         ranges.set_ylim(max(len(conditions), 1) - 0.4, -0.6)
         ranges.set_xlabel("Spectral abscissa, 1/s")
         ranges.margins(x=0.08)

@@ -12,7 +12,6 @@ from rich.markup import escape
 from telespring.model import Dyad
 from telespring.show.quantities import format_number
 from telespring.theory.axis import axes_of
-from telespring.theory.spectrum import spectral_abscissa
 
 if TYPE_CHECKING:
     import xarray
@@ -47,7 +46,6 @@ def simulation_summary(
     for axis in axes_of(dyad):
         apart = position[:, 0, axis.index] - position[:, 1, axis.index]
         apart = apart[np.isfinite(apart)]
-        abscissa = float(spectral_abscissa(dyad, stiffness, delay, axis=axis.index))
         largest = float(np.max(np.abs(apart)))
         if largest > _RUNAWAY:
             yield f"  axis {escape(axis.name)}: unstable, the robots run away from each other"
@@ -57,7 +55,7 @@ def simulation_summary(
         one, other = forces[0][axis.index], forces[1][axis.index]
         if one != 0.0 and one == -other and axis.ground_stiffness == (0.0, 0.0):
             rest = one / stiffness  # free robots under opposite steps
-        if abscissa >= 0.0:
+        if axis.spectral_abscissa(stiffness, delay) >= 0.0:
             text += ", unstable: it does not come to rest"
         elif rest is not None:
             overshoot = max(0.0, 100.0 * (largest / abs(rest) - 1.0))
