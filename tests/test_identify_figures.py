@@ -7,7 +7,7 @@ import pytest
 
 from telespring.identification import Identification, identify, paper_excitation
 from telespring.show.figures import to_svg
-from telespring.show.figures.identification import excitation_figure, regression_figure, residual_figure
+from telespring.show.identification_drawings import draw_excitation, draw_regression, draw_residuals
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def found() -> Identification:
 
 def test_law_fig_9_shows_the_movement_in_its_units() -> None:
     command = paper_excitation()
-    drawn = excitation_figure([("the paper's", command)])
+    drawn = draw_excitation([("the paper's", command)])
     velocity, position, acceleration = drawn.axes
     for axes, quantity, scale in (
         (velocity, command.velocity, 1.0),
@@ -35,7 +35,7 @@ def test_law_fig_9_shows_the_movement_in_its_units() -> None:
 
 
 def test_law_fig_10_has_force_and_plane_for_every_robot_and_axis(found: Identification) -> None:
-    drawn = regression_figure([("one", found), ("other", found)])
+    drawn = draw_regression([("one", found), ("other", found)])
     assert len(drawn.axes) == 4
     measured, estimated = (np.asarray(line.get_ydata()) for line in drawn.axes[0].lines)
     np.testing.assert_array_equal(measured, found.signals.force[0])
@@ -44,7 +44,7 @@ def test_law_fig_10_has_force_and_plane_for_every_robot_and_axis(found: Identifi
 
 
 def test_law_residuals_that_were_left_out_are_marked(found: Identification) -> None:
-    drawn = residual_figure(found)
+    drawn = draw_residuals(found)
     legend = drawn.axes[0].get_legend()
     assert legend is not None
     labels = [text.get_text() for text in legend.get_texts()]
@@ -52,5 +52,5 @@ def test_law_residuals_that_were_left_out_are_marked(found: Identification) -> N
 
 
 def test_law_the_same_figure_gives_the_same_text(found: Identification) -> None:
-    first, second = (to_svg(residual_figure(found), "residuals", "Residuals", "…") for _ in range(2))
+    first, second = (to_svg(draw_residuals(found), "residuals", "Residuals", "…") for _ in range(2))
     assert first == second

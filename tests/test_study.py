@@ -17,7 +17,7 @@ import pytest
 import telespring as ts
 from telespring.paper import PARTS, STEPS, Analysis, analyse, write
 from telespring.paper.misprints import held_partner_growth
-from telespring.paper.page import PLACES, SECTIONS, Style, format_quantity, look_up
+from telespring.paper.page import PLACES, SECTIONS, look_up
 from telespring.paper.sections.experiment.section import find_experiment
 from telespring.paper.sections.map.section import find_examples
 from telespring.paper.sections.misprints.section import find_misprints
@@ -25,6 +25,7 @@ from telespring.paper.sections.model.section import find_schematics
 from telespring.paper.sections.robots.section import find_allowed
 from telespring.paper.sections.summary.allowed import summarise
 from telespring.rehearsal import run_protocol
+from telespring.show.quantities import Style, format_quantity
 
 # An unequal pair with one axis and an arm on one side, as far from the H-MANs as the file allows.
 OTHER = """

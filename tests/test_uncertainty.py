@@ -18,6 +18,7 @@ from telespring.decision.uncertainty import (
     sample_parameters,
     stable_probability,
 )
+from telespring.show.decision_json import decision_json
 
 K = 71.231976
 DELTA = 0.16718632
@@ -97,7 +98,7 @@ def test_law_the_standard_error_of_a_sure_thing_is_not_zero() -> None:
 
 
 def test_law_unbounded_delays_are_null_in_json(hman: ts.Dyad) -> None:
-    found = decide(hman, 20.0, 0.1, uncertainty=(known(), None)).to_json()["uncertainty"]
+    found = decision_json(decide(hman, 20.0, 0.1, uncertainty=(known(), None)))["uncertainty"]
     assert found["worst"]["maximum_delay_interval"] == [None, None]
     assert found["worst"]["maximum_delay_unbounded_probability"] == 1.0
-    assert decide(hman, 20.0, 0.1).to_json()["uncertainty"] is None
+    assert decision_json(decide(hman, 20.0, 0.1))["uncertainty"] is None

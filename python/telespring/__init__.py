@@ -6,7 +6,7 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 from typing import TYPE_CHECKING
 
 from telespring._deprecated import old_names, serve_moved_modules
-from telespring._errors import InvalidInput
+from telespring._errors import CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
     Arm,
@@ -14,6 +14,7 @@ from telespring.model import (
     Coupling,
     DelaySystem,
     Dyad,
+    DyadAxis,
     Experiment,
     LaboratorySettings,
     Network,
@@ -54,13 +55,7 @@ from telespring.theory.response import (
     transfer_matrix,
 )
 from telespring.theory.simulation import Sampled, Signal, Sine, Trajectory, simulate, simulate_array
-from telespring.theory.spectrum import (
-    CertificateWarning,
-    Spectrum,
-    certified_roots,
-    characteristic_roots,
-    spectral_abscissa,
-)
+from telespring.theory.spectrum import Spectrum, certified_roots, characteristic_roots, spectral_abscissa
 from telespring.theory.verdicts import (
     AxisTier,
     AxisVerdict,
@@ -89,6 +84,7 @@ __all__ = [
     "DelaySolution",
     "DelaySystem",
     "Dyad",
+    "DyadAxis",
     "Experiment",
     "FrequencyGrid",
     "FrequencyMargin",

@@ -310,7 +310,12 @@ impl DyadAxis {
     }
 
     /// Checks the public fields, which may have been set without a constructor.
-    pub(crate) fn check(&self) -> Result<()> {
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if a value is out of its range. Robot and operator together may have twice the mass and
+    /// damping of one.
+    pub fn check(&self) -> Result<()> {
         for (side, [mass, damping, ground]) in
             self.sides.iter().zip([["m1", "b1", "kh1"], ["m2", "b2", "kh2"]])
         {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +12,7 @@ from rich.console import Console
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.cli.common import refusals
+from telespring.cli.common import print_json, refusals
 from telespring.model import Study
 
 if TYPE_CHECKING:
@@ -83,9 +82,7 @@ def analyse_command(
         if export is not None:
             written.append(analysis.write_recorded(dataset, export))
     if as_json:
-        # Some terminals cannot print every letter; JSON can escape them.
-        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
-        typer.echo(json.dumps(numbers, indent=1, ensure_ascii=escape_letters, allow_nan=False))
+        print_json(numbers)
         return
     console.print(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
     console.print(f"Written: {', '.join(str(file) for file in written)}", markup=False)

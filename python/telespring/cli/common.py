@@ -1,48 +1,48 @@
-"""What the commands share: their common options, the reading of their files, and how they refuse input."""
+"""What the commands share: options, reading of studies and robots, JSON output, and refusal of bad input."""
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
 from telespring._errors import InvalidInput
-from telespring.model import Dyad, Study
+from telespring.model import Study
 from telespring.show.screens.refusal import refusal_screen
 
 if TYPE_CHECKING:
-    from telespring.study.editing import RobotRecord
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = [
     "Backward",
-    "Case",
     "Delay",
     "Robot1",
     "Robot2",
     "Stiffness",
     "StudyFile",
+    "print_json",
+    "print_notes",
     "read_study",
     "refusals",
-    "requested_case",
+    "requested_delay",
     "robot_records",
-    "robot_warnings",
 ]
 
 StudyFile = Annotated[
     Path | None,
     typer.Argument(
-        metavar="[STUDY.toml]", help="Robots, coupling and network; the paper's two H-MANs unless given."
+        metavar="[STUDY.toml]", help="Robots, coupling and network. Default: the paper's two H-MANs."
     ),
 ]
 Stiffness = Annotated[float | None, typer.Option("--stiffness", help="Stiffness of the spring, N/m.")]
 Delay = Annotated[
-    float | None, typer.Option("--delay", help="One-way delay in s, each way unless --backward is given.")
+    float | None, typer.Option("--delay", help="One-way delay in s, both ways unless --backward is given.")
 ]
 Backward = Annotated[
     float | None,
@@ -50,17 +50,17 @@ Backward = Annotated[
 ]
 Robot1 = Annotated[
     Path | None,
-    typer.Option("--robot1", metavar="FILE", help="A robot file, as `identify` writes it, for robot 1."),
+    typer.Option("--robot1", metavar="FILE", help="Robot file for robot 1, as `identify` writes it."),
 ]
 Robot2 = Annotated[
     Path | None,
-    typer.Option("--robot2", metavar="FILE", help="A robot file, as `identify` writes it, for robot 2."),
+    typer.Option("--robot2", metavar="FILE", help="Robot file for robot 2, as `identify` writes it."),
 ]
 
 
 @contextmanager
 def refusals() -> Iterator[None]:
-    """Tell refused input and unusable files in a few lines, and leave with status 2."""
+    """Report refused input and unusable files in a few lines, and exit with status 2."""
     try:
         yield
     except InvalidInput as refused:
@@ -72,35 +72,34 @@ def refusals() -> Iterator[None]:
             refused.remedy,
         )
         raise typer.Exit(2) from None
-    except OSError as trouble:
-        where = trouble.filename or "file"
+    except OSError as error:
         refusal_screen(
             Console(stderr=True, highlight=False),
             "file",
-            str(where),
-            f"a file that can be read or written is needed ({trouble.strerror or trouble})",
+            str(error.filename or "file"),
+            f"a file that can be read or written is needed ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
-        print("Stopped; nothing half-written was left behind.", file=sys.stderr)
+        print("Stopped. No incomplete file was left behind.", file=sys.stderr)
         raise typer.Exit(130) from None
 
 
 def read_study(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> Study:
-    """Read a study file, or take the paper's study where none is named; put robots of their own in."""
+    """Read a study file, or take the paper's study, and put in robots from files of their own."""
     read = Study.paper() if study is None else Study.read(study)
     for side, robot in ((1, robot1), (2, robot2)):
         if robot is not None:
-            from telespring.study.editing import with_robot
-
-            read = with_robot(read, side, robot)
+            read = read.with_robot(side, robot)
     return read
 
 
 def robot_records(robot1: Path | None, robot2: Path | None) -> tuple[RobotRecord | None, RobotRecord | None]:
-    """Read what identification found besides the robots' parameters."""
-    from telespring.study.editing import robot_record
+    """Read what identification recorded in the robot files."""
+    if robot1 is robot2 is None:
+        return None, None
+    from telespring.study.robot_file import robot_record
 
     return (
         None if robot1 is None else robot_record(robot1),
@@ -108,34 +107,21 @@ def robot_records(robot1: Path | None, robot2: Path | None) -> tuple[RobotRecord
     )
 
 
-def robot_warnings(robot1: Path | None, robot2: Path | None) -> list[str]:
-    """Tell what identification warned of; coupled axes are among it."""
-    return [
-        f"Beware: robot {i}, when it was identified: {warning}"
-        for i, record in enumerate(robot_records(robot1, robot2), start=1)
-        if record is not None
-        for warning in record.warnings
-    ]
-
-
-@dataclass(frozen=True)
-class Case:
-    """A dyad, its name, the stiffness (N/m) and the delays there and back (s) asked about."""
-
-    dyad: Dyad
-    name: str
-    stiffness: float
-    delay: tuple[float, float]
-
-
-def requested_case(
-    study: Study, stiffness: float | None, delay: float | None, backward: float | None
-) -> Case:
-    """Take the study, with what the command line says in the place of what the file says."""
+def requested_delay(study: Study, delay: float | None, backward: float | None) -> tuple[float, float]:
+    """Return the one-way delays, s, forward and backward: of the command line, else of the study."""
     forward, back = study.delay if delay is None else (delay, delay)
-    return Case(
-        dyad=study.dyad,
-        name=study.name,
-        stiffness=study.stiffness if stiffness is None else stiffness,
-        delay=(forward, back if backward is None else backward),
-    )
+    return forward, back if backward is None else backward
+
+
+def print_notes(console: Console, records: tuple[RobotRecord | None, RobotRecord | None]) -> None:
+    """Print the warnings that identification recorded, coupled axes among them."""
+    from telespring.show.screens.robots import identification_notes
+
+    for note in identification_notes(records):
+        console.print(f"Warning: {note}", markup=False)
+
+
+def print_json(value: Any) -> None:
+    """Print JSON; letters that the output cannot encode are escaped."""
+    escape_letters = not sys.stdout.encoding.lower().startswith("utf")
+    typer.echo(json.dumps(value, indent=1, ensure_ascii=escape_letters, allow_nan=False))

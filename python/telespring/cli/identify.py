@@ -120,15 +120,15 @@ def _columns(position: list[str] | None, force: list[str] | None) -> tuple[list[
 def _write_figure(found: Identification, path: Path) -> None:
     from telespring._errors import InvalidInput
     from telespring._files import replacing
-    from telespring.show.figures.identification import residual_figure
     from telespring.show.figures.style import styled
+    from telespring.show.identification_drawings import draw_residuals
 
     if path.suffix.lower() not in {".svg", ".png", ".pdf"}:
         raise InvalidInput(
             "figure", str(path), "the file's name must end in .svg, .png or .pdf", "Choose one of them."
         )
     with styled(), replacing(path) as beside:
-        residual_figure(found).savefig(beside, dpi=200)
+        draw_residuals(found).savefig(beside, dpi=200)
 
 
 def identification_screen(found: Identification, log: Log) -> RenderableType:

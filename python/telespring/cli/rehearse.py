@@ -162,7 +162,8 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
     import h5netcdf
     from rich.table import Table
 
-    from telespring.decision.arms import stability_in_arms
+    from telespring.decision.arm_stability import arm_stability
+    from telespring.show.screens.arms import describe_arm_stability, describe_verdict
     from telespring.study.conditions import condition_labels
 
     experiment = study.experiment
@@ -175,7 +176,7 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
             _arm_at_its_end(positions, experiment.arms, ended == meanings.index(_OUT_OF_REACH), at)
             for positions, ended, at in zip(file.variables["position"], status, ended_at, strict=True)
         ]
-    found = stability_in_arms(study, [(k, at) for k, at in experiment.conditions if k is not None], modules)
+    found = arm_stability(study, [(k, at) for k, at in experiment.conditions if k is not None], modules)
     table = Table(box=None, pad_edge=False)
     table.add_column("condition", no_wrap=True)
     table.add_column("in arms")
@@ -186,9 +187,9 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
         condition_labels(experiment.conditions), experiment.conditions, status, ended_at, arms, strict=True
     ):
         words, style = "–", None
-        if k is not None and found.unknown is None:
+        if k is not None and found.unavailable is None:
             verdict = next(verdicts)
-            words, style = verdict.verdict(), None if verdict.stable else "red"
+            words, style = describe_verdict(verdict), None if verdict.stable else "red"
         elif k is not None:
             words = "not known"
         count = Counter(ended.tolist())
@@ -200,4 +201,4 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
         )
         table.add_row(label, Text(words, style=style or ""), str(count[0]), early or "–")
     console.print(table)
-    console.print(f"In arms: {found.in_words()}", markup=False)
+    console.print(f"In arms: {describe_arm_stability(found)}", markup=False)

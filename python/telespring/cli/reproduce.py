@@ -10,8 +10,15 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from telespring.cli.common import Robot1, Robot2, StudyFile, read_study, refusals, robot_warnings
-from telespring.show.screens.decision import digits_down
+from telespring.cli.common import (
+    Robot1,
+    Robot2,
+    StudyFile,
+    print_notes,
+    read_study,
+    refusals,
+    robot_records,
+)
 
 __all__ = ["reproduce_command", "study_command"]
 
@@ -24,17 +31,18 @@ def reproduce_command(
     robot2: Robot2 = None,
     out: Out = Path("out/study"),
 ) -> None:
-    """Run the whole paper on a study's robots, stability and experiment, and write a report.
+    """Reproduce the paper: every figure and table, on the robots of a study, as one report.
 
-    Stopped at any moment, the same command goes on with the trials that are not yet run.
+    If interrupted, run the same command again to resume: finished trials are kept.
     """
     console = Console(highlight=False)
     with refusals():
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         from telespring.paper import STEPS, analyse, write
+        from telespring.show.screens.reproduction import allowed_stiffnesses
 
-        asked, beware = read_study(study, robot1, robot2), robot_warnings(robot1, robot2)
+        read, records = read_study(study, robot1, robot2), robot_records(robot1, robot2)
         with Progress(
             TextColumn("{task.description:<28}"),
             BarColumn(),
@@ -48,23 +56,12 @@ def reproduce_command(
                 bar.update(task, description=step, completed=STEPS.index(step))
 
             modules = None if study is None else study.parent
-            analysis = analyse(asked, progress, rehearsal=out, modules=modules)
+            analysis = analyse(read, progress, rehearsal=out, modules=modules)
         report, numbers = write(analysis, out)
-    summary = analysis.numbers["summary"]
-    row = summary["rows"][summary["highlight"]]
-    console.print(f"[bold]{escape(asked.name)}[/bold]")
-    console.print(f"Over {1e3 * row['delay']:.0f} ms each way the spring may have up to")
-    for tier in summary["tiers"]:
-        entry = row[tier["key"]]
-        if entry["unbounded"]:
-            limit = "no limit"
-        elif entry["stiffness"] is None:
-            limit = "not available"
-        else:
-            limit = f"{digits_down(entry['stiffness'])} N/m (axis {entry['axis']})"
-        console.print(f"  {limit:<24} {tier['name']}", markup=False)
-    for line in beware:
+    console.print(f"[bold]{escape(read.name)}[/bold]")
+    for line in allowed_stiffnesses(analysis.numbers["summary"]):
         console.print(line, markup=False)
+    print_notes(console, records)
     console.print(f"Report:  {report}\nNumbers: {numbers}", markup=False)
     if "experiment" in analysis.numbers:
         console.print(f"Trials:  {out / 'rehearsal.nc'}", markup=False)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,25 +18,17 @@ from telespring.cli.common import (
     Robot2,
     Stiffness,
     StudyFile,
+    print_notes,
     read_study,
     refusals,
-    requested_case,
-    robot_warnings,
+    requested_delay,
+    robot_records,
 )
-from telespring.show.screens.simulation import simulation_summary
-from telespring.theory import simulation
 
 if TYPE_CHECKING:
     import xarray
 
 __all__ = ["simulate_command"]
-
-
-class Format(StrEnum):
-    """How `simulate` writes its result."""
-
-    netcdf = "nc"
-    csv = "csv"
 
 
 def simulate_command(
@@ -53,40 +42,47 @@ def simulate_command(
         list[float] | None,
         typer.Option(
             "--force",
-            help="A step of force at t = 0, N; once per axis for robot 1, then for robot 2. "
-            "1 and -1 unless given.",
+            help="Step of force at t = 0, N: once per axis for robot 1, then for robot 2. Default: 1 and -1.",
         ),
     ] = None,
     duration: Annotated[float, typer.Option(help="Time to simulate, s.")] = 10.0,
-    rate: Annotated[float, typer.Option(help="Outputs per second, Hz.")] = 1000.0,
-    out: Annotated[Path, typer.Option(help="File to write, .nc (netCDF) or .csv.", show_default=True)] = Path(
+    rate: Annotated[float, typer.Option(help="Samples per second, Hz.")] = 1000.0,
+    out: Annotated[Path, typer.Option(help="File to write: .nc (netCDF) or .csv.", show_default=True)] = Path(
         "out/simulation.nc"
     ),
 ) -> None:
-    """Simulate the ideal dyad with constant delay and write positions and velocities."""
+    """Simulate the ideal dyad under a step of force.
+
+    Controllers are continuous and the delay is constant. Positions and velocities are written to a file.
+    """
     console = Console(highlight=False)
     with refusals():
-        if out.suffix not in {f".{each}" for each in Format}:
+        from telespring.show.screens.simulation import simulation_summary
+        from telespring.theory.simulation import simulate
+
+        if out.suffix not in {".nc", ".csv"}:
             raise InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
-        asked = requested_case(read_study(study, robot1, robot2), stiffness, delay, backward)
-        axes = list(asked.dyad.axes)
-        forces = _forces(force, len(axes))
-        found = simulation.simulate(asked.dyad, asked.stiffness, asked.delay, forces, duration, rate=rate)
+        read = read_study(study, robot1, robot2)
+        if stiffness is None:
+            stiffness = read.stiffness
+        delays = requested_delay(read, delay, backward)
+        forces = _forces(force, len(read.dyad.axes))
+        motion = simulate(read.dyad, stiffness, delays, forces, duration, rate=rate)
         if out.suffix == ".csv":
-            write_whole(out, _csv(found, axes))
+            write_whole(out, motion_csv(motion))
         else:
-            with replacing(out) as beside:
-                found.to_netcdf(beside, engine="h5netcdf")
-        for line in simulation_summary(found, asked.dyad, asked.name, asked.stiffness, asked.delay, forces):
+            with replacing(out) as unfinished:
+                motion.to_netcdf(unfinished, engine="h5netcdf")
+        for line in simulation_summary(motion, read.dyad, read.name, stiffness, delays, forces):
             console.print(line)
-        for line in robot_warnings(robot1, robot2):
-            console.print(line, markup=False)
+        print_notes(console, robot_records(robot1, robot2))
         console.print(f"Written: {out}", markup=False)
 
 
 def _forces(force: list[float] | None, axes: int) -> list[list[float]]:
+    """Return the step of force, N, per robot and axis."""
     if not force:
         return [[1.0] * axes, [-1.0] * axes]
     if len(force) != 2 * axes or not all(math.isfinite(value) for value in force):
@@ -99,18 +95,13 @@ def _forces(force: list[float] | None, axes: int) -> list[list[float]]:
     return [force[:axes], force[axes:]]
 
 
-def _csv(found: xarray.Dataset, axes: list[str]) -> str:
-    import numpy as np
-
-    names, columns = ["time_s"], [np.asarray(found["time"])]
-    for quantity, unit in (("position", "m"), ("velocity", "m_per_s")):
-        values = np.asarray(found[quantity])
-        for robot in range(2):
-            for i, axis in enumerate(axes):
-                names.append(f"{quantity}_robot{robot + 1}_{axis}_{unit}")
-                columns.append(values[:, robot, i])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([float(value) for value in row] for row in zip(*columns, strict=True))
-    return text.getvalue()
+def motion_csv(motion: xarray.Dataset) -> str:
+    """Return a simulation as CSV text: time, then position and velocity of both robots, axis by axis."""
+    table = motion[["position", "velocity"]].to_dataframe().unstack(["robot", "axis"], sort=False)
+    names = [
+        f"{quantity}_robot{robot}_{axis}_{unit}"
+        for quantity, unit in (("position", "m"), ("velocity", "m_per_s"))
+        for robot in motion["robot"].values
+        for axis in motion["axis"].values
+    ]
+    return table.to_csv(header=names, index_label="time_s", lineterminator="\n", na_rep="nan")

@@ -1,8 +1,8 @@
-"""What the uncertainty of identified robots does to the verdict.
+"""How the errors of identified robots carry over to the stability margins and the verdict.
 
-Mass and damping of each robot on each axis are taken as jointly normal, with the standard deviations and the
-correlation that identification gave, robots and axes independent, and what is not physical cut off (a mass
-above 0, a damping not below 0). Random numbers come from a fixed seed: the same input gives the same output.
+Mass and damping of each robot on each axis are jointly normal, with the standard deviations and the
+correlation that identification gave; robots and axes are independent. Unphysical draws (a mass not above 0, a
+damping below 0) are rejected. The seed is fixed: the same input gives the same output.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from telespring._types import FloatArray
 from telespring.model import Dyad
 from telespring.theory import criteria
-from telespring.theory.axis import axes_of, finite_or_none
+from telespring.theory.axis import axes_of
 from telespring.theory.criteria import unstable_root_count
 
 __all__ = [
@@ -58,7 +58,7 @@ class RobotUncertainty(Protocol):
 
 @dataclass(frozen=True)
 class Probability:
-    """A probability found by Monte Carlo.
+    """A probability estimated by Monte Carlo.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Probability:
         Of that share, with one more draw of either kind added (Wilson's midpoint), so that it is not 0
         where all draws agree.
     draws
-        How many there were.
+        Number of draws.
     """
 
     value: float
@@ -77,20 +77,16 @@ class Probability:
 
     @classmethod
     def of(cls, stable: np.ndarray[Any, np.dtype[np.bool_]]) -> Probability:
-        """Count the share of draws that are true."""
+        """Return the share of draws that are true."""
         draws = int(stable.size)
         count = int(np.count_nonzero(stable))
         share = (count + 1) / (draws + 2)
         return cls(count / draws, math.sqrt(share * (1.0 - share) / (draws + 2)), draws)
 
-    def to_json(self) -> dict[str, Any]:
-        """Give plain numbers."""
-        return {"value": self.value, "standard_error": self.standard_error, "draws": self.draws}
-
 
 @dataclass(frozen=True)
 class AxisUncertainty:
-    """How well the margins of one axis (or of all) are known.
+    """Uncertainty of the margins of one axis, or of the worst one.
 
     Attributes
     ----------
@@ -109,19 +105,10 @@ class AxisUncertainty:
     maximum_delay: tuple[float, float]
     delay_unbounded: float
 
-    def to_json(self) -> dict[str, Any]:
-        """Give plain numbers; None for an infinite delay."""
-        return {
-            "axis": self.axis,
-            "critical_stiffness_interval": list(self.critical_stiffness),
-            "maximum_delay_interval": [finite_or_none(value) for value in self.maximum_delay],
-            "maximum_delay_unbounded_probability": self.delay_unbounded,
-        }
-
 
 @dataclass(frozen=True)
 class MarginUncertainty:
-    """What is known of a verdict when the robots are known within their errors.
+    """Uncertainty of the margins and probability of stability, given the errors of the robots.
 
     Attributes
     ----------
@@ -137,14 +124,6 @@ class MarginUncertainty:
     worst: AxisUncertainty
     stable: Probability
 
-    def to_json(self) -> dict[str, Any]:
-        """Give plain numbers."""
-        return {
-            "stable_probability": self.stable.to_json(),
-            "axes": [axis.to_json() for axis in self.axes],
-            "worst": self.worst.to_json(),
-        }
-
 
 def sample_parameters(
     dyad: Dyad,
@@ -153,37 +132,26 @@ def sample_parameters(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> FloatArray:
-    """Draw masses and dampings of both robots.
-
-    Parameters
-    ----------
-    dyad : telespring.Dyad
-        The robots, and operators that are added to them.
-    uncertainty : pair
-        Of each robot; None where it is known exactly.
-    draws : int
-        How many.
-    seed : int
-        Of the random numbers.
+    """Draw masses and dampings of both robots, operators added.
 
     Returns
     -------
     ndarray
         m1, b1, m2, b2 in kg and N·s/m, shape (4, axes, draws). A draw with a robot's mass below 0.0001 kg
-        or damping below 0 is drawn anew.
+        or damping below 0 is rejected and replaced.
     """
     random = np.random.default_rng(seed)
-    found = np.empty((4, len(dyad.axes), draws))
+    parameters = np.empty((4, len(dyad.axes), draws))
     for robot in range(2):
         mass, damping = dyad.robots[robot].mass, dyad.robots[robot].damping
         known = uncertainty[robot]
         for i in range(len(dyad.axes)):
-            # Drawn even where nothing is uncertain, so that one robot's draws do not hang on the other's.
+            # Drawn even where nothing is uncertain, so that one robot's draws do not depend on the other's.
             own = np.random.default_rng(random.integers(2**63))
             drawn = _axis_draws(own, float(mass[i]), float(damping[i]), _deviations(known, i), draws)
-            found[2 * robot, i] = drawn[0] + dyad.operators[robot].mass[i]
-            found[2 * robot + 1, i] = drawn[1] + dyad.operators[robot].damping[i]
-    return found
+            parameters[2 * robot, i] = drawn[0] + dyad.operators[robot].mass[i]
+            parameters[2 * robot + 1, i] = drawn[1] + dyad.operators[robot].damping[i]
+    return parameters
 
 
 def _deviations(known: RobotUncertainty | None, axis: int) -> tuple[float, float, float]:
@@ -199,7 +167,7 @@ def _axis_draws(
     deviations: tuple[float, float, float],
     draws: int,
 ) -> FloatArray:
-    """Draw from the truncated normal by throwing away what is not physical."""
+    """Draw from the truncated normal by rejection."""
     mass_sd, damping_sd, correlation = deviations
     kept = np.empty((2, 0))
     while kept.shape[1] < draws:
@@ -220,19 +188,19 @@ def stable_probability(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> Probability:
-    """Find the probability that a stiffness and a constant delay are stable on all axes.
+    """Estimate the probability that a stiffness and a constant delay are stable on all axes.
 
     Parameters
     ----------
-    dyad : telespring.Dyad
-        The robots as estimated, and what holds them.
-    uncertainty : pair
+    dyad
+        The robots as estimated, and their operators.
+    uncertainty
         Of each robot, such as `telespring.Study.uncertainty`; None where it is known exactly.
-    stiffness : float
+    stiffness
         N/m.
-    delay : float or pair
-        One-way delay, s; only the mean of both ways counts.
-    draws, seed : int
+    delay
+        One-way delay, s; only the mean of both ways matters.
+    draws, seed
         Of the Monte Carlo.
 
     Returns
@@ -252,8 +220,8 @@ def stable_probability(
     >>> from types import SimpleNamespace
     >>> import telespring as ts
     >>> known = SimpleNamespace(mass_sd=[0.01, 0.01], damping_sd=[0.08, 0.1], correlation=[0.0, 0.0])
-    >>> found = stable_probability(ts.hman(), (known, known), 71.231976, 0.16718632)
-    >>> 0.45 < found.value < 0.55
+    >>> probability = stable_probability(ts.hman(), (known, known), 71.231976, 0.16718632)
+    >>> 0.45 < probability.value < 0.55
     True
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
@@ -280,20 +248,10 @@ def margin_uncertainty(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> MarginUncertainty:
-    """Carry the parameters' errors to critical stiffness, maximum delay and the verdict.
+    """Propagate the errors of the parameters to critical stiffness, maximum delay and the verdict.
 
-    Parameters
-    ----------
-    dyad : telespring.Dyad
-        The robots as estimated, and what holds them.
-    uncertainty : pair
-        Of each robot; None where it is known exactly.
-    stiffness : float
-        N/m, for the maximum delay and the verdict.
-    delay : float or pair
-        One-way delay, s; only the mean of both ways counts.
-    draws, seed : int
-        Of the Monte Carlo.
+    The stiffness is that of the maximum delay and the verdict; other arguments are as in
+    `stable_probability`.
 
     Returns
     -------
@@ -321,7 +279,7 @@ def margin_uncertainty(
 
 def _intervals(axis: str | None, critical: FloatArray, delay: FloatArray) -> AxisUncertainty:
     def interval(values: FloatArray) -> tuple[float, float]:
-        # By order, not by interpolation: some of the delays may be infinite.
+        # Without interpolation: some of the delays may be infinite.
         low, high = np.quantile(values, [0.025, 0.975], method="closest_observation")
         return float(low), float(high)
 
@@ -334,26 +292,11 @@ def delta_method(
     stiffness: float,
     axis: int = 0,
 ) -> tuple[float, float]:
-    """Give the standard deviations of critical stiffness and maximum delay to first order.
+    """Return the standard deviations of critical stiffness (N/m) and maximum delay (s) to first order.
 
-    The derivatives are central differences of the exact criteria. Good where the errors are small and the
-    margins are smooth; the Monte Carlo of `margin_uncertainty` needs neither.
-
-    Parameters
-    ----------
-    dyad : telespring.Dyad
-        The robots as estimated, and what holds them.
-    uncertainty : pair
-        Of each robot; None where it is known exactly.
-    stiffness : float
-        N/m, for the maximum delay.
-    axis : int
-        Counted from 0.
-
-    Returns
-    -------
-    critical_stiffness, maximum_delay : float
-        Standard deviations, N/m and s; NaN where the maximum delay is infinite.
+    The derivatives are central differences of the exact criteria. This is accurate where the errors are small
+    and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN where the
+    maximum delay is infinite.
     """
     judged = axes_of(dyad)[axis]
     middle = np.array(judged.parameters)

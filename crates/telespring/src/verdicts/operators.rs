@@ -190,6 +190,8 @@ pub(super) fn operator_points(at: &OperatorPair) -> [OperatorPoint; 2] {
 /// One tier on one axis, for the worst operators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisTier {
+    /// Which tier.
+    pub tier: Tier,
     /// The largest stiffness, N/m; `None` if the tier has no rule for this dyad.
     pub stiffness_bound: Option<f64>,
     /// True if that stiffness itself is allowed.
@@ -218,6 +220,7 @@ fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier
     let weakest = region.weakest_corner();
     let corners = region.corners();
     let none = AxisTier {
+        tier: Tier::AnyNetwork,
         stiffness_bound: None,
         attained: false,
         satisfied: false,
@@ -247,6 +250,7 @@ fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier
         }
     }
     AxisTier {
+        tier: Tier::AnyNetwork,
         stiffness_bound: Some(bound),
         attained,
         satisfied: is_within(bound, attained, k),
@@ -262,6 +266,7 @@ fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTi
         bounded_delay::stiffness_bound(damping, network.oldest_partner_sample(), network.oldest_own_sample())
     });
     AxisTier {
+        tier: Tier::BoundedVaryingDelay,
         stiffness_bound: bound,
         attained: false,
         satisfied: bound.is_some_and(|bound| k < bound),
@@ -349,6 +354,7 @@ fn constant_delay_tier(
     }
     let attained = tier == Tier::AnyConstantDelay && is_attained(&region.axis(&worst.0), worst.1);
     let verdict = AxisTier {
+        tier,
         stiffness_bound: Some(worst.1),
         attained,
         satisfied,

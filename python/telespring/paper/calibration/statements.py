@@ -13,8 +13,9 @@ from telespring.paper.calibration.least_squares import LeastSquares
 from telespring.paper.calibration.likelihood import Likelihood
 from telespring.paper.calibration.unknowns import UNKNOWNS
 from telespring.paper.table_1 import PublishedRow
+from telespring.show.quantities import format_error, format_signed
 
-__all__ = ["signed", "statements"]
+__all__ = ["statements"]
 
 #: From here on two unknowns count as hard to tell apart.
 _CORRELATED = 0.7
@@ -83,8 +84,8 @@ def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequen
     common, difference = found.misfit
     said = [
         f"With {_TITLES[name]} the fit is {_listed(found.values)}. It misses the mean of TE1 and TE2 of a "
-        f"condition by {_mm(common)} (root mean square) and half their difference by {_mm(difference)}; the "
-        f"sampling error of either is {_mm(sampling)}. "
+        f"condition by {format_error(common)} (root mean square) and half their difference by "
+        f"{format_error(difference)}; the sampling error of either is {format_error(sampling)}. "
         + (
             "The model does not hold to within that error."
             if max(common, difference) > 2 * sampling
@@ -114,7 +115,7 @@ def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequen
             f"{', '.join(unbounded)}."
         )
     close = [
-        f"{_WORDS[one]} and {_WORDS[two]} ({signed(found.correlation[i, j], 2)})"
+        f"{_WORDS[one]} and {_WORDS[two]} ({format_signed(found.correlation[i, j], 2)})"
         for i, one in enumerate(found.values)
         for j, two in enumerate(found.values)
         if i < j and abs(found.correlation[i, j]) >= _CORRELATED
@@ -151,7 +152,7 @@ def _of_likelihood(
     """Say that the likelihood was chosen, what another gives, and what holds under both."""
     both = scores["least squares"]["both"]
     held_out = (
-        f"the held-out cells are then missed by {_mm(both.rms_error)} (r.m.s.); rank correlation: "
+        f"the held-out cells are then missed by {format_error(both.rms_error)} (r.m.s.); rank correlation: "
         f"{_ranks(scores['least squares'])}, both together {_rank(both)}"
         if np.isfinite(both.rms_error)
         else "in held-out conditions trials then diverge, so that there is no score"
@@ -164,8 +165,8 @@ def _of_likelihood(
             "The likelihood is a choice: it takes the mean of a condition's two errors and half their "
             "difference apart, each with a misfit of its own, because one coupled motion is behind both. "
             "Plain least squares over the same fitted cells, with inertia on top, gives "
-            f"{_listed(alternative.values)}, at {_mm(alternative.rms)} (r.m.s. over those cells) in the "
-            f"place of {_mm(alternative.rms_of_fit)}; {held_out}."
+            f"{_listed(alternative.values)}, at {format_error(alternative.rms)} (r.m.s. over those cells) in "
+            f"the place of {format_error(alternative.rms_of_fit)}; {held_out}."
         ),
         (
             f"Under either likelihood the arm mass on top is about {masses[0]:.2f} kg."
@@ -188,10 +189,10 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
     better = "nearer to" if ours.rms_error < null.rms_error else "farther from"
     return [
         (
-            f"With {title} the {ours.cells} held-out cells are missed by {_mm(ours.rms_error)} (r.m.s., "
-            f"mean {_signed(ours.mean_error)} mm), {better} the published ones than the prediction that "
-            f"nothing changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the "
-            f"published means: {_ranks(scores[name])}."
+            f"With {title} the {ours.cells} held-out cells are missed by {format_error(ours.rms_error)} "
+            f"(r.m.s., mean {_signed(ours.mean_error)} mm), {better} the published ones than the prediction "
+            f"that nothing changes from the unconnected mode ({format_error(null.rms_error)}). Rank "
+            f"correlation with the published means: {_ranks(scores[name])}."
         ),
         _of_pooled_rank(title, ours, null),
     ]
@@ -322,28 +323,12 @@ def _high(key: str) -> float:
     return next(each.high for each in UNKNOWNS if each.name == key)
 
 
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.2f} mm" if length < 1e-3 else f"{1e3 * length:.1f} mm"
-
-
 def _pair(change: FloatArray) -> str:
     return f"{_signed(change[0])} and {_signed(change[1])} mm"
 
 
-def signed(value: float, digits: int) -> str:
-    """Write a number with its sign, a minus as it is printed; what rounds to zero has none.
-
-    Examples
-    --------
-    >>> signed(-1.26, 1), signed(0.5, 1), signed(-0.04, 1)
-    ('−1.3', '+0.5', '0.0')
-    """
-    text = f"{value:+.{digits}f}"
-    return (text if float(text) else text[1:]).replace("-", "−")
-
-
 def _signed(length: float) -> str:
-    return signed(1e3 * length, 1)
+    return format_signed(1e3 * length, 1)
 
 
 def _plain(length: float) -> str:
@@ -358,4 +343,4 @@ def _rank(found: Score) -> str:
     if found.rank_correlation is None or found.p_value is None:
         return "none"
     p = f"p = {found.p_value:.3f}" if found.p_value >= 0.001 else "p < 0.001"
-    return f"{signed(found.rank_correlation, 2)} ({p})"
+    return f"{format_signed(found.rank_correlation, 2)} ({p})"

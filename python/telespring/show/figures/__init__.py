@@ -1,7 +1,7 @@
-"""The figures of the paper, drawn from numbers that somebody else computed.
+"""The figures of the report, drawn with matplotlib.
 
-Every function takes plain numbers and gives a `matplotlib.figure.Figure`; none touches pyplot or
-computes stability. `to_svg` makes the text that stands in the report.
+Every function takes plain numbers and returns a `matplotlib.figure.Figure`; none uses pyplot or computes
+results. `to_svg` turns a figure into text for the report.
 """
 
 from telespring.show.figures.arms import ArmsPanel, arms_figure

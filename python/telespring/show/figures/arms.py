@@ -1,4 +1,4 @@
-"""Stability over stiffness and delay, with free handles and in arms that have a stiffness of their own."""
+"""Stability over stiffness and delay, with free handles and with arms at the handles."""
 
 from __future__ import annotations
 
@@ -7,16 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from telespring.show.figures.maps import MapColumn
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, panel_label, styled
+from telespring.show.figures.maps import STABLE, MapColumn, draw_stable_region
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    legend_line,
+    legend_mark,
+    panel_label,
+    styled,
+)
 
 __all__ = ["ArmsPanel", "arms_figure"]
-
-_STABLE = "#CFE8DF"
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,7 @@ class ArmsPanel:
 
 
 def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
-    """Draw for every axis where the dyad is stable in arms, and the boundary of free handles.
+    """Draw the stable region with arms, and the boundary with free handles, axis by axis.
 
     Parameters
     ----------
@@ -51,26 +56,12 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
         One per axis, side by side.
     longest
         Largest one-way delay drawn, s.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
-        delay = np.linspace(0.0, longest, 1201)
         for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
-            stiffness = np.array([each.stiffness for each in panel.held])
-            stable = np.zeros((delay.size, stiffness.size), dtype=bool)
-            for column, each in enumerate(panel.held):
-                for start, end in each.stable:
-                    stable[(delay >= start) & (delay < end), column] = True
-            axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[_STABLE])
-            axes.contour(
-                stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2
-            )
+            stiffness, _, _ = draw_stable_region(axes, panel.held, longest, points=1201)
             edge = np.where(np.isfinite(panel.free), panel.free, np.nan)
             axes.plot(stiffness, 1e3 * edge, color=COLOURS["vermilion"], linestyle=DASHES[1])
             for k, at, is_stable in panel.conditions:
@@ -94,32 +85,10 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
         black = COLOURS["black"]
         figure.legend(
             handles=[
-                Patch(facecolor=_STABLE, edgecolor=COLOURS["blue"], label="stable in arms"),
-                Line2D(
-                    [],
-                    [],
-                    color=COLOURS["vermilion"],
-                    linestyle=DASHES[1],
-                    label="free handles: stable below",
-                ),
-                Line2D(
-                    [],
-                    [],
-                    color=black,
-                    marker="o",
-                    markerfacecolor="white",
-                    linestyle="none",
-                    markersize=4.5,
-                    label="condition, stable in arms",
-                ),
-                Line2D(
-                    [],
-                    [],
-                    color=black,
-                    marker="X",
-                    linestyle="none",
-                    label="condition, unstable in arms",
-                ),
+                Patch(facecolor=STABLE, edgecolor=COLOURS["blue"], label="stable in arms"),
+                legend_line("free handles: stable below", COLOURS["vermilion"], DASHES[1]),
+                legend_mark("condition, stable in arms", black, "o", markerfacecolor="white", markersize=4.5),
+                legend_mark("condition, unstable in arms", black, "X"),
             ],
             loc="outside upper center",
             ncols=4,

@@ -1,4 +1,4 @@
-"""A calibration against published errors: cell by cell, along each unknown, and over pairs of unknowns."""
+"""Calibration against published errors: per cell, per unknown and per pair of unknowns."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    GREY,
+    legend_line,
+    legend_mark,
+    panel_label,
+    styled,
+)
 
 __all__ = [
     "CellSeries",
@@ -48,7 +56,7 @@ class CellSeries:
 
 @dataclass(frozen=True)
 class ProfileCurve:
-    """Rise of the deviance along an unknown, and the rise up to which a value is inside its interval."""
+    """Rise of the deviance along an unknown, and the threshold of its interval."""
 
     name: str
     values: Floats
@@ -103,18 +111,13 @@ def cells_figure(
         Error of both robots that is predicted where nothing changes from the unconnected mode, m.
     highest
         Largest error drawn, m; what lies above is marked at the edge with its value.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A panel for each robot.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 4.8), layout="constrained")
         rows = figure.subplots(2, 1, sharex=True)
         at = np.arange(len(labels), dtype=float)
         lowest = 1e3 * float(
-            min(np.nanmin(each.mean - each.standard_deviation) for each in (published, *simulated))
+            min(np.nanmin(series.mean - series.standard_deviation) for series in (published, *simulated))
         )
         for robot, axes in enumerate(rows):
             for i in fitted:
@@ -131,13 +134,13 @@ def cells_figure(
                 elinewidth=0.8,
                 capsize=1.5,
             )
-            for (colour, marker, beside), each in zip(_LOOKS, simulated, strict=False):
-                values = 1e3 * each.mean[:, robot]
+            for (colour, marker, beside), series in zip(_LOOKS, simulated, strict=False):
+                values = 1e3 * series.mean[:, robot]
                 inside = values <= 1e3 * highest
                 axes.errorbar(
                     at[inside] + beside,
                     values[inside],
-                    yerr=1e3 * each.standard_deviation[inside, robot],
+                    yerr=1e3 * series.standard_deviation[inside, robot],
                     color=colour,
                     marker=marker,
                     markersize=3.5,
@@ -163,19 +166,14 @@ def cells_figure(
             )
             panel_label(axes, "ab"[robot], f"robot {robot + 1}, {('skilled', 'less skilled')[robot]} agent")
         rows[1].set_xticks(at, list(labels), rotation=45, ha="right", rotation_mode="anchor")
-        black = COLOURS["black"]
         figure.legend(
             handles=[
-                Line2D(
-                    [], [], color=black, marker="o", linestyle="none", markersize=3.5, label=published.name
-                ),
+                legend_mark(published.name, COLOURS["black"], "o", markersize=3.5),
                 *(
-                    Line2D(
-                        [], [], color=colour, marker=marker, linestyle="none", markersize=3.5, label=each.name
-                    )
-                    for (colour, marker, _), each in zip(_LOOKS, simulated, strict=False)
+                    legend_mark(series.name, colour, marker, markersize=3.5)
+                    for (colour, marker, _), series in zip(_LOOKS, simulated, strict=False)
                 ),
-                Line2D([], [], color=COLOURS["green"], linestyle=DASHES[0], label="as unconnected"),
+                legend_line("as unconnected", COLOURS["green"], DASHES[0]),
                 Patch(facecolor=_FITTED, edgecolor="#B0B0B0", label="fitted; the rest is held out"),
             ],
             loc="outside upper center",
@@ -185,7 +183,7 @@ def cells_figure(
 
 
 def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Figure:
-    """Draw how the deviance rises along each unknown, the others free.
+    """Draw the profile of the deviance along each unknown, the others refitted.
 
     Parameters
     ----------
@@ -193,19 +191,14 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
         One per unknown.
     names
         Of the curves, up to two: the same name looks the same in every panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels side by side; a dotted line is the rise that ends a 95 % interval.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 2.5), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         looks = dict(zip(names, _VARIANTS, strict=False))
-        highest = 1.5 * max(curve.limit for each in panels for curve in each.curves)
-        for i, (axes, each) in enumerate(zip(row, panels, strict=True)):
-            for curve in each.curves:
+        highest = 1.5 * max(curve.limit for panel in panels for curve in panel.curves)
+        for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
+            for curve in panel.curves:
                 colour, dashes = looks[curve.name]
                 axes.plot(curve.values, curve.rise, color=colour, linestyle=dashes)
                 axes.axhline(curve.limit, color=colour, linestyle=DASHES[0], linewidth=0.8)
@@ -213,20 +206,17 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
                     [curve.best], [0.0], marker="o", color=colour, markersize=4, clip_on=False, zorder=5
                 )
             axes.set(
-                xlabel=each.label,
+                xlabel=panel.label,
                 ylim=(0.0, highest),
-                xlim=(0.0, max(curve.values[-1] for curve in each.curves)),
+                xlim=(0.0, max(curve.values[-1] for curve in panel.curves)),
             )
             panel_label(axes, "abcdef"[i])
         row[0].set_ylabel("Rise of the deviance")
         figure.legend(
             handles=[
-                *(
-                    Line2D([], [], color=colour, linestyle=dashes, label=name)
-                    for name, (colour, dashes) in looks.items()
-                ),
-                Line2D([], [], color=GREY, linestyle=DASHES[0], linewidth=0.8, label="limit, 95 %"),
-                Line2D([], [], color=GREY, marker="o", linestyle="none", markersize=4, label="optimum"),
+                *(legend_line(name, colour, dashes) for name, (colour, dashes) in looks.items()),
+                legend_line("limit, 95 %", GREY, DASHES[0], linewidth=0.8),
+                legend_mark("optimum", GREY, "o", markersize=4),
             ],
             loc="outside upper center",
             ncols=4,
@@ -235,7 +225,7 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
 
 
 def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
-    """Draw the ridges on which two unknowns replace each other.
+    """Draw the deviance over pairs of unknowns: ridges show which ones trade off.
 
     Parameters
     ----------
@@ -243,36 +233,31 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
         Pairs of unknowns.
     columns
         Panels in a row.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The darker, the likelier; the line bounds the pairs inside the 95 % limit, the cross is the optimum.
     """
     count = -(-len(panels) // columns)
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 2.05 * count + 0.4), layout="constrained")
         grid = figure.subplots(count, columns, squeeze=False)
         shading = None
-        for axes, each in zip(grid.ravel(), panels, strict=False):
+        for axes, panel in zip(grid.ravel(), panels, strict=False):
             shading = axes.contourf(
-                each.first,
-                each.second,
-                np.minimum(each.rise / each.limit, _RISES),
+                panel.first,
+                panel.second,
+                np.minimum(panel.rise / panel.limit, _RISES),
                 levels=np.linspace(0.0, _RISES, 9),
                 cmap="Blues_r",
             )
             axes.contour(
-                each.first,
-                each.second,
-                each.rise / each.limit,
+                panel.first,
+                panel.second,
+                panel.rise / panel.limit,
                 levels=[1.0],
                 colors=[COLOURS["vermilion"]],
                 linewidths=1.2,
             )
             axes.plot(
-                [each.best[0]],
-                [each.best[1]],
+                [panel.best[0]],
+                [panel.best[1]],
                 "X",
                 color=COLOURS["black"],
                 markeredgecolor="white",
@@ -280,8 +265,8 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
                 clip_on=False,
                 zorder=5,
             )
-            axes.set(xlabel=each.labels[0], ylabel=each.labels[1])
-            panel_label(axes, "", each.title)
+            axes.set(xlabel=panel.labels[0], ylabel=panel.labels[1])
+            panel_label(axes, "", panel.title)
         for axes in grid.ravel()[len(panels) :]:
             axes.set_visible(False)
         if shading is not None:
@@ -289,8 +274,8 @@ def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
             bar.set_label("Rise of the deviance over the 95 % limit")
         figure.legend(
             handles=[
-                Line2D([], [], color=COLOURS["vermilion"], linewidth=1.2, label="95 % limit"),
-                Line2D([], [], color=COLOURS["black"], marker="X", linestyle="none", label="optimum"),
+                legend_line("95 % limit", COLOURS["vermilion"], linewidth=1.2),
+                legend_mark("optimum", COLOURS["black"], "X"),
             ],
             loc="outside upper center",
             ncols=2,

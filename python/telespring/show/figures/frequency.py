@@ -1,4 +1,4 @@
-"""Fig. 4: magnitude and phase of one crossing of the loop, one parameter varied at a time."""
+"""Fig. 4: magnitude and phase of the loop's transfer function, one parameter varied at a time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["FrequencyCurve", "FrequencyFamily", "frequency_figure"]
 
 @dataclass(frozen=True)
 class FrequencyCurve:
-    """One curve: its factor in words, magnitude (1) and unwrapped phase (degree) over frequency."""
+    """One curve: label of its factor, magnitude (1) and unwrapped phase (degree) over frequency."""
 
     label: str
     magnitude: NDArray[np.float64]
@@ -42,11 +42,6 @@ def frequency_figure(frequency: NDArray[np.float64], families: Sequence[Frequenc
         rad/s, shared by all curves.
     families
         One per column, each with up to four curves.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two rows of panels; dots mark where the magnitude falls through 1.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.9), layout="constrained")

@@ -1,36 +1,72 @@
-"""Figs. 9 and 10: the excitation, and forces over velocity and acceleration with the fitted planes."""
+"""Figs. 9 and 10: the excitation, the fitted forces, and what the fit leaves."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from telespring._types import FloatArray
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
 
-if TYPE_CHECKING:
-    from telespring.identification.estimation import AxisIdentification, Identification
-    from telespring.identification.excitation import Excitation
+__all__ = [
+    "ExcitationPanel",
+    "RegressionPanel",
+    "ResidualPanel",
+    "excitation_figure",
+    "regression_figure",
+    "residual_figure",
+]
 
-__all__ = ["excitation_figure", "regression_figure", "residual_figure"]
+
+@dataclass(frozen=True, eq=False)
+class ExcitationPanel:
+    """One movement over one period: time (s), position (m), velocity (m/s), acceleration (m/s²)."""
+
+    name: str
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
 
 
-def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
-    """Draw velocity, position and acceleration over one period (Fig. 9).
+@dataclass(frozen=True, eq=False)
+class RegressionPanel:
+    """Forces of one robot on one axis: measured, estimated, and what remains, N.
 
-    Parameters
-    ----------
-    movements
-        Name and movement of each column, such as the paper's and a designed one.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column per movement, rows for velocity, position and acceleration.
+    `mass` and `damping` are estimates with both ends of their intervals, kg and N·s/m.
     """
+
+    label: str
+    time: FloatArray
+    measured: FloatArray
+    estimated: FloatArray
+    residual: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    mass: tuple[float, float, float]
+    damping: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualPanel:
+    """Residuals of one axis, N, their autocorrelation at lags in s, and which samples the fit used."""
+
+    axis: str
+    time: FloatArray
+    velocity: FloatArray
+    residual: FloatArray
+    used: np.ndarray[Any, np.dtype[np.bool_]]
+    lags: FloatArray
+    autocorrelation: FloatArray
+
+
+def excitation_figure(movements: Sequence[ExcitationPanel]) -> Figure:
+    """Draw velocity, position and acceleration over one period, one column per movement (Fig. 9)."""
     rows = (
         ("velocity", "Velocity, m/s", COLOURS["blue"], "solid", 1.0),
         ("position", "Position, mm", COLOURS["vermilion"], (0.0, (5.0, 1.6)), 1e3),
@@ -40,14 +76,12 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         grid = figure.subplots(3, len(movements), sharex="col", sharey="row", squeeze=False)
         letters = iter("abcdefghijklmnopqrstuvwxyz")
-        for i, (name, movement) in enumerate(movements):
-            time = np.linspace(0.0, movement.period, 801)
+        for i, movement in enumerate(movements):
             for axes, (quantity, label, colour, dash, scale) in zip(grid[:, i], rows, strict=True):
-                values = scale * getattr(movement, quantity)(time)
                 axes.axhline(0.0, color=GREY, linewidth=0.5)
-                axes.plot(time, values, color=colour, linestyle=dash)
+                axes.plot(movement.time, scale * getattr(movement, quantity), color=colour, linestyle=dash)
                 axes.margins(x=0.0)
-                panel_label(axes, next(letters), name if quantity == "velocity" else "")
+                panel_label(axes, next(letters), movement.name if quantity == "velocity" else "")
                 if i == 0:
                     axes.set_ylabel(label)
             grid[-1, i].set_xlabel("Time, s")
@@ -55,32 +89,18 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
     return figure
 
 
-def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
-    """Draw measured and estimated force, in time and as a plane over velocity and acceleration (Fig. 10).
-
-    Parameters
-    ----------
-    robots
-        Name and identification of each robot.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per robot and axis: force over time on the left, the plane on the right.
-    """
-    shown = [(name, found, axis) for name, found in robots for axis in found.axes]
+def regression_figure(panels: Sequence[RegressionPanel]) -> Figure:
+    """Draw forces in time, and as a plane over velocity and acceleration, row by row (Fig. 10)."""
     with styled():
-        figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(shown)), layout="constrained")
-        grid = figure.add_gridspec(len(shown), 2, width_ratios=(1.0, 1.0))
+        figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(panels)), layout="constrained")
+        grid = figure.add_gridspec(len(panels), 2, width_ratios=(1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
-        for i, (name, found, axis) in enumerate(shown):
-            time = found.signals.time
-            force = found.signals.force[axis.signals_index]
+        for i, panel in enumerate(panels):
             left = figure.add_subplot(grid[i, 0])
-            left.plot(time, force, color=COLOURS["black"], linewidth=1.6, label="measured")
+            left.plot(panel.time, panel.measured, color=COLOURS["black"], linewidth=1.6, label="measured")
             left.plot(
-                time,
-                axis.estimated_force,
+                panel.time,
+                panel.estimated,
                 color=COLOURS["orange"],
                 linestyle=(0.0, (3.0, 2.0)),
                 linewidth=1.2,
@@ -88,26 +108,24 @@ def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
             )
             left.set_ylabel("Force, N")
             left.margins(x=0.0)
-            panel_label(left, next(letters), f"{name}, axis {axis.axis}")
+            panel_label(left, next(letters), panel.label)
             if i == 0:
                 left.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.16), borderaxespad=0.0)
-            if i == len(shown) - 1:
+            if i == len(panels) - 1:
                 left.set_xlabel("Time, s")
-            _plane(figure.add_subplot(grid[i, 1], projection="3d"), found, axis, next(letters))
+            _plane(figure.add_subplot(grid[i, 1], projection="3d"), panel, next(letters))
     return figure
 
 
-def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: str) -> None:
-    """Draw the plane m a + b v and the samples, friction and offset taken off them."""
-    row = axis.signals_index
-    velocity, acceleration = found.signals.velocity[row], found.signals.acceleration[row]
-    linear = axis.mass.value * acceleration + axis.damping.value * velocity
+def _plane(axes: Any, panel: RegressionPanel, letter: str) -> None:
+    """Draw the plane m a + b v, and the samples without friction and offset."""
+    velocity, acceleration = panel.velocity, panel.acceleration
+    (m, *mass), (b, *damping) = panel.mass, panel.damping
+    linear = m * acceleration + b * velocity
     v, a = np.meshgrid(*(np.linspace(values.min(), values.max(), 9) for values in (velocity, acceleration)))
-    axes.plot_wireframe(
-        v, a, axis.mass.value * a + axis.damping.value * v, color=COLOURS["blue"], linewidth=0.4, alpha=0.7
-    )
+    axes.plot_wireframe(v, a, m * a + b * v, color=COLOURS["blue"], linewidth=0.4, alpha=0.7)
     axes.scatter(
-        velocity, acceleration, linear + axis.residual, s=3.0, color=COLOURS["vermilion"], depthshade=False
+        velocity, acceleration, linear + panel.residual, s=3.0, color=COLOURS["vermilion"], depthshade=False
     )
     axes.set_xlabel("Velocity, m/s", labelpad=-6.0)
     axes.set_ylabel("Acceleration, m/s²", labelpad=-6.0)
@@ -115,8 +133,8 @@ def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: s
     axes.tick_params(pad=-3.0, labelsize=6.0)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
-    mass, damping = (_with_error(*each.interval) for each in (axis.mass, axis.damping))
-    axes.set_title(rf"$\mathbf{{({letter})}}$ m = {mass} kg, b = {damping} N·s/m", loc="center", pad=-2.0)
+    estimates = f"m = {_with_error(*mass)} kg, b = {_with_error(*damping)} N·s/m"
+    axes.set_title(rf"$\mathbf{{({letter})}}$ {estimates}", loc="center", pad=-2.0)
 
 
 def _with_error(low: float, high: float) -> str:
@@ -126,70 +144,56 @@ def _with_error(low: float, high: float) -> str:
     return f"{0.5 * (low + high):.{digits}f} ± {half:.{digits}f}"
 
 
-def residual_figure(found: Identification) -> Figure:
-    """Draw what the model leaves of the force: over time, over velocity, and its autocorrelation.
+def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:
+    """Draw residuals over time and velocity, and their autocorrelation, one row per axis.
 
-    Parameters
-    ----------
-    found
-        What was identified.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per axis. Samples that the robust fit left out are crossed.
+    Samples that the robust fit left out are crossed.
     """
     with styled():
-        figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(found.axes)), layout="constrained")
-        grid = figure.subplots(len(found.axes), 3, squeeze=False, width_ratios=(1.5, 1.0, 1.0))
+        figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(panels)), layout="constrained")
+        grid = figure.subplots(len(panels), 3, squeeze=False, width_ratios=(1.5, 1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
-        for i, axis in enumerate(found.axes):
+        for i, panel in enumerate(panels):
             over_time, over_velocity, correlation = grid[i]
-            kept = (
-                axis.weights >= 0.5 if axis.fit.lags is not None else np.ones(axis.residual.size, dtype=bool)
-            )
-            velocity = found.signals.velocity[axis.signals_index]
-            for axes, abscissa in ((over_time, found.signals.time), (over_velocity, velocity)):
+            used = panel.used
+            for axes, abscissa in ((over_time, panel.time), (over_velocity, panel.velocity)):
                 axes.axhline(0.0, color=GREY, linewidth=0.5)
                 axes.plot(
-                    abscissa[kept],
-                    axis.residual[kept],
+                    abscissa[used],
+                    panel.residual[used],
                     ".",
                     color=COLOURS["blue"],
                     markersize=2.0,
                     label="counted",
                 )
-                if not kept.all():
+                if not used.all():
                     axes.plot(
-                        abscissa[~kept],
-                        axis.residual[~kept],
+                        abscissa[~used],
+                        panel.residual[~used],
                         "x",
                         color=COLOURS["vermilion"],
                         markersize=3.0,
                         label="left out",
                     )
             over_time.set_ylabel("Residual, N")
-            if not kept.all():
+            if not used.all():
                 over_time.legend(loc="upper right")
-            lags = np.arange(0, min(31, axis.residual.size // 4))
-            centred = axis.residual - axis.residual.mean()
-            total = float((centred**2).sum()) or 1.0
-            values = [float((centred[lag:] * centred[: centred.size - lag]).sum()) / total for lag in lags]
-            bound = 1.96 / np.sqrt(axis.residual.size)
-            spacing = float(found.signals.time[1] - found.signals.time[0])
+            bound = 1.96 / np.sqrt(panel.residual.size)
             correlation.axhspan(
                 -bound, bound, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, label="if independent"
             )
-            correlation.vlines(1e3 * spacing * lags, 0.0, values, color=COLOURS["black"], linewidth=1.0)
+            correlation.vlines(
+                1e3 * panel.lags, 0.0, panel.autocorrelation, color=COLOURS["black"], linewidth=1.0
+            )
             correlation.axhline(0.0, color=GREY, linewidth=0.5)
             correlation.set_ylabel("Autocorrelation")
             correlation.set_ylim(-0.6, 1.05)
-            panel_label(over_time, next(letters), f"axis {axis.axis}")
+            panel_label(over_time, next(letters), f"axis {panel.axis}")
             panel_label(over_velocity, next(letters))
             panel_label(correlation, next(letters))
             if i == 0:
                 correlation.legend(loc="upper right")
-            if i == len(found.axes) - 1:
+            if i == len(panels) - 1:
                 over_time.set_xlabel("Time, s")
                 over_velocity.set_xlabel("Velocity, m/s")
                 correlation.set_xlabel("Lag, ms")

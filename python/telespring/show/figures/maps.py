@@ -1,4 +1,4 @@
-"""Stability over stiffness and delay: what each promise allows, and where the paper's ends."""
+"""Maps of stability over stiffness and delay, exact and by the paper's formulas."""
 
 from __future__ import annotations
 
@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, panel_label, styled
+from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, legend_line, panel_label, styled
 
-__all__ = ["MapAxis", "MapColumn", "region_map", "tier_map"]
+__all__ = ["STABLE", "MapAxis", "MapColumn", "draw_stable_region", "region_map", "tier_map"]
 
-_STABLE = "#CFE8DF"
+Floats = NDArray[np.float64]
+
+
+STABLE = "#CFE8DF"
 _AXIS_COLOURS = (COLOURS["blue"], COLOURS["vermilion"], COLOURS["purple"], COLOURS["sky"])
 
 
@@ -37,6 +40,21 @@ class MapColumn:
     stable: Sequence[tuple[float, float]]
 
 
+def draw_stable_region(
+    axes: Axes, columns: Sequence[MapColumn], longest: float, points: int
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Shade the stable intervals of the columns; return stiffnesses (N/m), delays (s) and what is stable."""
+    stiffness = np.array([column.stiffness for column in columns])
+    delay = np.linspace(0.0, longest, points)
+    stable = np.zeros((delay.size, stiffness.size), dtype=bool)
+    for i, column in enumerate(columns):
+        for start, end in column.stable:
+            stable[(delay >= start) & (delay < end), i] = True
+    axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[STABLE])
+    axes.contour(stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2)
+    return stiffness, delay, stable
+
+
 def tier_map(
     axes_shown: Sequence[MapAxis],
     *,
@@ -47,7 +65,7 @@ def tier_map(
     extent: tuple[float, float],
     stable_for: str = "all axes",
 ) -> Figure:
-    """Draw what each of the four verdicts allows, with every axis' boundary and the paper's.
+    """Draw what each tier allows, with the exact boundary of every axis and the paper's.
 
     Parameters
     ----------
@@ -64,34 +82,29 @@ def tier_map(
         Largest stiffness (N/m) and delay (s) drawn.
     stable_for
         What the shaded region holds for, as the legend says it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The map.
     """
     widest, longest = extent
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
         axes = figure.subplots()
         stiffness = axes_shown[0].stiffness
-        worst = np.min([each.exact for each in axes_shown], axis=0)
-        axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=_STABLE, linewidth=0.0)
-        for each, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
-            shown = np.where(np.isfinite(each.exact), each.exact, np.nan)
-            axes.plot(each.stiffness, 1e3 * shown, color=colour, label=f"axis {each.name}, exact")
-            if each.printed is not None:
-                printed = np.where(np.isfinite(each.printed), each.printed, np.nan)
+        worst = np.min([axis.exact for axis in axes_shown], axis=0)
+        axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=STABLE, linewidth=0.0)
+        for axis, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
+            shown = np.where(np.isfinite(axis.exact), axis.exact, np.nan)
+            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact")
+            if axis.printed is not None:
+                printed = np.where(np.isfinite(axis.printed), axis.printed, np.nan)
                 inside = np.flatnonzero(1e3 * printed < 1e3 * longest)
                 axes.plot(
-                    each.stiffness[inside][::12],
+                    axis.stiffness[inside][::12],
                     1e3 * printed[inside][::12],
                     linestyle="none",
                     marker="o",
                     markersize=3.6,
                     markerfacecolor="white",
                     markeredgecolor=colour,
-                    label=f"axis {each.name}, paper",
+                    label=f"axis {axis.name}, paper",
                 )
         green, black = COLOURS["green"], COLOURS["black"]
         axes.axvline(any_network, color=green, linestyle=DASHES[0], label="any network: left of this")
@@ -112,8 +125,8 @@ def tier_map(
             )
         if conditions:
             axes.plot(
-                [each[0] for each in conditions],
-                [1e3 * each[1] for each in conditions],
+                [stiffness for stiffness, _ in conditions],
+                [1e3 * delay for _, delay in conditions],
                 linestyle="none",
                 marker="x",
                 markersize=4.5,
@@ -129,7 +142,7 @@ def tier_map(
             ylabel="One-way delay δ, ms",
         )
         handles, _ = axes.get_legend_handles_labels()
-        handles.insert(0, Patch(color=_STABLE, label=f"constant delay, stable: {stable_for}"))
+        handles.insert(0, Patch(color=STABLE, label=f"constant delay, stable: {stable_for}"))
         figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
     return figure
 
@@ -140,7 +153,7 @@ def region_map(
     longest: Sequence[float],
     marks: Sequence[tuple[float, float] | None],
 ) -> Figure:
-    """Draw the stable region of single axes, and what the paper calls stable beyond it.
+    """Draw the stable region of single axes, and what the paper wrongly calls stable.
 
     Parameters
     ----------
@@ -151,27 +164,13 @@ def region_map(
         Per panel the largest delay drawn, s.
     marks
         Per panel a stiffness and delay to mark, or None.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels side by side.
     """
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, 3.3), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for i, (axes, (title, columns, printed)) in enumerate(zip(grid, panels, strict=True)):
-            stiffness = np.array([column.stiffness for column in columns])
-            delay = np.linspace(0.0, longest[i], 801)
-            stable = np.zeros((delay.size, stiffness.size), dtype=bool)
-            for column, each in enumerate(columns):
-                for start, end in each.stable:
-                    stable[(delay >= start) & (delay < end), column] = True
+            stiffness, delay, stable = draw_stable_region(axes, columns, longest[i], points=801)
             claimed = delay[:, None] < np.where(np.isfinite(printed), printed, 2 * longest[i])[None, :]
-            axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[_STABLE])
-            axes.contour(
-                stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2
-            )
             wrong = claimed & ~stable
             if wrong.any():
                 axes.contourf(
@@ -199,20 +198,9 @@ def region_map(
         grid[0].set_ylabel("One-way delay δ, ms")
         figure.legend(
             handles=[
-                Patch(facecolor=_STABLE, edgecolor=COLOURS["blue"], label="stable (exact)"),
-                Patch(
-                    facecolor="none",
-                    edgecolor="black",
-                    hatch="//////",
-                    label="the paper says stable, it is not",
-                ),
-                Line2D(
-                    [],
-                    [],
-                    color=COLOURS["vermilion"],
-                    linestyle=DASHES[1],
-                    label="the paper's boundary (Eqs. 5 to 9)",
-                ),
+                Patch(facecolor=STABLE, edgecolor=COLOURS["blue"], label="stable (exact)"),
+                Patch(facecolor="none", edgecolor="black", hatch="//////", label="stable only by the paper"),
+                legend_line("the paper's boundary (Eqs. 5 to 9)", COLOURS["vermilion"], DASHES[1]),
             ],
             loc="outside upper center",
             ncols=3,

@@ -23,7 +23,7 @@ _VERDICT_COLOURS = {
 
 @dataclass(frozen=True)
 class NyquistPanel:
-    """One locus L(jω) for ω > 0, and what was counted on it.
+    """One locus L(jω) for ω > 0, and its encirclements of the critical point.
 
     Attributes
     ----------
@@ -50,17 +50,12 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
     ----------
     panels
         Rows of panels.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The grid, one scale for all panels.
     """
     rows, columns = len(panels), len(panels[0])
     with styled():
         figure = Figure(figsize=(FULL_WIDTH, FULL_WIDTH * rows / columns * 0.98), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        extent = 1.12 * max(1.0, max(float(np.abs(each.locus).max()) for row in panels for each in row))
+        extent = 1.12 * max(1.0, max(float(np.abs(panel.locus).max()) for row in panels for panel in row))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
         for row, row_panels in enumerate(panels):
             for column, panel in enumerate(row_panels):
@@ -91,7 +86,7 @@ def _draw(axes: Axes, panel: NyquistPanel, extent: float) -> None:
 
 
 def _arrow(axes: Axes, locus: NDArray[np.complex128], colour: str) -> None:
-    """Show the sense of rising frequency where the locus is a third of its way round."""
+    """Draw an arrow towards higher frequency, a third of the way along the locus."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(locus)))])
     at = int(np.searchsorted(length, 0.33 * length[-1]))
     before = int(np.searchsorted(length, 0.33 * length[-1] - 0.06))

@@ -1,4 +1,4 @@
-"""Stability pose by pose in arms that couple the axes, and where along the target's path they do."""
+"""Stability and coupling of the axes in the poses along the target's path."""
 
 from __future__ import annotations
 
@@ -8,10 +8,18 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    GREY,
+    legend_line,
+    legend_mark,
+    panel_label,
+    styled,
+)
 
 __all__ = ["PoseRange", "poses_figure"]
 
@@ -45,7 +53,7 @@ class PoseRange:
 def poses_figure(
     conditions: Sequence[PoseRange], places: NDArray[np.float64], cross_inertia: NDArray[np.float64]
 ) -> Figure:
-    """Draw how strongly the axes are coupled along the path, and each condition's range over the poses.
+    """Draw the coupling of the axes along the path, and the abscissa of each condition over the poses.
 
     Parameters
     ----------
@@ -55,11 +63,6 @@ def poses_figure(
         Positions of both handles, m, shape (pose, 2).
     cross_inertia
         Of robot 1 and 2 in each pose, arm included, over the diagonal; shape (pose, 2).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Path and ranges.
     """
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
     with styled():
@@ -71,7 +74,7 @@ def poses_figure(
             path.scatter(
                 x, y, s=(_WIDTH * share) ** 2 + 1.0, marker=marker, facecolors="none", edgecolors=colour
             )
-        worst = sorted({each.worst_position for each in conditions})
+        worst = sorted({condition.worst_position for condition in conditions})
         path.plot([1e3 * at[0] for at in worst], [1e3 * at[1] for at in worst], "*", color=black, ms=7.0)
         path.set(xlabel="x, mm", ylabel="y, mm")
         path.set_aspect("equal", adjustable="box")
@@ -79,14 +82,14 @@ def poses_figure(
         panel_label(path, "a", "cross-axis inertia (width)")
 
         ranges.axvline(0.0, color=GREY, linestyle=DASHES[1], linewidth=0.8)
-        for row, each in enumerate(conditions):
-            unstable = each.worst >= 0.0
-            ranges.plot([each.least, each.worst], [row, row], color=blue, linewidth=2.0)
+        for row, condition in enumerate(conditions):
+            unstable = condition.worst >= 0.0
+            ranges.plot([condition.least, condition.worst], [row, row], color=blue, linewidth=2.0)
             ranges.plot(
-                each.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
+                condition.independent, row, "D", color=vermilion, markerfacecolor="white", ms=4.5, zorder=4
             )
             ranges.plot(
-                each.worst,
+                condition.worst,
                 row,
                 "X" if unstable else "o",
                 color=black,
@@ -94,7 +97,7 @@ def poses_figure(
                 ms=6.0 if unstable else 4.0,
                 zorder=5,
             )
-        ranges.set_yticks(range(len(conditions)), [each.label for each in conditions])
+        ranges.set_yticks(range(len(conditions)), [condition.label for condition in conditions])
         ranges.set_ylim(max(len(conditions), 1) - 0.4, -0.6)
         ranges.set_xlabel("Spectral abscissa, 1/s")
         ranges.margins(x=0.08)
@@ -104,16 +107,16 @@ def poses_figure(
             ranges.set_axis_off()
 
         one, two = 100.0 * cross_inertia.max(axis=0)
-        ours: Any = {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
+        hollow: Any = {"markerfacecolor": "white", "markersize": 4.5}
         figure.legend(
             handles=[
-                Line2D([], [], marker="o", color=blue, label=f"robot 1 (largest {one:.2g} %)", **ours),
-                Line2D([], [], marker="s", color=vermilion, label=f"robot 2 (largest {two:.2g} %)", **ours),
-                Line2D([], [], marker="*", color=black, linestyle="none", label="where a condition is worst"),
-                Line2D([], [], color=blue, linewidth=2.0, label="from best to worst pose"),
-                Line2D([], [], marker="o", color=black, label="worst pose, stable", **ours),
-                Line2D([], [], marker="X", color=black, linestyle="none", label="worst pose, unstable"),
-                Line2D([], [], marker="D", color=vermilion, label="worst if uncoupled", **ours),
+                legend_mark(f"robot 1 (largest {one:.2g} %)", blue, "o", **hollow),
+                legend_mark(f"robot 2 (largest {two:.2g} %)", vermilion, "s", **hollow),
+                legend_mark("worst pose of a condition", black, "*"),
+                legend_line("from best to worst pose", blue, linewidth=2.0),
+                legend_mark("worst pose, stable", black, "o", **hollow),
+                legend_mark("worst pose, unstable", black, "X"),
+                legend_mark("worst if uncoupled", vermilion, "D", **hollow),
             ],
             loc="outside upper center",
             ncols=4,

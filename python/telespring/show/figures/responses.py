@@ -1,4 +1,4 @@
-"""Fig. 5: both robots' positions after opposite steps of force, over stiffness and delay."""
+"""Fig. 5: responses of both robots to opposite steps of force, over stiffness and delay."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, panel_label, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, legend_line, panel_label, styled
 
 __all__ = ["ResponsePanel", "response_figure"]
 
@@ -53,11 +52,6 @@ def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[Respons
         Names of the robots' axes.
     panels
         Rows of panels.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The grid; a panel whose motion grows has its own scale, printed on it.
     """
     rows, columns = len(panels), len(panels[0])
     longest = max(float(panel.time[-1]) for row in panels for panel in row)
@@ -91,12 +85,10 @@ def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[Respons
                     0.97, 0.04, words, transform=axes.transAxes, ha="right", fontsize=6.6, color="#303030"
                 )
         handles = [
-            Line2D(
-                [],
-                [],
-                color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
-                linestyle=_ROBOT_DASHES[robot],
-                label=f"robot {robot + 1}, axis {name}",
+            legend_line(
+                f"robot {robot + 1}, axis {name}",
+                _AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
+                _ROBOT_DASHES[robot],
             )
             for axis, name in enumerate(axis_names)
             for robot in range(2)

@@ -31,7 +31,7 @@ _LETTERS = 22
 
 @dataclass(frozen=True)
 class DrawnSide:
-    """What stands on one side of the laboratory.
+    """One side of the laboratory: robot, arm and agent.
 
     Attributes
     ----------
@@ -59,13 +59,7 @@ class DrawnSide:
 
 
 def dyad_schematic() -> Figure:
-    """Draw Fig. 1: two mass-spring-dampers whose spring takes each partner's position one delay late.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The free-body diagram.
-    """
+    """Draw Fig. 1: two masses with dampers, coupled by a spring through delayed positions."""
     with styled():
         figure, axes = _canvas(10.0, 3.5)
         axes.plot([0.15, 9.85], [0.75, 0.75], color=_INK, linewidth=1.0)
@@ -109,13 +103,7 @@ def dyad_schematic() -> Figure:
 
 
 def loop_schematic() -> Figure:
-    """Draw Fig. 2: the control loop, both robots and the delay of each way.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The block diagram.
-    """
+    """Draw Fig. 2: the control loop with both robots and both delays."""
     with styled():
         figure, axes = _canvas(10.0, 4.75)
         rows = ((3.4, 1, 2, 1.0, _FIRST), (1.2, 2, 1, -1.0, _SECOND))
@@ -179,7 +167,7 @@ def loop_schematic() -> Figure:
 
 
 def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -> Figure:
-    """Draw Fig. 6: both robots from above, what holds them, what is followed, and the virtual spring.
+    """Draw Fig. 6: both robots from above, with arms, agents, target and virtual spring.
 
     Parameters
     ----------
@@ -187,11 +175,6 @@ def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -
         The target's places in their order, m, of shape (point, 2).
     sides
         Of robots 1 and 2.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        (a) the targets on a screen, (b) the robots.
     """
     with styled():
         figure, axes = _canvas(10.0, 6.1)
@@ -245,7 +228,7 @@ def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -
 
 
 def _canvas(width: float, height: float) -> tuple[Figure, Axes]:
-    """Give empty axes with as many units of length as the width and height say."""
+    """Return empty axes that span the given width and height in units of length."""
     figure = Figure(figsize=(FULL_WIDTH, FULL_WIDTH * height / width))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(0.0, width), ylim=(0.0, height))
@@ -318,14 +301,14 @@ def _damper(axes: Axes, wall: _Point, mass: _Point) -> None:
 
 
 def _into_its_place(path: FloatArray, centre: _Point) -> tuple[FloatArray, float]:
-    """Scale a path, as wide as it is high, into its place; give half its width there too."""
+    """Scale a path into its place, and return half its width there too."""
     low, high = path.min(axis=0), path.max(axis=0)
     scale = 0.8 / max(float((high - low).max()) / 2.0, 1e-9)
     return np.asarray(centre) + scale * (path - (low + high) / 2.0), scale * float(high[0] - low[0]) / 2.0
 
 
 def _cloud(axes: Axes, centre: _Point, count: int, colour: str) -> None:
-    """Spots about the target, each with its own velocity; placed alike in every study."""
+    """Draw spots around the target, each with its own velocity, the same in every study."""
     random = np.random.default_rng(4)
     # More would be one blot.
     shown = min(count, 40)
@@ -342,7 +325,7 @@ def _cloud(axes: Axes, centre: _Point, count: int, colour: str) -> None:
 
 
 def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str, side: DrawnSide) -> _Point:
-    """Draw an H-shaped planar robot from above with what holds its handle; give the handle."""
+    """Draw an H-shaped planar robot from above, and return the place of its handle."""
     low, high, half = 1.15, 3.35, 1.15
     handle = (centre + (0.35 if number == 1 else -0.35), 2.35)
     for x in (centre - half, centre + half):

@@ -1,25 +1,36 @@
-"""One look for all figures: colours told apart by colour-blind readers, never colour alone."""
+"""The look of all figures: colours that colour-blind readers can tell apart, never colour alone."""
 
 from __future__ import annotations
 
-import html
 import io
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 
-__all__ = ["COLOURS", "DASHES", "FULL_WIDTH", "GREY", "SERIES", "panel_label", "styled", "to_svg"]
+__all__ = [
+    "COLOURS",
+    "DASHES",
+    "FULL_WIDTH",
+    "GREY",
+    "SERIES",
+    "legend_line",
+    "legend_mark",
+    "panel_label",
+    "styled",
+    "to_svg",
+]
 
 #: Width of a journal page's text, inch.
 FULL_WIDTH = 7.16
 
-#: Okabe and Ito's palette, by the names they gave.
+#: The palette of Okabe and Ito, by the names they gave.
 COLOURS = {
     "black": "#000000",
     "orange": "#E69F00",
@@ -76,7 +87,7 @@ _STYLE = {
 
 @contextmanager
 def styled(**overrides: object) -> Iterator[None]:
-    """Everything drawn or saved inside has this look, whatever the user's own settings are."""
+    """Draw and save with this look, whatever the user's own settings are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         # Any: the type of rcParams names every key that exists, a plain dict does not have it.
@@ -86,12 +97,22 @@ def styled(**overrides: object) -> Iterator[None]:
 
 
 def panel_label(axes: Axes, label: str, text: str = "") -> None:
-    """Write a panel's bold letter, and what it shows, above its top left corner."""
+    """Write the bold letter of a panel, and its title, above the top left corner."""
     axes.set_title(rf"$\mathbf{{({label})}}$ {text}" if label else text, loc="left", pad=3.0)
 
 
+def legend_line(label: str, colour: str, linestyle: LineStyleType = "solid", **style: Any) -> Line2D:
+    """Return a line for a legend."""
+    return Line2D([], [], color=colour, linestyle=linestyle, label=label, **style)
+
+
+def legend_mark(label: str, colour: str, marker: str, **style: Any) -> Line2D:
+    """Return a marker for a legend."""
+    return Line2D([], [], color=colour, linestyle="none", marker=marker, label=label, **style)
+
+
 def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
-    """Render a figure as the text of one `<svg>` element that can stand inside a page.
+    """Render a figure as one `<svg>` element that can stand inside a page.
 
     The same figure gives the same text every time: no date, no random identifiers.
 
@@ -102,32 +123,43 @@ def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
     name
         A word that is unique in the page; every identifier inside begins with it.
     title, description
-        What a reader who cannot see the figure is told.
+        For readers who cannot see the figure.
 
     Returns
     -------
     str
-        `<svg role="img" ...>` to `</svg>`, with nothing loaded from elsewhere.
+        `<svg role="img" ...>` to `</svg>`, which loads nothing from elsewhere.
     """
     buffer = io.StringIO()
     with styled(**{"svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    text = buffer.getvalue()
-    body = text[text.index("<svg") :]
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    # Several figures share the page: without the prefix their glyphs and clips would share names.
-    body = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', body)
-    body = re.sub(r'href="#([^"]+)"', rf'href="#{name}-\1"', body)
-    body = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", body)
-    # The page knows SVG's name spaces; as attributes they would be the page's only addresses.
-    body = re.sub(r'\s+xmlns(?::\w+)?="[^"]*"', "", body).replace("xlink:href", "href")
-    opening = f'<svg role="img" aria-labelledby="{name}-title {name}-description"'
-    words = (
-        f'<title id="{name}-title">{html.escape(title)}</title>'
-        f'<desc id="{name}-description">{html.escape(description)}</desc>'
-    )
-    body = re.sub(r'<svg\b([^>]*?) width="[^"]*pt"', r"<svg\1", body, count=1)
-    body = re.sub(r'<svg\b([^>]*?) height="[^"]*pt"', r"<svg\1", body, count=1)
-    body = body.replace("<svg", opening, 1)
-    end_of_tag = body.index(">") + 1
-    return (body[:end_of_tag] + words + body[end_of_tag:]).strip()
+    root = ET.fromstring(buffer.getvalue())
+    for metadata in root.findall("{*}metadata"):
+        root.remove(metadata)
+    for element in root.iter():
+        # A page knows SVG's namespaces; as attributes they would be its only addresses.
+        element.tag = _local_name(element.tag)
+        element.attrib = {
+            _local_name(key): _with_prefix(_local_name(key), value, f"{name}-")
+            for key, value in element.attrib.items()
+        }
+    size = {key: value for key, value in root.attrib.items() if key not in ("width", "height")}
+    root.attrib = {"role": "img", "aria-labelledby": f"{name}-title {name}-description", **size}
+    for i, (tag, text) in enumerate((("title", title), ("desc", description))):
+        words = ET.Element(tag, id=f"{name}-{'title' if tag == 'title' else 'description'}")
+        words.text = text
+        root.insert(i, words)
+    return ET.tostring(root, encoding="unicode").strip()
+
+
+def _local_name(name: str) -> str:
+    return name.rpartition("}")[2]
+
+
+def _with_prefix(key: str, value: str, prefix: str) -> str:
+    """Prefix an identifier or a reference to one: without it, the figures of a page would share names."""
+    if key == "id":
+        return prefix + value
+    if key == "href":
+        return value.replace("#", f"#{prefix}", 1)
+    return value.replace("url(#", f"url(#{prefix}")

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, legend_line, styled
 
 __all__ = ["ErrorGroup", "TrialPanel", "error_figure", "trajectory_figure"]
 
@@ -127,10 +127,10 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
                     _annotate(axes, 0.985, panel.note, "top", "#A03000")
         handles = [
             *(
-                Line2D([], [], color=_ROBOTS[robot], label=f"robot {robot + 1} ({side} of each pair)")
+                legend_line(f"robot {robot + 1} ({side} of each pair)", _ROBOTS[robot])
                 for robot, side in ((0, "left"), (1, "right"))
             ),
-            Line2D([], [], color="black", linewidth=0.6, label="target"),
+            legend_line("target", "black", linewidth=0.6),
         ]
         figure.legend(handles=handles, loc="upper center", ncols=3, borderaxespad=0.2)
         figure.supxlabel("Position x, mm", fontsize=7.5, y=0.05 / total, va="bottom")
@@ -260,13 +260,11 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         ]
         if baseline is not None:
             handles += [
-                Line2D(
-                    [],
-                    [],
-                    color="black",
+                legend_line(
+                    f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm",
+                    "black",
+                    (0.0, (4.0, 2.0)),
                     linewidth=0.7,
-                    linestyle=(0.0, (4.0, 2.0)),
-                    label=f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm",
                 ),
                 Line2D([], [], linestyle="none", label=f"↑ ↓ differs from TE2 in {baseline_name}, p < 0.05"),
             ]

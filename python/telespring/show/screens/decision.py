@@ -3,146 +3,92 @@
 from __future__ import annotations
 
 import math
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from telespring.decision.decide import Decision
+from telespring.decision.decide import AxisDecision, Decision
+from telespring.show.quantities import format_number, format_probability, format_stiffness, format_time
+from telespring.show.screens.arms import (
+    describe_arm_stability,
+    describe_operators,
+    describe_pace,
+    describe_poses,
+    describe_verdict,
+)
+from telespring.show.screens.robots import robot_notes
+from telespring.show.tiers import TIERS
+from telespring.theory.verdicts import DelayBudget
 
-__all__ = ["decision_screen", "digits_down"]
+__all__ = ["decision_screen"]
+
+#: Whether a tier's promise holds on this network, for a narrow column.
+_APPLIES = {
+    "met": Text("yes"),
+    "met behind playout buffer": Text("if buffered", style="yellow"),
+    "not met": Text("no", style="red"),
+}
+
+#: So many stable intervals are listed per axis.
+_INTERVALS = 6
 
 
 def decision_screen(decision: Decision, title: str) -> RenderableType:
-    """Lay a decision out for the terminal.
-
-    Parameters
-    ----------
-    decision
-        The answer.
-    title
-        What was judged, such as the study's name.
-
-    Returns
-    -------
-    rich.console.RenderableType
-        Headline, verdicts, margins, delay budget and what to change.
-    """
+    """Lay a decision out for the terminal: headline, verdicts, margins, delay budget and what to change."""
     return Group(
         _headline(decision, title),
-        *_beware(decision.warnings),
+        *_warnings(decision),
         _verdict_table(decision),
-        *_notes(decision),
-        _axis_table(decision),
-        _budget(decision),
+        *_verdict_notes(decision),
+        _margin_table(decision),
+        _delay_budget(decision),
         *_decay(decision),
         *_uncertainty(decision),
-        *_in_arms(decision),
+        *_arms(decision),
         _changes(decision),
     )
 
 
-def _beware(warnings: tuple[str, ...]) -> list[RenderableType]:
-    """Tell what to know about the robots, right below the answer."""
-    lines = [Text.assemble(("Beware: ", "bold yellow"), warning) for warning in warnings]
+def _warnings(decision: Decision) -> list[RenderableType]:
+    lines = [Text.assemble(("Warning: ", "bold yellow"), note) for note in robot_notes(decision)]
     return [Padding(Group(*lines), (0, 0, 1, 0))] if lines else []
 
 
-#: Whether the network is of the kind that a verdict assumes, for a narrow column.
-_FITS = {
-    "met": Text("fits"),
-    "met behind playout buffer": Text("if buffered", style="yellow"),
-    "not met": Text("does not fit", style="red"),
-}
+def _given_delay(delay: tuple[float, float]) -> str:
+    """Write a delay that was given, with as many digits as people write."""
+    forward, backward = (format_time(value, 6) for value in delay)
+    return f"{forward} each way" if delay[0] == delay[1] else f"{forward} forward and {backward} backward"
 
 
-#: So many intervals are told on one screen.
-_INTERVALS = 6
-
-
-def digits_down(value: float, shift: int = 0) -> str:
-    """Write a limit that must stay above what is safe to use: four digits, never more than the value.
-
-    Parameters
-    ----------
-    value
-        The limit, 0 or more.
-    shift
-        Show it times ten to this power: 3 for a length or a time in thousandths.
-
-    Returns
-    -------
-    str
-        The digits.
-
-    Examples
-    --------
-    >>> digits_down(0.16719, 3), digits_down(0.3, 3)
-    ('167.1', '300')
-    """
-    return _digits(value, shift, ROUND_FLOOR)
-
-
-def _digits(value: float, shift: int, rounding: str) -> str:
-    # The shortest decimal that reads back to the same number: 0.3 is then no less than 0.3.
-    shown = Context(prec=4, rounding=rounding).plus(Decimal(repr(float(value))).scaleb(shift))
-    return f"{float(shown):.4g}"
-
-
-def _stiffness(value: float) -> str:
-    """Write a stiffness that must not be exceeded."""
-    return "no limit" if math.isinf(value) else f"{digits_down(value)} N/m"
-
-
-def _delay(value: float, rounding: str = ROUND_FLOOR) -> str:
-    """Write a delay that must not be exceeded, or, rounded up, one that must."""
-    if math.isinf(value):
-        return "no limit"
-    return f"{_digits(value, 3, rounding)} ms" if value < 1 else f"{_digits(value, 0, rounding)} s"
-
-
-def _asked_delay(value: float) -> str:
-    """Write a delay that was asked about, with as many digits as one gives."""
-    return f"{value * 1e3:.6g} ms" if value < 1 else f"{value:.6g} s"
-
-
-def _each_way(delay: tuple[float, float]) -> str:
-    forward, backward = delay
-    if forward == backward:
-        return f"{_asked_delay(forward)} each way"
-    return f"{_asked_delay(forward)} there and {_asked_delay(backward)} back"
-
-
-def _constant_delay(decision: Decision) -> str:
+def _at_constant_delay(decision: Decision) -> str:
     if not decision.buffered:
         return "at this constant delay"
-    forward, backward = decision.constant_delay
-    delay = _asked_delay(forward) if forward == backward else _each_way(decision.constant_delay)
+    delay = _given_delay(decision.constant_delay).removesuffix(" each way")
     return f"at a constant delay of {delay} (behind a playout buffer)"
 
 
 def _headline(decision: Decision, title: str) -> Text:
-    asked = f"{title}: {decision.stiffness:.6g} N/m over {_each_way(decision.delay)}\n"
-    where = _constant_delay(decision)
+    question = f"{title}: {format_number(decision.stiffness, 6)} N/m over {_given_delay(decision.delay)}\n"
+    where = _at_constant_delay(decision)
     if decision.stable:
-        # What holds axis by axis is no answer for axes that are not independent.
+        # A verdict axis by axis does not cover axes that are not independent.
         word = "STABLE AXIS BY AXIS ONLY" if decision.axes_independent is False else "STABLE"
         style = "bold green" if word == "STABLE" else "bold yellow"
-        return Text.assemble((asked, "bold"), (word, style), f" {where}. {_margin(decision)}\n")
-    names = [axis.axis for axis in decision.axes if not axis.stable]
+        return Text.assemble((question, "bold"), (word, style), f" {where}. {_margins(decision)}\n")
+    names = [axis.name for axis in decision.axes if not axis.stable]
     unstable = f"{'axis' if len(names) == 1 else 'axes'} {', '.join(names)}"
     return Text.assemble(
-        (asked, "bold"), ("UNSTABLE", "bold red"), f" on {unstable} {where}{_pace(decision)}.\n"
+        (question, "bold"), ("UNSTABLE", "bold red"), f" on {unstable} {where}{_growth(decision)}.\n"
     )
 
 
-def _pace(decision: Decision) -> str:
-    """Tell how an unstable dyad leaves its rest, where the growth of the worst operators is known."""
+def _growth(decision: Decision) -> str:
+    """Describe how an unstable dyad leaves its rest, where the growth of the worst operators is known."""
     worst = decision.worst_axis
     if decision.continuous_stable:
-        why = " with controllers that sample"
+        why = " with sampled controllers"
         growth = worst.sampled_abscissa or 0.0
     elif decision.over_operator_ranges:
         return " for some operators in their ranges"
@@ -150,302 +96,318 @@ def _pace(decision: Decision) -> str:
         why = ""
         growth = worst.spectral_abscissa if worst.sampled_abscissa is None else worst.sampled_abscissa
     if growth > 0.0:
-        return f"{why}: it grows by the factor e every {_time(1 / growth)} (axis {worst.axis})"
-    return f"{why}: it swings on without end (axis {worst.axis})"
+        return f"{why}: it grows by a factor of e every {format_time(1 / growth)} (axis {worst.name})"
+    return f"{why}: it oscillates without decay (axis {worst.name})"
 
 
-def _time(value: float) -> str:
-    return f"{value * 1e3:.4g} ms" if value < 1 else f"{value:.4g} s"
-
-
-def _margin(decision: Decision) -> str:
-    """Tell how far delay and stiffness may go from a stable point."""
+def _margins(decision: Decision) -> str:
+    """Describe how far delay and stiffness may go from a stable point."""
     sentences = [_delay_margin(decision)]
     if decision.sampled_stable is not None:
         sentences = [
-            f"With continuous controllers: {_within(sentence)}" for sentence in sentences if sentence
+            f"With continuous controllers: {_lower_first(sentence)}" for sentence in sentences if sentence
         ]
-    more = decision.remedies.stiffness / decision.stiffness - 1.0
+    more = decision.stiffness_limit / decision.stiffness - 1.0
     if 0.0 < more < math.inf:
-        # In front, where it counts sampling and what follows does not.
+        # The stiffness margin accounts for sampling; where the delay margin does not, it comes after.
         place = 0 if decision.sampled_stable is not None else 1
-        sentences.insert(place, f"The stiffness may grow by {digits_down(more, 2)} %.")
+        sentences.insert(
+            place, f"The stiffness may grow by {format_number(more, rounding='down', shift=2)} %."
+        )
     return " ".join(sentence for sentence in sentences if sentence)
 
 
-def _within(sentence: str) -> str:
+def _lower_first(sentence: str) -> str:
     return sentence[:1].lower() + sentence[1:]
 
 
 def _delay_margin(decision: Decision) -> str:
     delay = decision.mean_delay
-    first = min((axis.maximum_delay, axis.axis) for axis in decision.axes)
-    if math.isinf(first[0]):
-        return "No constant delay of any length can change that."
-    end, ending = first
-    start, starting = 0.0, ""
+    end, end_axis = min((axis.maximum_delay, axis.name) for axis in decision.axes)
+    if math.isinf(end):
+        return "No constant delay, however long, destabilises it."
+    start, start_axis = 0.0, ""
     middle = ""
     cut_off = math.inf
-    if delay >= first[0]:
+    if delay >= end:
         # Some axis is in a later interval, and these are known for one operator only.
-        around = [(axis.stable_around, axis.axis) for axis in decision.axes]
+        around = [(axis.stable_around, axis.name) for axis in decision.axes]
         known = [(interval, name) for interval, name in around if interval is not None]
         if len(known) < len(around):
             return ""
-        start, starting = max((interval[0], name) for interval, name in known)
-        end, ending = min((interval[1], name) for interval, name in known)
+        start, start_axis = max((interval[0], name) for interval, name in known)
+        end, end_axis = min((interval[1], name) for interval, name in known)
         if decision.over_operator_ranges:
-            middle = "For the operators in the middle of their ranges, "
+            middle = "For operators in the middle of their ranges, "
         cut_off = max(decision.horizon, 2.0 * delay)
+    limit = format_time(end, rounding="down")
     if end >= cut_off:
-        sentence = f"The delay may grow to {_delay(end)} at least"
+        sentence = f"The delay may grow to {limit} at least"
     else:
-        sentence = f"The delay may grow by {_delay(end - delay)}, to {_delay(end)} (axis {ending})"
+        growth = format_time(end - delay, rounding="down")
+        sentence = f"The delay may grow by {growth}, to {limit} (axis {end_axis})"
     if start > 0.0:
-        sentence += (
-            f", and shrink by {_delay(delay - start)}, to {_delay(start, ROUND_CEILING)} (axis {starting})"
-        )
-    return (middle + _within(sentence) if middle else sentence) + "."
+        fall, low = format_time(delay - start, rounding="down"), format_time(start, rounding="up")
+        sentence += f", and shrink by {fall}, to {low} (axis {start_axis})"
+    return (middle + _lower_first(sentence) if middle else sentence) + "."
+
+
+def _table(title: str = "") -> Table:
+    # One space between columns, so that 80 of them hold the rules.
+    return Table(
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        box=None,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
 
 
 def _verdict_table(decision: Decision) -> Table:
-    table = Table(
-        title="What the network may do", title_justify="left", title_style="bold", box=None, pad_edge=False
-    )
-    table.add_column("verdict", no_wrap=True)
-    table.add_column("rule", ratio=1)
-    table.add_column("allows stiffness", justify="right", no_wrap=True)
+    table = _table("How stiff can the spring be?")
+    table.add_column("network", no_wrap=True)
+    table.add_column("rule", ratio=1, overflow="fold")
+    table.add_column("k, N/m", justify="right", no_wrap=True)
     table.add_column("axis", no_wrap=True)
     table.add_column("holds", no_wrap=True)
-    table.add_column("network", no_wrap=True)
-    for verdict in decision.verdicts:
-        rule = verdict.description.formula
-        if not verdict.available:
-            table.add_row(verdict.name, rule, "not available", "–", "–", "–")
+    table.add_column("applies", no_wrap=True)
+    names = [axis.name for axis in decision.axes]
+    verdicts = decision.verdicts
+    for verdict in reversed(verdicts.tiers):
+        formula = TIERS[verdict.tier].formula
+        if verdict.stiffness_bound is None:
+            table.add_row(verdict.tier, formula, "no rule", "–", "–", "–")
             continue
         table.add_row(
-            verdict.name,
-            rule,
-            _allowed(verdict.stiffness_allowed, verdict.attained),
-            verdict.axis or "–",
+            verdict.tier,
+            formula,
+            _allowed(verdict.stiffness_bound, verdict.attained),
+            "–" if verdict.worst_axis is None else names[verdict.worst_axis],
             _yes_or_no(verdict.satisfied),
-            _FITS[verdict.assumption],
+            _APPLIES[verdict.assumption],
         )
+    paper = verdicts.paper
+    table.add_row(
+        "paper",
+        TIERS["paper"].formula,
+        _allowed(paper.critical_stiffness, attained=True),
+        names[paper.critical_axis],
+        _yes_or_no(paper.stable),
+        _APPLIES[verdicts.tier("constant delay").assumption],
+    )
     return table
 
 
-def _allowed(bound: float, attained: bool = False) -> str:
+def _allowed(bound: float, attained: bool) -> str:
     """Write the stiffnesses that a bound allows."""
     if math.isinf(bound):
         return "no limit"
     if bound == 0.0:
         return "none"
     # A bound that is rounded down is itself allowed, but then so is everything below it.
-    return f"{'up to' if attained else 'below'} {_stiffness(bound)}"
-
-
-def _notes(decision: Decision) -> list[Text]:
-    notes = []
-    if decision.stiffness_allowed is not None:
-        allowed = _allowed(decision.stiffness_allowed, decision.stiffness_allowed_attained)
-        words = {"no limit": "any stiffness", "none": "no stiffness"}.get(allowed, f"a stiffness {allowed}")
-        notes.append(Text(f"This network as it is allows {words} ({decision.allowing_verdict})."))
-    if not decision.paper_agrees:
-        notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
-    if decision.sampled_stable is not None:
-        state = "stable" if decision.sampled_stable else "UNSTABLE"
-        notes.append(Text(f"With controllers that sample, {_constant_delay(decision)}: {state}."))
-    if decision.over_operator_ranges:
-        notes.append(
-            Text(
-                "Verdicts, kₘ exact and δₘ exact: the worst over the ranges of operators. The other margins: "
-                "for the operators in the middle of their ranges."
-            )
-        )
-    return notes
+    return f"{'up to' if attained else 'below'} {format_number(bound, rounding='down')}"
 
 
 def _yes_or_no(is_so: bool) -> Text:
     return Text("yes", style="green") if is_so else Text("no", style="red")
 
 
-def _axis_table(decision: Decision) -> Padding:
-    table = Table(title="Margins by axis", title_justify="left", title_style="bold", box=None, pad_edge=False)
-    table.add_column("axis")
-    for name in ("kₘ exact", "kₘ paper", "δₘ exact", "δₘ paper", "slowest root"):
+def _verdict_notes(decision: Decision) -> list[Text]:
+    notes = []
+    allowed = decision.verdicts.stiffness_allowed
+    if allowed is not None:
+        stiffness = _allowed(allowed.stiffness, allowed.attained)
+        what = {"no limit": "any stiffness", "none": "no stiffness"}.get(
+            stiffness, f"a stiffness {stiffness} N/m"
+        )
+        notes.append(Text(f"This network as it is allows {what} ({allowed.tier})."))
+    if not decision.verdicts.paper.agrees:
+        notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
+    if decision.sampled_stable is not None:
+        state = "stable" if decision.sampled_stable else "UNSTABLE"
+        notes.append(Text(f"With sampled controllers, {_at_constant_delay(decision)}: {state}."))
+    if decision.over_operator_ranges:
+        notes.append(
+            Text(
+                "The stiffnesses above, kₘ exact and δₘ exact are the worst over the ranges of operators; "
+                "the other margins are for operators in the middle of their ranges."
+            )
+        )
+    return notes
+
+
+def _margin_table(decision: Decision) -> Padding:
+    table = _table("Margins by axis: critical stiffness kₘ, maximum delay δₘ")
+    table.add_column("\naxis")
+    for name in ("kₘ exact\nN/m", "kₘ paper\nN/m", "δₘ exact\n", "δₘ paper\n", "slowest root\n1/s"):
         table.add_column(name, justify="right", no_wrap=True)
-    table.add_column(f"stable delays up to {_asked_delay(decision.horizon)}")
+    table.add_column(f"stable delays\nup to {format_time(decision.horizon, 6)}")
     for axis in decision.axes:
-        intervals = [
-            f"{_delay(start, ROUND_CEILING)} to {_delay(end)}"
-            for start, end in axis.stable_delays[:_INTERVALS]
-        ]
-        left = len(axis.stable_delays) - len(intervals)
-        stable = ", ".join(intervals) + (f", … {left} more" if left else "")
-        printed = "–" if math.isnan(axis.maximum_delay_paper) else _delay(axis.maximum_delay_paper)
+        printed = axis.maximum_delay_paper
         table.add_row(
-            Text(axis.axis, style="green" if axis.stable else "red"),
-            _stiffness(axis.critical_stiffness),
-            _stiffness(axis.critical_stiffness_paper),
-            _delay(axis.maximum_delay),
-            printed,
-            f"{axis.spectral_abscissa:.4g} 1/s",
-            stable or "none",
+            Text(axis.name, style="green" if axis.stable else "red"),
+            format_stiffness(axis.critical_stiffness).removesuffix(" N/m"),
+            format_stiffness(axis.critical_stiffness_paper).removesuffix(" N/m"),
+            format_time(axis.maximum_delay, rounding="down"),
+            "–" if math.isnan(printed) else format_time(printed, rounding="down"),
+            format_number(axis.spectral_abscissa),
+            _stable_delays(axis),
         )
     return Padding(table, (1, 0, 0, 0))
 
 
-def _budget(decision: Decision) -> Padding:
-    there, back = decision.delay_budget
-    lines = [_budget_line("each way", there)] if there == back else []
-    if not lines:
-        lines = [_budget_line("there", there), _budget_line("back", back)]
-    return Padding(Text.assemble(("Oldest sample in use, ", "bold"), "; ".join(lines)), (1, 0, 0, 0))
+def _stable_delays(axis: AxisDecision) -> str:
+    intervals = [
+        f"{format_time(start, rounding='up')} to {format_time(end, rounding='down')}"
+        for start, end in axis.stable_delays[:_INTERVALS]
+    ]
+    left = len(axis.stable_delays) - len(intervals)
+    return "\n".join(intervals + ([f"… {left} more"] if left else [])) or "none"
 
 
-def _budget_line(direction: str, parts: dict[str, float]) -> str:
-    used = " + ".join(f"{_asked_delay(seconds)} {part}" for part, seconds in parts.items() if seconds > 0.0)
-    return f"{direction}: {used or 'nothing'} = {_asked_delay(sum(parts.values()))}"
+def _delay_budget(decision: Decision) -> Padding:
+    forward, backward = decision.verdicts.delay_budget
+    if forward == backward:
+        lines = [_budget_line("each way", forward)]
+    else:
+        lines = [_budget_line("forward", forward), _budget_line("backward", backward)]
+    return Padding(
+        Text.assemble(("Age of the oldest sample in use, ", "bold"), "; ".join(lines)), (1, 0, 0, 0)
+    )
+
+
+def _budget_line(direction: str, budget: DelayBudget) -> str:
+    names = ("network", "jitter", "gap", "sampling", "computing")
+    parts = [(name, getattr(budget, name)) for name in names]
+    terms = " + ".join(f"{format_time(seconds, 6)} {name}" for name, seconds in parts if seconds > 0.0)
+    return f"{direction}: {f'{terms} = ' if terms else ''}{format_time(budget.total, 6)}"
+
+
+def _limits(decision: Decision) -> list[str]:
+    """Name what the margins that follow leave out."""
+    limits = ["continuous controllers"] if decision.sampled_stable is not None else []
+    return limits + (["operators in the middle of their ranges"] if decision.over_operator_ranges else [])
 
 
 def _decay(decision: Decision) -> list[Padding]:
-    decay = decision.decay
-    if decay is None:
+    if decision.decay_rate is None:
         return []
-    ranges = [
-        f"above {_digits(low, 0, ROUND_CEILING)} N/m"
-        if math.isinf(high)
-        else f"{_digits(low, 0, ROUND_CEILING)} to {_stiffness(high)}"
-        for low, high in decay.stiffness
-    ]
+    ranges = []
+    for low, high in decision.decay_stiffness:
+        start = f"{format_number(low, rounding='up')}"
+        ranges.append(f"above {start} N/m" if math.isinf(high) else f"{start} to {format_stiffness(high)}")
     stiffness = " or ".join(ranges) or "none"
-    limits = []
-    if decision.sampled_stable is not None:
-        limits.append("continuous controllers")
-    if decision.over_operator_ranges:
-        limits.append("operators in the middle of their ranges")
-    if limits:
+    if limits := _limits(decision):
         stiffness += f" ({', '.join(limits)})"
-    title = f"Stiffness at which every motion decays at {decay.rate:.4g} 1/s or faster: "
+    title = f"Stiffness at which every motion decays at {format_number(decision.decay_rate)} 1/s or faster: "
     return [Padding(Text.assemble((title, "bold"), stiffness), (1, 0, 0, 0))]
 
 
 def _uncertainty(decision: Decision) -> list[RenderableType]:
-    """Tell how well the margins are known where the robots are known within their errors only."""
+    """Show how well the margins are known where the robots have errors."""
     known = decision.uncertainty
     if known is None:
         return []
-    share, error = 100.0 * known.stable.value, 100.0 * known.stable.standard_error
-    limits = ["continuous controllers"] if decision.sampled_stable is not None else []
-    limits += ["operators in the middle of their ranges"] if decision.over_operator_ranges else []
-    draws = known.stable.draws
-    if known.stable.value in (0.0, 1.0):
-        # What no draw (or every one) shows is known to one draw in so many at best.
-        side, bound = ("below", 1.0 / draws) if known.stable.value == 0.0 else ("above", 1.0 - 1.0 / draws)
-        digits = math.ceil(math.log10(draws)) - 2
-        told = f"{side} {100.0 * bound:.{digits}f} % ({draws} draws)"
-    else:
-        digits = max(0, 1 - math.floor(math.log10(error)))
-        told = f"{share:.{digits}f} % (± {error:.{digits}f} %, {draws} draws)"
-    title = Text.assemble(
-        ("As well as the robots are known, ", "bold"),
-        f"this constant delay is stable with probability {told}{''.join(f', {limit}' for limit in limits)}.",
+    stable = known.stable
+    probability = format_probability(stable.value, stable.standard_error, stable.draws)
+    limits = "".join(f", {limit}" for limit in _limits(decision))
+    sentence = Text.assemble(
+        ("Given the errors of the robots, ", "bold"),
+        f"this constant delay is stable with probability {probability}{limits}.",
     )
-    table = Table(box=None, pad_edge=False)
+    table = _table()
     for name in ("axis", "kₘ, 95 %", "δₘ, 95 %"):
         table.add_column(name, justify="left" if name == "axis" else "right", no_wrap=True)
     for axis in known.axes:
         low, high = axis.critical_stiffness
+        first, last = axis.maximum_delay
+        delays = f"{format_time(first, rounding='down')} to {format_time(last, rounding='up')}"
         table.add_row(
             axis.axis,
-            f"{_digits(low, 0, ROUND_FLOOR)} to {_digits(high, 0, ROUND_CEILING)} N/m",
-            " to ".join(
-                _delay(end, rounding)
-                for end, rounding in zip(axis.maximum_delay, (ROUND_FLOOR, ROUND_CEILING), strict=True)
-            ),
+            f"{format_number(low, rounding='down')} to {format_number(high, rounding='up')} N/m",
+            "no limit" if math.isinf(first) else delays,
         )
-    return [Padding(title, (1, 0, 0, 0)), table]
+    return [Padding(sentence, (1, 0, 0, 0)), table]
 
 
-def _in_arms(decision: Decision) -> list[Padding]:
-    """Tell what the arms and agents that a study file names make of the answer."""
-    found = decision.in_arms
-    if found is None:
+def _arms(decision: Decision) -> list[Padding]:
+    """Show how the arms and agents that the study file names change the answer."""
+    arms = decision.arms
+    if arms is None:
         return []
-    held = "In the rehearsal arms and agents hold the handles"
-    if found.holding is None:
-        lines = [Text(f"{held}. In these arms: {found.in_words()}")]
-    else:
-        (one,) = found.conditions
-        verdict = ("stable", "bold green") if one.stable else ("unstable", "bold red")
-        where, how = "", one.pace()
-        if one.worst_position is not None:
-            how = f"{one.verdict().partition(', ')[2]}, {how}"
-        if one.unstable_poses and found.poses is not None:
-            where = f" in {one.unstable_poses} of {len(found.poses.places)} poses"
-        elif one.unstable_axes:
-            where = f" on {' and '.join(one.unstable_axes)}"
-        controllers = "" if decision.sampled_stable is None else " with continuous controllers"
-        arms = f"{held} ({found.holding.in_words()}). In these arms: "
-        lines = [Text.assemble(arms, verdict, f"{where}{controllers} ({how}).")]
-        if found.poses is not None:
-            lines.append(Text(f"{found.poses.in_words()}."))
+    held = "In the rehearsal, arms and agents hold the handles"
+    if arms.operators is None:
+        return [Padding(Text(f"{held}. In these arms: {describe_arm_stability(arms)}"), (1, 0, 0, 0))]
+    (condition,) = arms.conditions
+    verdict = ("stable", "bold green") if condition.stable else ("unstable", "bold red")
+    where, how = "", describe_pace(condition)
+    if condition.worst_position is not None:
+        how = f"{describe_verdict(condition).partition(', ')[2]}, {how}"
+    if condition.unstable_poses and arms.poses is not None:
+        where = f" in {condition.unstable_poses} of {len(arms.poses.positions)} poses"
+    elif condition.unstable_axes:
+        where = f" on {' and '.join(condition.unstable_axes)}"
+    controllers = "" if decision.sampled_stable is None else " with continuous controllers"
+    held_by = f"{held} ({describe_operators(arms.operators)}). In these arms: "
+    lines = [Text.assemble(held_by, verdict, f"{where}{controllers} ({how}).")]
+    if arms.poses is not None:
+        lines.append(Text(f"{describe_poses(arms.poses)}."))
     return [Padding(Group(*lines), (1, 0, 0, 0))]
 
 
 def _changes(decision: Decision) -> Padding:
     if decision.stable:
-        title, lines = "To be safe under more than this constant delay: ", _towards_more(decision)
+        title, lines = "To be safe beyond this constant delay: ", _towards_more(decision)
     else:
         title, lines = "To be stable at a constant delay, one of: ", _towards_stability(decision)
     return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))
 
 
 def _towards_stability(decision: Decision) -> list[str]:
-    remedies = decision.remedies
     softer = (
-        f"stiffness below {_stiffness(remedies.stiffness)}"
-        if remedies.stiffness > 0.0
+        f"stiffness below {format_stiffness(decision.stiffness_limit)}"
+        if decision.stiffness_limit > 0.0
         else "no stiffness is low enough"
     )
     if decision.continuous_stable:
-        return [softer, "controllers that sample faster: continuous ones are stable"]
+        return [softer, "a shorter sample period: continuous controllers are stable"]
     way = "each way" if decision.delay[0] == decision.delay[1] else "on average of both ways"
     counted = ", jitter and gaps included" if decision.buffered else ""
     nearer = (
-        f"delay below {_delay(remedies.delay)} {way}{counted}"
-        if remedies.delay > 0.0
+        f"delay below {format_time(decision.delay_limit, rounding='down')} {way}{counted}"
+        if decision.delay_limit > 0.0
         else "no delay is short enough"
     )
-    if math.isinf(remedies.added_damping):
+    if math.isinf(decision.added_damping):
         damped = "no damping is enough"
     else:
-        added = _digits(remedies.added_damping, 0, ROUND_CEILING)
-        damped = f"more than {added} N·s/m added to the damping of both robots"
+        added = format_number(decision.added_damping, rounding="up")
+        damped = f"more than {added} N·s/m of damping added to each robot"
     if decision.sampled_stable is not None:
-        nearer, damped = (f"{line} (with continuous controllers)" for line in (nearer, damped))
+        nearer, damped = (f"{line} (continuous controllers)" for line in (nearer, damped))
     return [softer, nearer, damped]
 
 
 def _towards_more(decision: Decision) -> list[str]:
-    strongest = decision.verdict("any network")
-    if strongest.available and strongest.satisfied:
+    strongest = decision.verdicts.tier("any network")
+    if strongest.stiffness_bound is not None and strongest.satisfied:
         return ["nothing to change"]
     lines = []
-    for name, promise in (
-        ("any constant delay", "under any constant delay"),
-        ("bounded varying delay", "while the delay varies within its budget"),
-        ("any network", "on any network"),
-    ):
-        verdict = decision.verdict(name)
-        if not verdict.available or (verdict.satisfied and verdict.assumption_met):
+    promises = {
+        "any constant delay": "under any constant delay",
+        "bounded varying delay": "while the delay varies within its budget",
+        "any network": "on any network",
+    }
+    for verdict in reversed(decision.verdicts.tiers):
+        promise, bound = promises.get(verdict.tier), verdict.stiffness_bound
+        if promise is None or bound is None or (verdict.satisfied and verdict.assumption_met):
             continue
         buffer = "" if verdict.assumption_met else " behind a playout buffer"
         if verdict.satisfied:
             lines.append(f"a playout buffer, to be stable {promise}")
-        elif verdict.stiffness_allowed > 0.0:
-            allowed = _allowed(verdict.stiffness_allowed, verdict.attained)
-            lines.append(f"stiffness {allowed} {promise}{buffer}")
+        elif bound > 0.0:
+            lines.append(f"stiffness {_allowed(bound, verdict.attained)} N/m {promise}{buffer}")
         else:
             lines.append(f"no stiffness is low enough {promise}{buffer}")
     return lines or ["nothing to change"]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring.model import Dyad, Operator
+from telespring.show.quantities import format_pair
 from telespring.theory.axis import Axis, axes_of, finite_or_none
 
 if TYPE_CHECKING:
@@ -111,8 +112,9 @@ class ArmsBoundary:
         for each in self.axes:
             same = (each.held.masses, each.held.dampings) == (each.free.masses, each.free.dampings)
             arms = "" if same else " and the arms' mass and damping"
+            held_by = format_pair(self.agent_stiffness, "N/m")
             found.append(
-                f"Axis {each.free.name}: held by {_newtons(self.agent_stiffness)}{arms}, no constant delay "
+                f"Axis {each.free.name}: held by {held_by}{arms}, no constant delay "
                 f"destabilises up to {each.held.critical_stiffness():.1f} N/m; with free handles up to "
                 f"{each.free.critical_stiffness():.1f} N/m."
             )
@@ -273,11 +275,6 @@ def _word(unstable: list[str]) -> str:
 
 def _on(unstable: list[str]) -> str:
     return f" on {' and '.join(unstable)}" if unstable else ""
-
-
-def _newtons(stiffness: tuple[float, float]) -> str:
-    one, two = stiffness
-    return f"{one:g} N/m" if one == two else f"{one:g} and {two:g} N/m"
 
 
 def _window(window: tuple[float, float], horizon: float) -> str:

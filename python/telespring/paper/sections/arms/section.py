@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from telespring.decision.arms import InArms, stability_in_arms
+from telespring.decision.arm_stability import ArmStability, arm_stability
 from telespring.model import Operator
 from telespring.paper.as_printed import EXPERIMENT_STIFFNESSES
 from telespring.paper.scene import Found, Scene
 from telespring.paper.sections.arms.boundary import boundary_in_arms, draw
 from telespring.show import figures
+from telespring.show.screens.arms import PATH_SECTIONS, describe_pace, describe_poses, describe_unavailable
 from telespring.theory.axis import axes_of
 
 if TYPE_CHECKING:
-    from telespring.decision.arms import ConditionInArms, Poses
-    from telespring.decision.handles import Holding
+    from telespring.decision.arm_stability import ConditionStability, PoseSample
+    from telespring.decision.equivalent_operators import EquivalentOperators
 
 __all__ = ["find_arms"]
 
@@ -27,39 +28,39 @@ def find_arms(scene: Scene) -> Found:
     if experiment is None:
         return Found()
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    found = stability_in_arms(scene.study, connected, scene.modules)
-    if found.holding is None:
-        why = f"Not known: {found.unknown}."
+    found = arm_stability(scene.study, connected, scene.modules)
+    if found.operators is None:
+        why = f"Not known: {describe_unavailable(found)}."
         return Found(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})
-    numbers = {"known": True, "depends_on_pose": found.poses is not None, **_holding(found.holding)}
+    numbers = {"known": True, "depends_on_pose": found.poses is not None, **_operators(found.operators)}
     if found.poses is None:
         # For its robots also the two largest stiffnesses as the paper prints them, rounded.
         printed = EXPERIMENT_STIFFNESSES[-2:] if scene.of_the_paper else ()
-        more, drawing = _boundary(found.holding, connected, printed)
+        more, drawing = _boundary(found.operators, connected, printed)
     else:
-        more, drawing = _along_the_path(found, found.holding, found.poses)
+        more, drawing = _along_the_path(found, found.operators, found.poses)
     return Found(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
 
 
-def _holding(holding: Holding) -> dict[str, Any]:
+def _operators(operators: EquivalentOperators) -> dict[str, Any]:
     return {
-        "agent_stiffness": list(holding.agent_stiffness),
-        "agent_damping": list(holding.agent_damping),
-        "arm_mass": [list(each) for each in holding.arm_mass],
-        "arm_damping": [list(each) for each in holding.arm_damping],
-        "massless": not holding.has_arms,
+        "agent_stiffness": list(operators.agent_stiffness),
+        "agent_damping": list(operators.agent_damping),
+        "arm_mass": [list(each) for each in operators.arm_mass],
+        "arm_damping": [list(each) for each in operators.arm_damping],
+        "massless": operators.arm_kinds == ("massless", "massless"),
     }
 
 
 def _boundary(
-    holding: Holding, connected: list[Condition], printed: tuple[float, ...]
+    operators: EquivalentOperators, connected: list[Condition], printed: tuple[float, ...]
 ) -> tuple[dict[str, Any], str]:
     """Find the boundary over stiffness and delay, where arms are alike in every pose."""
-    first, second = (Operator(each.mass, each.damping) for each in holding.held.operators)
+    first, second = (Operator(each.mass, each.damping) for each in operators.held.operators)
     found = boundary_in_arms(
-        holding.free,
+        operators.free,
         sorted({k for k, _ in connected} | set(printed)),
-        agent_stiffness=holding.agent_stiffness,
+        agent_stiffness=operators.agent_stiffness,
         arms=(first, second),
         conditions=connected,
         horizon=max(1.0, *(1.1 * delay for _, delay in connected), 0.0),
@@ -75,9 +76,11 @@ def _boundary(
     return found.numbers(), drawing
 
 
-def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict[str, Any], str]:
+def _along_the_path(
+    found: ArmStability, operators: EquivalentOperators, poses: PoseSample
+) -> tuple[dict[str, Any], str]:
     """Tell how stable the conditions are in the poses along the target's path."""
-    free = axes_of(holding.free)
+    free = axes_of(operators.free)
     conditions = []
     for each in found.conditions:
         delay = 0.5 * sum(each.delay)
@@ -112,7 +115,7 @@ def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict
                 )
                 for each in found.conditions
             ],
-            poses.places,
+            poses.positions,
             poses.cross_inertia,
         ),
         "arms",
@@ -121,8 +124,8 @@ def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict
         "the spectral abscissa over the poses; above zero is unstable. " + " ".join(statements),
     )
     numbers = {
-        "poses": len(poses.places),
-        "along": poses.along,
+        "poses": len(poses.positions),
+        "along": PATH_SECTIONS[poses.section],
         "axes_independent": poses.axes_are_independent,
         "cross_inertia": poses.cross_inertia.max(axis=0).tolist(),
         "conditions": conditions,
@@ -131,14 +134,14 @@ def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict
     return numbers, drawing
 
 
-def _statements(conditions: tuple[ConditionInArms, ...], poses: Poses) -> list[str]:
-    found = [f"{poses.in_words()}."]
+def _statements(conditions: tuple[ConditionStability, ...], poses: PoseSample) -> list[str]:
+    found = [f"{describe_poses(poses)}."]
     for each in conditions:
         where = f"Condition {each.stiffness:.0f} N/m, {500.0 * sum(each.delay):.0f} ms"
         if not each.stable:
             found.append(
-                f"{where}: unstable in {each.unstable_poses} of {len(poses.places)} poses, {each.pace()} "
-                f"in the worst."
+                f"{where}: unstable in {each.unstable_poses} of {len(poses.positions)} poses, "
+                f"{describe_pace(each)} in the worst."
             )
         if not each.complete:
             found.append(f"{where}: that no root was missed is not certain in every pose.")

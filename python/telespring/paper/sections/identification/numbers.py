@@ -15,6 +15,7 @@ from telespring.identification.regression import paper_reweightings
 from telespring.identification.simulated_logs import ARM, Noise, RigLog, rig_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
 from telespring.paper.reference import Reference, reference_of
+from telespring.show.decision_json import uncertainty_json
 from telespring.theory.axis import axes_of, finite_or_none
 
 if TYPE_CHECKING:
@@ -221,7 +222,7 @@ def _verdict(robots: tuple[Identification, Identification], reference: Reference
         for found in robots
     )
     stiffness = 2.0 * reference.stiffness
-    margins = margin_uncertainty(estimated, (one, two), stiffness, reference.delay).to_json()
+    margins = uncertainty_json(margin_uncertainty(estimated, (one, two), stiffness, reference.delay))
     axes = []
     for i, (margin, axis) in enumerate(zip(margins["axes"], axes_of(estimated), strict=True)):
         critical, longest = delta_method(estimated, (one, two), stiffness, i)

@@ -11,19 +11,19 @@ __all__ = ["find_identification"]
 def find_identification(scene: Scene) -> Found:
     """Drive the study's bare robots with the paper's excitation and estimate them from noisy logs."""
     from telespring.paper.sections.identification.numbers import study_identification
-    from telespring.show.figures.identification import excitation_figure, regression_figure, residual_figure
+    from telespring.show.identification_drawings import draw_excitation, draw_regression, draw_residuals
 
     found = study_identification(scene.study)
     names = [scene.robot_name(i) for i in (0, 1)]
     drawings = {
         "excitation": figures.to_svg(
-            excitation_figure(found.movements),
+            draw_excitation(found.movements),
             "excitation",
             "Velocity, position and acceleration of the excitation",
             "Two columns, the paper's movement and a designed one, over one period.",
         ),
         "regression": figures.to_svg(
-            regression_figure(list(zip(names, found.robots, strict=True))),
+            draw_regression(list(zip(names, found.robots, strict=True))),
             "regression",
             "Measured and estimated force, and its plane over velocity and acceleration",
             "A row per robot and axis: force over time on the left, samples and plane on the right.",
@@ -31,7 +31,7 @@ def find_identification(scene: Scene) -> Found:
     }
     for i, (name, robot) in enumerate(zip(names, found.robots, strict=True), start=1):
         drawings[f"residuals{i}"] = figures.to_svg(
-            residual_figure(robot),
+            draw_residuals(robot),
             f"residuals{i}",
             f"What the model leaves of the force, {name}",
             "A row per axis: over time, over velocity, and the autocorrelation.",

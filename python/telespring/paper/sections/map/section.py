@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from telespring.decision.decide import decide
 from telespring.paper import as_printed
 from telespring.paper.misprints import RETURNING
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify
@@ -16,6 +15,7 @@ from telespring.paper.scene import Found, Scene
 from telespring.show import figures
 from telespring.theory.axis import Axis, finite_or_none, free_axis
 from telespring.theory.criteria import maximum_delay
+from telespring.theory.verdicts import verdicts
 
 __all__ = ["find_examples", "find_map"]
 
@@ -31,14 +31,18 @@ def find_map(scene: Scene) -> Found:
         if axis.is_plain:
             printed = _printed_delay(axis, stiffness)
         shown.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
-    decision = decide(study.dyad, study.stiffness, base.delay, operator_ranges=study.operator_ranges)
-    any_network = decision.verdict("any network").stiffness_allowed
-    any_constant = decision.verdict("any constant delay").stiffness_allowed
-    varying = decision.verdict("bounded varying delay")
+    judged = verdicts(study.dyad, study.stiffness, base.delay, operator_range=study.operator_ranges)
+    any_network, any_constant, varying = (
+        math.nan if bound is None else bound
+        for bound in (
+            judged.tier(name).stiffness_bound
+            for name in ("any network", "any constant delay", "bounded varying delay")
+        )
+    )
     bounded = None
-    if varying.available and math.isfinite(varying.stiffness_allowed):
+    if math.isfinite(varying):
         # Without sampling the bound is a constant over the age of the oldest sample.
-        product = varying.stiffness_allowed * base.delay
+        product = varying * base.delay
         bounded = (stiffness, product / stiffness)
     conditions = [
         (k, delay)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from telespring.decision.decide import TIERS
 from telespring.model import Study
+from telespring.show.tiers import TIERS
 from telespring.theory.axis import finite_or_none
 from telespring.theory.verdicts import verdicts
 

@@ -18,15 +18,16 @@ import telespring as ts
 from jointed_arms import ARM, OTHER
 from telespring import cli
 from telespring._types import FloatArray
-from telespring.decision.arms import InArms, names_arms_or_agents, stability_in_arms
-from telespring.decision.handles import holding_of, places_of
+from telespring.decision.arm_stability import arm_stability
+from telespring.decision.equivalent_operators import equivalent_operators
+from telespring.decision.target_positions import target_positions
 from telespring.paper.page import render
 from telespring.paper.scene import Scene
 from telespring.paper.sections.arms.section import find_arms
 from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.paper.sections.robots.section import find_allowed
 from telespring.show import figures
-from telespring.study.editing import with_values
+from telespring.show.screens.arms import describe_unavailable
 from telespring.theory.poses import pose_stability
 
 LUMPED: dict[str, Any] = {
@@ -38,7 +39,7 @@ CONDITIONS = [(35.6, 0.167), (71.2, 0.05), (142.0, 0.09), (142.0, 0.2)]
 
 
 def jointed(**more: Any) -> ts.Study:
-    return with_values(ts.Study.paper(), {"arm1": ARM, "arm2": OTHER, **more})
+    return ts.Study.paper().replace(**{"arm1": ARM, "arm2": OTHER, **more})
 
 
 def command(*arguments: str | Path) -> Result:
@@ -55,8 +56,8 @@ def written(folder: Path, study: ts.Study, more: str = "") -> Path:
 
 
 def test_cross_collocation_has_the_abscissa_in_lumped_arms() -> None:
-    study = with_values(ts.Study.paper(), LUMPED)
-    found = stability_in_arms(study, CONDITIONS)
+    study = ts.Study.paper().replace(**LUMPED)
+    found = arm_stability(study, CONDITIONS)
     k, delay = np.array(CONDITIONS).T
     one, two = ts.hman().robots
     abscissae = []
@@ -85,8 +86,8 @@ def test_cross_collocation_has_the_abscissa_in_lumped_arms() -> None:
 
 
 def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
-    study = with_values(ts.Study.paper(), LUMPED)
-    found = stability_in_arms(study, CONDITIONS)
+    study = ts.Study.paper().replace(**LUMPED)
+    found = arm_stability(study, CONDITIONS)
     operators = (ts.Operator([0.8, 0.5], [3.0, 2.3], 90.0), ts.Operator(0.4, 0.6, 120.0))
     dyad = ts.Dyad(*ts.hman().robots, operators)
     for each in found.conditions:
@@ -94,7 +95,7 @@ def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
         assert each.spectral_abscissa == pytest.approx(worst, abs=1e-12)  # rounding of the sums
     # the report's boundary says the same of the same conditions
     conditions = [{"stiffness": k, "delay": d} for k, d in CONDITIONS]
-    study = with_values(study, {"protocol": {"conditions": conditions}})
+    study = study.replace(protocol={"conditions": conditions})
     numbers = find_arms(Scene.of(study)).numbers["arms"]
     assert [each["in_arms"] == "stable" for each in numbers["conditions"]] == [
         c.stable for c in found.conditions
@@ -115,9 +116,9 @@ def test_law_lumped_arms_are_operators_in_the_papers_criterion() -> None:
 
 
 def test_law_arms_take_the_place_of_the_operators() -> None:
-    plain = stability_in_arms(ts.Study.paper(), CONDITIONS)
-    held = with_values(ts.Study.paper(), {"operator1": {"mass": 1.0, "damping": 3.0, "stiffness": 50.0}})
-    assert stability_in_arms(held, CONDITIONS).conditions == plain.conditions
+    plain = arm_stability(ts.Study.paper(), CONDITIONS)
+    held = ts.Study.paper().replace(operator1={"mass": 1.0, "damping": 3.0, "stiffness": 50.0})
+    assert arm_stability(held, CONDITIONS).conditions == plain.conditions
 
 
 # Two-link arms
@@ -168,11 +169,11 @@ def collocated_abscissa(sides: list[tuple[FloatArray, FloatArray, float]], k: fl
 
 
 def test_cross_collocation_has_the_abscissa_of_the_worst_pose_and_of_no_worse() -> None:
-    found = stability_in_arms(jointed(), [(142.0, 0.15)])
+    found = arm_stability(jointed(), [(142.0, 0.15)])
     (each,) = found.conditions
     assert found.poses is not None
     abscissae = []
-    for place in found.poses.places:
+    for place in found.poses.positions:
         sides = []
         for arm, robot in zip((ARM, OTHER), ts.hman().robots, strict=True):
             mass, damping = handle_matrices(arm, place)
@@ -182,25 +183,25 @@ def test_cross_collocation_has_the_abscissa_of_the_worst_pose_and_of_no_worse() 
     assert each.spectral_abscissa == pytest.approx(max(abscissae), abs=1e-7)
     assert each.least_abscissa == pytest.approx(min(abscissae), abs=1e-7)
     assert each.unstable_poses == np.count_nonzero(np.array(abscissae) > 0)
-    assert each.worst_position == tuple(found.poses.places[int(np.argmax(abscissae))])
+    assert each.worst_position == tuple(found.poses.positions[int(np.argmax(abscissae))])
 
 
 def test_law_more_poses_find_no_pose_much_worse() -> None:
     study = jointed()
-    (coarse,) = stability_in_arms(study, [(142.0, 0.15)]).conditions
+    (coarse,) = arm_stability(study, [(142.0, 0.15)]).conditions
     assert study.experiment is not None
     angle = np.linspace(0.0, 2 * np.pi, 500, endpoint=False)
-    holding = holding_of(study, study.experiment)
+    operators = equivalent_operators(study, study.experiment)
     path = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
-    fine = pose_stability(holding.held, holding.jointed, 142.0, 0.15, path)
+    fine = pose_stability(operators.held, operators.jointed, 142.0, 0.15, path)
     # 0.01 1/s: of an abscissa that spans several tenths over the path
     assert fine.worst_abscissa - coarse.spectral_abscissa < 0.01
 
 
 def test_law_a_two_link_arm_without_mass_is_no_arm() -> None:
     nothing = {**ARM, "link_mass": 0.0, "link_inertia": 0.0, "joint_damping": 0.0, "rotor_inertia": 0.0}
-    found = stability_in_arms(jointed(arm1=nothing, arm2=nothing), CONDITIONS)
-    plain = stability_in_arms(ts.Study.paper(), CONDITIONS)
+    found = arm_stability(jointed(arm1=nothing, arm2=nothing), CONDITIONS)
+    plain = arm_stability(ts.Study.paper(), CONDITIONS)
     assert found.poses is not None
     assert found.poses.axes_are_independent
     for one, other in zip(found.conditions, plain.conditions, strict=True):
@@ -228,7 +229,7 @@ def test_cross_the_rig_grows_in_one_pose_as_its_abscissa_says(stiffness: float, 
         agent2={"kind": "blurred", "spot_velocity": 1e-9},
         protocol={"trials": 1, "duration": 12.0, "discard": 1.0},
     )
-    (each,) = stability_in_arms(study, [(stiffness, delay)]).conditions
+    (each,) = arm_stability(study, [(stiffness, delay)]).conditions
     assert each.spectral_abscissa > 0.2
     # until the growth, a millionfold, has left the spots behind
     measured = growth(study, stiffness, delay, 14.0 / each.spectral_abscissa)
@@ -238,7 +239,7 @@ def test_cross_the_rig_grows_in_one_pose_as_its_abscissa_says(stiffness: float, 
 
 def test_cross_along_the_figure_the_rig_grows_where_every_pose_is_unstable_and_only_there() -> None:
     study = jointed(agent2={"kind": "blurred", "spot_velocity": 1e-6})
-    unstable, stable = stability_in_arms(study, [(200.0, 0.15), (71.2, 0.05)]).conditions
+    unstable, stable = arm_stability(study, [(200.0, 0.15), (71.2, 0.05)]).conditions
     assert unstable.least_abscissa > 0
     assert stable.spectral_abscissa < 0
     assert growth(study, 200.0, 0.15, 12.0) > 0.2
@@ -254,34 +255,34 @@ def test_law_places_lie_on_the_targets_path_and_cover_it(tmp_path: Path) -> None
     )
     study = jointed(task={"kind": "python", "function": "mine:circle"}, protocol={"duration": 6.0})
     assert study.experiment is not None
-    places, along = places_of(study.experiment, tmp_path)
-    assert along == "a whole trial of the target"
+    places, section = target_positions(study.experiment, tmp_path)
+    assert section == "whole trial"
     assert len(places) == 32
     np.testing.assert_allclose(np.hypot(*places.T), 0.1, rtol=1e-12)  # rounding of sine and cosine
     angles = np.sort(np.arctan2(places[:, 1], places[:, 0]))
     # 32 points spread one after the other leave no gap of a sixteenth of the circle
     assert np.diff(angles, append=angles[0] + 2 * np.pi).max() < 2 * np.pi / 16 + 1e-3
-    figure, along = places_of(jointed().experiment)  # type: ignore[arg-type]  # has two axes
-    assert along == "one period of the target"
+    figure, section = target_positions(jointed().experiment)  # type: ignore[arg-type]  # has two axes
+    assert section == "period"
     assert len({tuple(place) for place in figure}) == len(figure) == 31
-    still, _ = places_of(jointed(task={"amplitude": [0.0, 0.0]}).experiment)  # type: ignore[arg-type]
+    still, _ = target_positions(jointed(task={"amplitude": [0.0, 0.0]}).experiment)  # type: ignore[arg-type]
     assert still.tolist() == [[0.0, 0.0]]
 
 
 # What is not known
 
 
-def unknown(study: ts.Study, folder: Path | None = None) -> InArms:
-    found = stability_in_arms(study, CONDITIONS, folder)
-    assert found.holding is None
+def reason(study: ts.Study, folder: Path | None = None) -> str:
+    found = arm_stability(study, CONDITIONS, folder)
+    assert found.operators is None
     assert not found.conditions
-    assert found.unknown
-    return found
+    assert found.unavailable
+    return describe_unavailable(found) or ""
 
 
 def test_law_nobody_knows_the_stiffness_of_a_program(root: Path) -> None:
     study = ts.Study.read(root / "examples" / "tremor.toml")
-    assert "agent 2 is the program tremor_agents:Tremor" in (unknown(study).unknown or "")
+    assert "agent 2 is the program tremor_agents:Tremor" in reason(study)
     found = find_arms(Scene.of(study))
     assert not found.numbers["arms"]["known"]
     assert not found.drawings
@@ -289,9 +290,9 @@ def test_law_nobody_knows_the_stiffness_of_a_program(root: Path) -> None:
 
 def test_law_a_target_out_of_reach_or_unusable_is_told_and_not_judged(tmp_path: Path) -> None:
     far = jointed(arm1={**ARM, "base": [0.0, -0.6]})
-    assert "reach" in (unknown(far).unknown or "")
+    assert "reach" in reason(far)
     missing = jointed(task={"kind": "python", "function": "nowhere:target"})
-    assert "nowhere" in (unknown(missing, tmp_path).unknown or "")
+    assert "nowhere" in reason(missing, tmp_path)
 
 
 def test_law_robots_of_one_axis_have_no_arms() -> None:
@@ -300,7 +301,7 @@ def test_law_robots_of_one_axis_have_no_arms() -> None:
         "coupling.stiffness = 20\nnetwork.delay = 0.05"
     )
     with pytest.raises(ts.InvalidInput, match="two axes"):
-        stability_in_arms(lonely, CONDITIONS)
+        arm_stability(lonely, CONDITIONS)
 
 
 # Commands and report
@@ -308,14 +309,14 @@ def test_law_robots_of_one_axis_have_no_arms() -> None:
 
 def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp_path: Path) -> None:
     path = written(tmp_path, ts.Study.paper())
-    assert not names_arms_or_agents(path)
+    assert not ts.Study.read(path).names_arms_or_agents
     plain = command("decide", path)
     assert "arms" not in plain.stdout
     assert json.loads(command("decide", path, "--json").stdout)["in_arms"] is None
     written(tmp_path, ts.Study.paper(), '\n[agent1]\nkind = "skilled"\n')
     named = command("decide", path, "--stiffness", "142", "--delay", "0.084")
     assert named.exit_code == 0
-    assert "In these arms: unstable on x (growing by the factor e every 12 s)" in named.stdout
+    assert "In these arms: unstable on x (growing by a factor of e every 12 s)" in named.stdout
     told = json.loads(command("decide", path, "--stiffness", "142", "--delay", "0.084", "--json").stdout)
     assert told["in_arms"]["unstable_axes"] == ["x"]
     assert not told["in_arms"]["stable"]
@@ -334,7 +335,7 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
 
 def test_law_decide_judges_the_delay_behind_the_buffer(tmp_path: Path) -> None:
     path = written(tmp_path, ts.Study.paper(), '\n[agent1]\nkind = "skilled"\n')
-    (expected,) = stability_in_arms(ts.Study.paper(), [(142.0, 0.09)]).conditions
+    (expected,) = arm_stability(ts.Study.paper(), [(142.0, 0.09)]).conditions
     arguments = ("decide", path, "--stiffness", "142", "--delay", "0.05", "--jitter", "0.04", "--json")
     told = json.loads(command(*arguments).stdout)["in_arms"]
     assert told["spectral_abscissa"] == pytest.approx(expected.spectral_abscissa, abs=1e-12)  # 0.05 + 0.04
@@ -382,9 +383,9 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert not arms["axes_independent"]
     assert "The axes are not independent" in html
     assert 'id="figure-arms"' in html
-    _, html = page(with_values(ts.Study.paper(), LUMPED))
+    _, html = page(ts.Study.paper().replace(**LUMPED))
     assert "which are the same in every pose" in html
-    arms, html = page(with_values(ts.Study.paper(), {"agent2": {"kind": "python", "class": "mine:Spring"}}))
+    arms, html = page(ts.Study.paper().replace(agent2={"kind": "python", "class": "mine:Spring"}))
     assert not arms["known"]
     assert "Not known: agent 2 is the program mine:Spring" in html
     arms, html = page(ts.Study.paper())
@@ -392,7 +393,7 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert "massless and undamped here" in html
     # nothing but the unconnected mode: nothing to judge, nothing that fails
     for study in (ts.Study.paper(), jointed()):
-        arms, _ = page(with_values(study, {"protocol": {"conditions": []}}))
+        arms, _ = page(study.replace(protocol={"conditions": []}))
         assert arms["conditions"] == []
 
 

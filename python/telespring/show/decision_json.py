@@ -1,0 +1,180 @@
+"""The answer of `telespring decide --json`: SI units, and None for what is infinite or does not exist."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from telespring.decision.arm_stability import ArmStability
+from telespring.decision.decide import AxisDecision, Decision
+from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
+from telespring.show.screens.arms import describe_unavailable
+from telespring.show.screens.robots import robot_notes
+from telespring.show.tiers import TIERS
+from telespring.theory.axis import finite_or_none
+from telespring.theory.verdicts import DelayBudget, Verdict
+
+__all__ = ["decision_json", "uncertainty_json"]
+
+
+def decision_json(decision: Decision) -> dict[str, Any]:
+    """Return what `docs/study-json.md` lists for `telespring decide --json`."""
+    verdicts, allowed = decision.verdicts, decision.verdicts.stiffness_allowed
+    forward, backward = decision.delay
+    constant_forward, constant_backward = decision.constant_delay
+    return {
+        "stiffness": decision.stiffness,
+        "delay": {"forward": forward, "backward": backward, "mean": 0.5 * (forward + backward)},
+        "constant_delay": {
+            "forward": constant_forward,
+            "backward": constant_backward,
+            "mean": decision.mean_delay,
+            "buffered": decision.buffered,
+        },
+        "stable": decision.stable,
+        "worst_axis": decision.worst_axis.name,
+        "horizon": decision.horizon,
+        "axes": [_axis(axis) for axis in decision.axes],
+        "verdicts": {text.key: _verdict(decision, name) for name, text in TIERS.items()},
+        "stiffness_allowed": None if allowed is None else finite_or_none(allowed.stiffness),
+        "stiffness_allowed_unbounded": allowed is not None and math.isinf(allowed.stiffness),
+        "stiffness_allowed_attained": allowed is not None and allowed.attained,
+        "allowing_verdict": None if allowed is None else allowed.tier,
+        "paper_agrees": verdicts.paper.agrees,
+        "sampled_stable": verdicts.sampled_stable,
+        "over_operator_ranges": decision.over_operator_ranges,
+        "delay_budget": {
+            direction: _budget(budget)
+            for direction, budget in zip(("forward", "backward"), verdicts.delay_budget, strict=True)
+        },
+        "remedies": {
+            "stiffness": finite_or_none(decision.stiffness_limit),
+            "stiffness_unbounded": math.isinf(decision.stiffness_limit),
+            "delay": finite_or_none(decision.delay_limit),
+            "delay_unbounded": math.isinf(decision.delay_limit),
+            "added_damping": finite_or_none(decision.added_damping),
+        },
+        "decay": None
+        if decision.decay_rate is None
+        else {
+            "rate": decision.decay_rate,
+            "stiffness": [[low, finite_or_none(high)] for low, high in decision.decay_stiffness],
+        },
+        "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
+        "axes_independent": decision.axes_independent,
+        "warnings": robot_notes(decision),
+        "in_arms": None if decision.arms is None else _arms(decision.arms),
+    }
+
+
+def _axis(axis: AxisDecision) -> dict[str, Any]:
+    return {
+        "axis": axis.name,
+        "critical_stiffness": finite_or_none(axis.critical_stiffness),
+        "critical_stiffness_unbounded": math.isinf(axis.critical_stiffness),
+        "critical_stiffness_paper": finite_or_none(axis.critical_stiffness_paper),
+        "maximum_delay": finite_or_none(axis.maximum_delay),
+        "maximum_delay_unbounded": math.isinf(axis.maximum_delay),
+        "maximum_delay_paper": finite_or_none(axis.maximum_delay_paper),
+        "maximum_delay_paper_unbounded": math.isinf(axis.maximum_delay_paper),
+        "maximum_stiffness": finite_or_none(axis.maximum_stiffness),
+        "maximum_stiffness_unbounded": math.isinf(axis.maximum_stiffness),
+        "stable_delays": [list(interval) for interval in axis.stable_delays],
+        "spectral_abscissa": finite_or_none(axis.spectral_abscissa),
+        "sampled_abscissa": None if axis.sampled_abscissa is None else finite_or_none(axis.sampled_abscissa),
+        "crossings": [
+            {"delay": crossing.delay, "frequency": crossing.frequency, "direction": crossing.direction}
+            for crossing in axis.crossings
+        ],
+        "stable": axis.stable,
+    }
+
+
+def _verdict(decision: Decision, name: str) -> dict[str, Any]:
+    axes = [axis.name for axis in decision.axes]
+    constant, paper = decision.verdicts.tier("constant delay"), decision.verdicts.paper
+    if name == "paper":
+        bound: float | None = paper.critical_stiffness
+        axis: int | None = paper.critical_axis
+        attained, satisfied, tier = True, paper.stable, constant
+    else:
+        tier = _tier(decision, name)
+        bound, attained, axis, satisfied = (
+            tier.stiffness_bound,
+            tier.attained,
+            tier.worst_axis,
+            tier.satisfied,
+        )
+    return {
+        "name": name,
+        "network": TIERS[name].network,
+        "rule": TIERS[name].rule,
+        "stiffness_allowed": None if bound is None else finite_or_none(bound),
+        "stiffness_unbounded": bound is not None and math.isinf(bound),
+        "attained": attained,
+        "axis": None if axis is None else axes[axis],
+        "satisfied": satisfied,
+        "assumption_met": tier.assumption_met,
+        "assumption": tier.assumption,
+        "available": bound is not None,
+    }
+
+
+def _tier(decision: Decision, name: str) -> Verdict:
+    return next(tier for tier in decision.verdicts.tiers if tier.tier == name)
+
+
+def _budget(budget: DelayBudget) -> dict[str, float]:
+    names = ("network", "jitter", "gap", "sampling", "computing", "total")
+    return {name: getattr(budget, name) for name in names}
+
+
+def uncertainty_json(known: MarginUncertainty) -> dict[str, Any]:
+    """Return `uncertainty` of `telespring decide --json`."""
+    stable = known.stable
+    return {
+        "stable_probability": {
+            "value": stable.value,
+            "standard_error": stable.standard_error,
+            "draws": stable.draws,
+        },
+        "axes": [_axis_uncertainty(axis) for axis in known.axes],
+        "worst": _axis_uncertainty(known.worst),
+    }
+
+
+def _axis_uncertainty(axis: AxisUncertainty) -> dict[str, Any]:
+    return {
+        "axis": axis.axis,
+        "critical_stiffness_interval": list(axis.critical_stiffness),
+        "maximum_delay_interval": [finite_or_none(end) for end in axis.maximum_delay],
+        "maximum_delay_unbounded_probability": axis.delay_unbounded,
+    }
+
+
+def _arms(arms: ArmStability) -> dict[str, Any]:
+    reason = describe_unavailable(arms)
+    if arms.operators is None:
+        return {"known": False, "reason": reason}
+    (condition,) = arms.conditions
+    operators, poses = arms.operators, arms.poses
+    axes, position = condition.unstable_axes, condition.worst_position
+    return {
+        "known": True,
+        "reason": reason,
+        "agent_stiffness": list(operators.agent_stiffness),
+        "agent_damping": list(operators.agent_damping),
+        "arm_mass": [list(masses) for masses in operators.arm_mass],
+        "arm_damping": [list(dampings) for dampings in operators.arm_damping],
+        "depends_on_pose": poses is not None,
+        "stable": condition.stable,
+        "unstable_axes": None if axes is None else list(axes),
+        "spectral_abscissa": condition.spectral_abscissa,
+        "independent_abscissa": condition.independent_abscissa,
+        "poses": None if poses is None else len(poses.positions),
+        "unstable_poses": condition.unstable_poses,
+        "worst_position": None if position is None else list(position),
+        "axes_independent": poses is None or poses.axes_are_independent,
+        "cross_inertia": [0.0, 0.0] if poses is None else poses.cross_inertia.max(axis=0).tolist(),
+        "complete": condition.complete,
+    }

@@ -1,0 +1,41 @@
+"""Notes on robots that were identified: what to know before the verdicts are trusted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from telespring.decision.decide import Decision
+    from telespring.study.robot_file import RobotRecord
+
+__all__ = ["identification_notes", "robot_notes"]
+
+
+def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None]) -> list[str]:
+    """Repeat the warnings that identification recorded about either robot."""
+    return [
+        f"Robot {number}, when it was identified: {warning}"
+        for number, record in enumerate(records, start=1)
+        if record is not None
+        for warning in record.warnings
+    ]
+
+
+def robot_notes(decision: Decision) -> list[str]:
+    """Report coupled axes, warnings of the identification, and a robot without errors beside one with."""
+    records, exact = decision.robot_records, decision.robots_without_errors
+    coupled = [i for i, record in enumerate(records, start=1) if record and record.independent is False]
+    notes = []
+    if coupled:
+        whose = "both robots" if len(coupled) == 2 else f"robot {coupled[0]}"
+        notes.append(
+            f"The axes of {whose} are NOT independent. All verdicts and margins here treat the axes one by "
+            "one and do not hold for such a robot; no probability of stability is given."
+        )
+    notes += identification_notes(records)
+    if len(exact) == 1 and not coupled:
+        notes.append(
+            f"Robot {exact[0]} carries no errors and counts as known exactly; intervals and probability "
+            f"reflect the errors of robot {3 - exact[0]} only."
+        )
+    return notes
