@@ -19,7 +19,7 @@ from telespring.identification import (
     paper_excitation,
     paper_reweightings,
 )
-from telespring.identification.filtering import choose_cutoff
+from telespring.identification.cutoff import choose_cutoff
 from telespring.identification.regression import least_squares, robust_least_squares
 
 RATE = 1000.0

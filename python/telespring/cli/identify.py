@@ -15,8 +15,8 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from telespring.identification.estimation import Estimate, Identification, Method
     from telespring.identification.log_reading import Log
+    from telespring.identification.results import Estimate, Identification, Method
 
 __all__ = ["identification_screen", "identify_command"]
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
 
 if TYPE_CHECKING:
-    from telespring.identification.estimation import AxisIdentification, Identification
+    from telespring.identification.results import AxisIdentification, Identification
     from telespring.identification.excitation import Excitation
 
 __all__ = ["excitation_figure", "regression_figure", "residual_figure"]
