@@ -31,7 +31,7 @@ help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
 study: $(STAMPS)/binding ## set everything up and analyse the paper's robots into out/study/
-	$(VENV)/bin/telespring study
+	$(VENV)/bin/telespring reproduce
 
 # The same generated cases on every machine; `make verify` draws new ones.
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and prove it

@@ -55,7 +55,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @dataclass(frozen=True)
 class PaperStudy:
-    """What `telespring study` said, and the folder that it wrote."""
+    """What `telespring reproduce` printed, and the folder that it wrote."""
 
     result: Result
     folder: Path
@@ -66,7 +66,7 @@ def paper_study(tmp_path_factory: pytest.TempPathFactory) -> PaperStudy:
     """Run the whole of the paper's study, by the command, once for all tests: it takes its time."""
     folder = tmp_path_factory.mktemp("paper") / "deep" / "study"
     runner = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"})
-    return PaperStudy(runner.invoke(app, ["study", "--out", str(folder)]), folder)
+    return PaperStudy(runner.invoke(app, ["reproduce", "--out", str(folder)]), folder)
 
 
 @pytest.fixture(scope="session")

@@ -481,7 +481,7 @@ def test_law_bad_input_is_refused_on_one_screen(
 def test_law_a_bad_study_is_refused(text: str, tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
     file.write_text(text)
-    for command in ("decide", "simulate", "study"):
+    for command in ("decide", "simulate", "reproduce", "study"):
         found = run(command, str(file))
         assert found.exit_code == 2
         assert "Refused" in found.stderr
@@ -535,7 +535,7 @@ def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path) -> None:
 WAITS_FOR_ITS_FIRST_STEP = """
 import sys, time
 from telespring import cli
-from telespring.paper import run
+from telespring.paper import reproduce as run
 def waits(scene):
     sys.stdout.write("begun\\n")
     sys.stdout.flush()
@@ -544,7 +544,7 @@ run.PARTS = (run.PARTS[0], run.Part("waits", waits))
 run.STEPS = cli_steps = (*(part.name for part in run.PARTS), "report")
 import telespring.paper
 telespring.paper.STEPS = cli_steps
-cli.app(["study", "--out", sys.argv[1]])
+cli.app(["reproduce", "--out", sys.argv[1]])
 """
 
 
@@ -559,6 +559,19 @@ def test_law_study_writes_whole_files_and_tells_the_answer(paper_study: PaperStu
         assert str(out / name) in found.stdout.replace("\n", "")
     text = (out / "study.json").read_text(encoding="utf-8")
     assert json.loads(text)["schema"] == "telespring study 1"
+
+
+def test_law_the_earlier_name_of_reproduce_works_and_names_the_new_one(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(UNKNOWN_KEY)
+    former, present = run("study", str(file)), run("reproduce", str(file))
+    notice, *refusal = former.stderr.splitlines()
+    assert notice == "`telespring study` is now `telespring reproduce`."
+    assert refusal == present.stderr.splitlines()
+    assert former.exit_code == present.exit_code == 2
+    commands = run("--help").stdout
+    assert re.search(r"^. reproduce ", commands, re.MULTILINE)
+    assert not re.search(r"^. study ", commands, re.MULTILINE)
 
 
 def test_law_help_names_every_option_with_its_unit() -> None:

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from telespring.model import Study
 from telespring.rehearsal.preflight import warnings_of
-from telespring.show.screens.decision import refusal_screen
+from telespring.show.screens.refusal import refusal_screen
 
 if TYPE_CHECKING:
     import numpy as np

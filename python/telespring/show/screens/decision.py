@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from telespring.decision.decide import Decision
 
-__all__ = ["decision_screen", "digits_down", "refusal_screen"]
+__all__ = ["decision_screen", "digits_down"]
 
 
 def decision_screen(decision: Decision, title: str) -> RenderableType:
@@ -48,13 +48,6 @@ def _beware(warnings: tuple[str, ...]) -> list[RenderableType]:
     """Tell what to know about the robots, right below the answer."""
     lines = [Text.assemble(("Beware: ", "bold yellow"), warning) for warning in warnings]
     return [Padding(Group(*lines), (0, 0, 1, 0))] if lines else []
-
-
-def refusal_screen(console: Console, field: str, value: str, allowed: str, remedy: str) -> None:
-    """Print why an input was refused: field, value, what is allowed, and how to mend it."""
-    console.print(Text.assemble(("Refused: ", "bold red"), (field, "bold"), f" = {value}"))
-    console.print(Text(f"  Allowed: {allowed}."))
-    console.print(Text(f"  {remedy}"))
 
 
 #: Whether the network is of the kind that a verdict assumes, for a narrow column.
