@@ -125,11 +125,11 @@ def test_law_a_cutoff_that_lets_noise_through_is_told_or_refused(log: SimulatedL
     position, force = log.measured(np.random.default_rng(SEED + 3))
     if cutoff == 30.0:
         assert any(
-            "position's noise" in text
+            "position noise" in text
             for text in identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff).warnings
         )
         return
-    with pytest.raises(InvalidInput, match="position's noise shifts the mass"):
+    with pytest.raises(InvalidInput, match="position noise biases the mass"):
         identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff)
 
 
@@ -198,7 +198,9 @@ def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coup
         assert axis.damping.value == pytest.approx(robot.damping[i], rel=0.005)
         low, high = axis.mass.interval
         if not low < robot.mass[i] < high:
-            assert any(f"Axis {axis.axis}: friction holds" in warning for warning in found.warnings)
+            assert any(
+                f"Axis {axis.axis}: the axis sticks at its reversals" in warning for warning in found.warnings
+            )
     without = identify(rubbing.time, position[:, 0], force[:, 0])
     assert without.independent is True
     for i, axis in enumerate(without.axes):

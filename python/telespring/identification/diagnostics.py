@@ -87,7 +87,9 @@ def check_omitted_friction(
         ]
         if not names:
             continue
-        fuller = replace(model, **dict.fromkeys(names, True))
+        fuller = replace(
+            model, coulomb=model.coulomb or "coulomb" in names, offset=model.offset or "offset" in names
+        )
         refit = fit_axis(axis.axis, axis.signals_index, signals, fuller)
         changes = {
             name: (axis.estimates[name].value, refit.estimates[name].value) for name in ("mass", "damping")

@@ -161,7 +161,8 @@ def _flatten_structs(content: Mapping[str, Any]) -> dict[str, Any]:
 def _to_numbers(table: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
-    return table.apply(pd.to_numeric, errors="coerce")
+    numbers: pd.DataFrame = table.apply(pd.to_numeric, errors="coerce")
+    return numbers
 
 
 def _columns(numbers: pd.DataFrame) -> dict[str, FloatArray]:

@@ -121,7 +121,7 @@ def _refuse_impossible_robot(identification: Identification) -> None:
             raise InvalidInput(
                 f"{parameter} ({axis.axis})",
                 f"{estimate.value:.4g} {unit}, 95 % interval {low:.4g} to {high:.4g}",
-                "a value above 0 is needed, and this log leaves the sign open",
+                "a value above 0 is needed, and this log does not determine its sign",
                 "Move this axis further and faster, or record longer.",
             )
         raise InvalidInput(

@@ -205,7 +205,7 @@ def _strictness(degrees_of_freedom: int) -> float:
     """Return how many half-widths of its 95 % interval a term must exceed to be significant."""
     from scipy import stats
 
-    strict, usual = stats.t.ppf([1.0 - 0.5 * _SIGNIFICANCE, 0.975], degrees_of_freedom)
+    strict, usual = (stats.t.ppf(share, degrees_of_freedom) for share in (1.0 - 0.5 * _SIGNIFICANCE, 0.975))
     return float(strict / usual)
 
 

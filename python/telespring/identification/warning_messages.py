@@ -156,9 +156,7 @@ class OmittedFriction(Diagnostic):
             for parameter, (without, with_terms) in self.refitted.items()
         )
         verb = "is" if len(self.terms) == 1 else "are"
-        return (
-            f"Axis {self.axis}: {sizes} {verb} not in the model. Adding {options} changes {changes}."
-        )
+        return f"Axis {self.axis}: {sizes} {verb} not in the model. Adding {options} changes {changes}."
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Figs. 9 and 10: the excitation, and forces over velocity and acceleration with the fitted planes."""
+"""Figures of an identification: excitation (Fig. 9), force with the fitted plane (Fig. 10), residuals."""
 
 from __future__ import annotations
 
@@ -12,25 +12,14 @@ from matplotlib.figure import Figure
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
 
 if TYPE_CHECKING:
-    from telespring.identification.results import AxisIdentification, Identification
     from telespring.identification.excitation import Excitation
+    from telespring.identification.results import AxisIdentification, Identification
 
 __all__ = ["excitation_figure", "regression_figure", "residual_figure"]
 
 
 def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
-    """Draw velocity, position and acceleration over one period (Fig. 9).
-
-    Parameters
-    ----------
-    movements
-        Name and movement of each column, such as the paper's and a designed one.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One column per movement, rows for velocity, position and acceleration.
-    """
+    """Draw velocity, position and acceleration over one period (Fig. 9), a column per named movement."""
     rows = (
         ("velocity", "Velocity, m/s", COLOURS["blue"], "solid", 1.0),
         ("position", "Position, mm", COLOURS["vermilion"], (0.0, (5.0, 1.6)), 1e3),
@@ -56,26 +45,18 @@ def excitation_figure(movements: Sequence[tuple[str, Excitation]]) -> Figure:
 
 
 def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
-    """Draw measured and estimated force, in time and as a plane over velocity and acceleration (Fig. 10).
+    """Draw measured and estimated force over time, and over velocity and acceleration (Fig. 10).
 
-    Parameters
-    ----------
-    robots
-        Name and identification of each robot.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per robot and axis: force over time on the left, the plane on the right.
+    Each axis of each named robot is a row: force over time on the left, the fitted plane on the right.
     """
-    shown = [(name, found, axis) for name, found in robots for axis in found.axes]
+    rows = [(name, robot, axis) for name, robot in robots for axis in robot.axes]
     with styled():
-        figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(shown)), layout="constrained")
-        grid = figure.add_gridspec(len(shown), 2, width_ratios=(1.0, 1.0))
+        figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(rows)), layout="constrained")
+        grid = figure.add_gridspec(len(rows), 2, width_ratios=(1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
-        for i, (name, found, axis) in enumerate(shown):
-            time = found.signals.time
-            force = found.signals.force[axis.signals_index]
+        for i, (name, robot, axis) in enumerate(rows):
+            time = robot.signals.time
+            force = robot.signals.force[axis.signals_index]
             left = figure.add_subplot(grid[i, 0])
             left.plot(time, force, color=COLOURS["black"], linewidth=1.6, label="measured")
             left.plot(
@@ -91,16 +72,16 @@ def regression_figure(robots: Sequence[tuple[str, Identification]]) -> Figure:
             panel_label(left, next(letters), f"{name}, axis {axis.axis}")
             if i == 0:
                 left.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.16), borderaxespad=0.0)
-            if i == len(shown) - 1:
+            if i == len(rows) - 1:
                 left.set_xlabel("Time, s")
-            _plane(figure.add_subplot(grid[i, 1], projection="3d"), found, axis, next(letters))
+            _draw_plane(figure.add_subplot(grid[i, 1], projection="3d"), robot, axis, next(letters))
     return figure
 
 
-def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: str) -> None:
-    """Draw the plane m a + b v and the samples, friction and offset taken off them."""
+def _draw_plane(axes: Any, robot: Identification, axis: AxisIdentification, letter: str) -> None:
+    """Draw the plane m a + b v, and the samples without friction and offset."""
     row = axis.signals_index
-    velocity, acceleration = found.signals.velocity[row], found.signals.acceleration[row]
+    velocity, acceleration = robot.signals.velocity[row], robot.signals.acceleration[row]
     linear = axis.mass.value * acceleration + axis.damping.value * velocity
     v, a = np.meshgrid(*(np.linspace(values.min(), values.max(), 9) for values in (velocity, acceleration)))
     axes.plot_wireframe(
@@ -115,68 +96,60 @@ def _plane(axes: Any, found: Identification, axis: AxisIdentification, letter: s
     axes.tick_params(pad=-3.0, labelsize=6.0)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
-    mass, damping = (_with_error(*each.interval) for each in (axis.mass, axis.damping))
+    mass, damping = (_format_interval(*estimate.interval) for estimate in (axis.mass, axis.damping))
     axes.set_title(rf"$\mathbf{{({letter})}}$ m = {mass} kg, b = {damping} N·s/m", loc="center", pad=-2.0)
 
 
-def _with_error(low: float, high: float) -> str:
-    """Write the middle of an interval and its half-width, to two digits of the latter."""
+def _format_interval(low: float, high: float) -> str:
+    """Format the midpoint of an interval ± its half-width, to two digits of the latter."""
     half = 0.5 * (high - low)
     digits = max(0, 1 - math.floor(math.log10(half))) if half > 0.0 else 4
     return f"{0.5 * (low + high):.{digits}f} ± {half:.{digits}f}"
 
 
-def residual_figure(found: Identification) -> Figure:
-    """Draw what the model leaves of the force: over time, over velocity, and its autocorrelation.
+def residual_figure(identification: Identification) -> Figure:
+    """Draw the residuals of each axis over time and over velocity, and their autocorrelation.
 
-    Parameters
-    ----------
-    found
-        What was identified.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One row per axis. Samples that the robust fit left out are crossed.
+    Crosses mark samples that the robust fit rejected.
     """
     with styled():
-        figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(found.axes)), layout="constrained")
-        grid = figure.subplots(len(found.axes), 3, squeeze=False, width_ratios=(1.5, 1.0, 1.0))
+        figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(identification.axes)), layout="constrained")
+        grid = figure.subplots(len(identification.axes), 3, squeeze=False, width_ratios=(1.5, 1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
-        for i, axis in enumerate(found.axes):
+        for i, axis in enumerate(identification.axes):
             over_time, over_velocity, correlation = grid[i]
-            kept = (
+            is_used = (
                 axis.weights >= 0.5 if axis.fit.lags is not None else np.ones(axis.residual.size, dtype=bool)
             )
-            velocity = found.signals.velocity[axis.signals_index]
-            for axes, abscissa in ((over_time, found.signals.time), (over_velocity, velocity)):
+            velocity = identification.signals.velocity[axis.signals_index]
+            for axes, abscissa in ((over_time, identification.signals.time), (over_velocity, velocity)):
                 axes.axhline(0.0, color=GREY, linewidth=0.5)
                 axes.plot(
-                    abscissa[kept],
-                    axis.residual[kept],
+                    abscissa[is_used],
+                    axis.residual[is_used],
                     ".",
                     color=COLOURS["blue"],
                     markersize=2.0,
-                    label="counted",
+                    label="used",
                 )
-                if not kept.all():
+                if not is_used.all():
                     axes.plot(
-                        abscissa[~kept],
-                        axis.residual[~kept],
+                        abscissa[~is_used],
+                        axis.residual[~is_used],
                         "x",
                         color=COLOURS["vermilion"],
                         markersize=3.0,
-                        label="left out",
+                        label="rejected",
                     )
             over_time.set_ylabel("Residual, N")
-            if not kept.all():
+            if not is_used.all():
                 over_time.legend(loc="upper right")
             lags = np.arange(0, min(31, axis.residual.size // 4))
             centred = axis.residual - axis.residual.mean()
             total = float((centred**2).sum()) or 1.0
             values = [float((centred[lag:] * centred[: centred.size - lag]).sum()) / total for lag in lags]
             bound = 1.96 / np.sqrt(axis.residual.size)
-            spacing = float(found.signals.time[1] - found.signals.time[0])
+            spacing = float(identification.signals.time[1] - identification.signals.time[0])
             correlation.axhspan(
                 -bound, bound, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, label="if independent"
             )
@@ -189,7 +162,7 @@ def residual_figure(found: Identification) -> Figure:
             panel_label(correlation, next(letters))
             if i == 0:
                 correlation.legend(loc="upper right")
-            if i == len(found.axes) - 1:
+            if i == len(identification.axes) - 1:
                 over_time.set_xlabel("Time, s")
                 over_velocity.set_xlabel("Velocity, m/s")
                 correlation.set_xlabel("Lag, ms")
