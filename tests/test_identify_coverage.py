@@ -206,7 +206,7 @@ def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coup
     for i, axis in enumerate(without.axes):
         assert axis.damping.value > robot.damping[i] + 2.0
         assert any(
-            f"Axis {axis.axis}: friction of" in warning and "--coulomb" in warning
+            f"Axis {axis.axis}: the model omits friction of" in warning and "--coulomb" in warning
             for warning in without.warnings
         )
 

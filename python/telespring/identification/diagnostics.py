@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -26,24 +25,7 @@ from telespring.identification.regression import least_squares
 from telespring.identification.resampling import UniformLog
 from telespring.identification.results import AxisIdentification, CrossInertia
 from telespring.identification.unmodelled import UnmodelledTerms, is_moving
-from telespring.identification.warning_messages import (
-    UNITS,
-    CloseToZero,
-    CoupledAxes,
-    CutoffDependence,
-    Diagnostic,
-    ForceLag,
-    ImplausibleMass,
-    ImplausibleMotion,
-    NegativeEstimates,
-    NoConvergence,
-    NoiseBias,
-    OmittedFriction,
-    Outliers,
-    SimilarMovements,
-    Sticking,
-    UnexplainedForce,
-)
+from telespring.identification.warning_messages import UNITS, Diagnostic, diagnostic
 
 __all__ = [
     "check_coupling",
@@ -75,7 +57,7 @@ def check_omitted_friction(
     unmodelled: Sequence[UnmodelledTerms],
     signals: Signals,
     model: AxisModel,
-) -> list[OmittedFriction]:
+) -> list[Diagnostic]:
     """Find axes on which friction or an offset that was not fitted biases mass or damping."""
     warnings = []
     for axis, terms in zip(axes, unmodelled, strict=True):
@@ -91,21 +73,25 @@ def check_omitted_friction(
             model, coulomb=model.coulomb or "coulomb" in names, offset=model.offset or "offset" in names
         )
         refit = fit_axis(axis.axis, axis.signals_index, signals, fuller)
-        changes = {
-            name: (axis.estimates[name].value, refit.estimates[name].value) for name in ("mass", "damping")
-        }
-        biased = {
-            name: (without, with_terms)
-            for name, (without, with_terms) in changes.items()
-            if abs(without - with_terms) > axis.half_width(name)
-        }
-        if biased:
-            sizes = {name: refit.estimates[name].value for name in names}
-            warnings.append(OmittedFriction(axis.axis, sizes, biased))
+        if any(
+            abs(axis.estimates[name].value - refit.estimates[name].value) > axis.half_width(name)
+            for name in ("mass", "damping")
+        ):
+            warnings.append(
+                diagnostic(
+                    "omitted " + " and ".join(name.replace("coulomb", "friction") for name in names),
+                    axis=axis.axis,
+                    fitted_mass=axis.mass.value,
+                    fitted_damping=axis.damping.value,
+                    **{name: estimate.value for name, estimate in refit.estimates.items()},
+                )
+            )
     return warnings
 
 
-def check_sticking(axes: Sequence[AxisIdentification], signals: Signals, model: AxisModel) -> list[Sticking]:
+def check_sticking(
+    axes: Sequence[AxisIdentification], signals: Signals, model: AxisModel
+) -> list[Diagnostic]:
     """Find axes that stick at their reversals for so long that it biases the mass."""
     warnings = []
     for axis in axes:
@@ -116,7 +102,7 @@ def check_sticking(axes: Sequence[AxisIdentification], signals: Signals, model: 
         regressor = axis_regressor(signals, i, model)
         mass = float(least_squares(regressor, signals.force[i], axis.fit.weights * moving).estimate[0])
         if abs(mass - axis.mass.value) > _STICKING_SHIFT * axis.half_width("mass"):
-            warnings.append(Sticking(axis.axis, axis.mass.value, mass))
+            warnings.append(diagnostic("sticking", axis=axis.axis, mass=axis.mass.value, moving_mass=mass))
     return warnings
 
 
@@ -124,7 +110,7 @@ def check_force_lag(
     axes: Sequence[AxisIdentification],
     unmodelled: Sequence[UnmodelledTerms],
     cross_inertias: Sequence[CrossInertia],
-) -> list[ForceLag]:
+) -> list[Diagnostic]:
     """Find axes on which the force lags the position, and whether coupled axes would look the same."""
     coupled = {cross.axis for cross in cross_inertias if cross.significant}
     lags: dict[str, tuple[float, float, bool]] = {}
@@ -136,10 +122,17 @@ def check_force_lag(
         mass_bias = abs(lag.value * axis.damping.value)
         if mass_bias > max(axis.half_width("mass"), 0.01 * abs(axis.mass.value)):
             lags[axis.axis] = (lag.value, mass_bias, terms.is_confounded and axis.axis in coupled)
-    signs = {np.sign(lag) for lag, _, _ in lags.values()}
-    cause: Literal["clock", "differs by axis"] = "differs by axis" if len(signs) > 1 else "clock"
+    axes_disagree = len({np.sign(lag) for lag, _, _ in lags.values()}) > 1
+    code = "force lag differs by axis" if axes_disagree else "force lag"
     return [
-        ForceLag(name, lag, mass_bias, "clock or coupling" if may_be_coupling else cause)
+        diagnostic(
+            "force lag or coupling" if may_be_coupling else code,
+            axis=name,
+            lag=abs(lag),
+            direction="behind" if lag > 0.0 else "ahead of",
+            force_delay=lag,
+            mass_bias=mass_bias,
+        )
         for name, (lag, mass_bias, may_be_coupling) in lags.items()
     ]
 
@@ -151,29 +144,40 @@ def check_estimates(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
         intervals = {name: axis.estimates[name].interval for name in ("mass", "damping")}
         negative = tuple(name for name, (_, high) in intervals.items() if high <= 0.0)
         if negative:
-            warnings.append(NegativeEstimates(axis.axis, negative))
+            warnings.append(diagnostic("negative estimates", axis=axis.axis, parameters=negative))
         warnings += [
-            CloseToZero(axis.axis, name) for name, (low, high) in intervals.items() if low <= 0.0 < high
+            diagnostic(f"{name} close to zero", axis=axis.axis)
+            for name, (low, high) in intervals.items()
+            if low <= 0.0 < high
         ]
         if axis.r_squared < _LOWEST_R_SQUARED:
-            warnings.append(UnexplainedForce(axis.axis, axis.r_squared))
+            warnings.append(
+                diagnostic("unexplained force", axis=axis.axis, r_squared=max(0.0, axis.r_squared))
+            )
         outliers = axis.outlier_share
         if outliers is not None and outliers > _LARGEST_OUTLIER_SHARE:
-            warnings.append(Outliers(axis.axis, outliers))
+            warnings.append(diagnostic("many outliers", axis=axis.axis, share=outliers))
         if not axis.fit.converged:
-            warnings.append(NoConvergence(axis.axis))
+            warnings.append(diagnostic("no convergence", axis=axis.axis))
     return warnings
 
 
 def check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
     """Find axes that are coupled by inertia, or that moved too much alike to show it."""
     warnings: list[Diagnostic] = [
-        CoupledAxes(cross.axis, cross.other, cross.inertia.value, cross.inertia.interval)
+        diagnostic(
+            "coupled axes",
+            axis=cross.axis,
+            other=cross.other,
+            inertia=cross.inertia.value,
+            low=cross.inertia.interval[0],
+            high=cross.inertia.interval[1],
+        )
         for cross in cross_inertias
         if cross.significant and cross.inertia is not None
     ]
     if any(cross.inertia is None for cross in cross_inertias):
-        warnings.append(SimilarMovements())
+        warnings.append(diagnostic("similar movements"))
     return warnings
 
 
@@ -187,7 +191,7 @@ def check_cutoff(
     telespring.InvalidInput
         Where position noise biases an estimate by three half-widths of its interval or more.
     """
-    return [*_check_noise_bias(axes, log, signals)] or [*_check_half_cutoff(axes, log, signals, model)]
+    return _check_noise_bias(axes, log, signals) or _check_half_cutoff(axes, log, signals, model)
 
 
 def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
@@ -212,7 +216,7 @@ def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray,
 
 def _check_noise_bias(
     axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals
-) -> list[NoiseBias]:
+) -> list[Diagnostic]:
     warnings = []
     limit = min(largest_cutoff(row, log.rate) for row in log.position)
     for axis, position in zip(axes, log.position, strict=True):
@@ -229,13 +233,24 @@ def _check_noise_bias(
                     f"{bias / half:.0f} times the half-width of its interval",
                     f"Set at most {limit:.3g} Hz, omit --cutoff, or move the robot further and faster.",
                 )
-            warnings.append(NoiseBias(axis.axis, name, bias, bias / half, signals.cutoff, limit))
+            warnings.append(
+                diagnostic(
+                    "noise bias",
+                    axis=axis.axis,
+                    parameter=name,
+                    bias=bias,
+                    unit=UNITS[name],
+                    half_widths=bias / half,
+                    cutoff=signals.cutoff,
+                    largest_cutoff=limit,
+                )
+            )
     return warnings
 
 
 def _check_half_cutoff(
     axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals, model: AxisModel
-) -> list[CutoffDependence]:
+) -> list[Diagnostic]:
     """Compare with estimates at half of the cut-off: where the model holds, the filter changes nothing."""
     half = 0.5 * signals.cutoff
     if any(axis.fit.lags is None for axis in axes):
@@ -252,7 +267,18 @@ def _check_half_cutoff(
             values = axis.estimates[name].value, other.estimates[name].value
             tolerance = _CUTOFF_CHANGE * np.hypot(axis.half_width(name), other.half_width(name))
             if abs(values[0] - values[1]) > max(tolerance, 0.01 * abs(values[0])):
-                warnings.append(CutoffDependence(axis.axis, name, (signals.cutoff, half), values))
+                warnings.append(
+                    diagnostic(
+                        "cut-off dependence",
+                        axis=axis.axis,
+                        parameter=name,
+                        unit=UNITS[name],
+                        value=values[0],
+                        cutoff=signals.cutoff,
+                        other_value=values[1],
+                        other_cutoff=half,
+                    )
+                )
     return warnings
 
 
@@ -263,8 +289,11 @@ def check_plausibility(axes: Sequence[AxisIdentification], signals: Signals) -> 
         velocity = float(np.abs(signals.velocity[axis.signals_index]).max())
         acceleration = float(np.abs(signals.acceleration[axis.signals_index]).max())
         if velocity > _FASTEST or acceleration > _LARGEST_ACCELERATION:
-            warnings.append(ImplausibleMotion(axis.axis, velocity, acceleration))
+            warnings.append(
+                diagnostic("implausible motion", axis=axis.axis, velocity=velocity, acceleration=acceleration)
+            )
         mass = abs(axis.mass.value)
         if not _LIGHTEST <= mass <= _HEAVIEST:
-            warnings.append(ImplausibleMass(axis.axis, axis.mass.value, mass < _LIGHTEST))
+            code = "implausibly light" if mass < _LIGHTEST else "implausibly heavy"
+            warnings.append(diagnostic(code, axis=axis.axis, mass=axis.mass.value))
     return warnings

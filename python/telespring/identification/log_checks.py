@@ -6,13 +6,7 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.warning_messages import (
-    ConstantForce,
-    Diagnostic,
-    HeldPosition,
-    IdenticalPositions,
-    PositionJumps,
-)
+from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["check_log"]
 
@@ -53,7 +47,9 @@ def check_log(time: FloatArray, position: FloatArray, force: FloatArray) -> list
         warnings += _held_position(column, row, step)
     for i, row in enumerate(force):
         warnings += _constant_force(f"force (column {i + 1})", row, step)
-    warnings += [IdenticalPositions() for row in position[1:] if np.array_equal(position[0], row)]
+    warnings += [
+        diagnostic("identical positions") for row in position[1:] if np.array_equal(position[0], row)
+    ]
     return warnings
 
 
@@ -227,26 +223,35 @@ def _refuse_frozen_position(column: str, position: FloatArray, force: FloatArray
         )
 
 
-def _held_position(column: str, position: FloatArray, step: float) -> list[HeldPosition]:
+def _held_position(column: str, position: FloatArray, step: float) -> list[Diagnostic]:
     """Detect a position that was updated less often than it was logged, so that each value repeats."""
     _, lengths = _runs_of_equal_samples(position)
     usual = int(np.median(lengths))
     if usual < 2 or np.mean(lengths == usual) < 0.8:
         return []
-    return [HeldPosition(column, usual, step)]
+    period, age = usual * step, 0.5 * (usual - 1) * step
+    return [diagnostic("held position", column=column, repeats=usual, period=period, age=age)]
 
 
-def _position_jumps(column: str, position: FloatArray, time: FloatArray) -> list[PositionJumps]:
+def _position_jumps(column: str, position: FloatArray, time: FloatArray) -> list[Diagnostic]:
     moves = np.abs(np.diff(position))
     usual = float(np.quantile(moves, 0.99))
     jumps = np.flatnonzero(moves > _JUMP * usual)
     if usual == 0.0 or not jumps.size:
         return []
     largest = int(jumps[np.argmax(moves[jumps])])
-    return [PositionJumps(column, float(moves[largest]), float(time[largest]), jumps.size)]
+    return [
+        diagnostic(
+            "position jumps",
+            column=column,
+            size=float(moves[largest]),
+            time=float(time[largest]),
+            count=jumps.size,
+        )
+    ]
 
 
-def _constant_force(column: str, force: FloatArray, step: float) -> list[ConstantForce]:
+def _constant_force(column: str, force: FloatArray, step: float) -> list[Diagnostic]:
     if float(np.ptp(force)) == 0.0:
         raise InvalidInput(
             column,
@@ -260,4 +265,6 @@ def _constant_force(column: str, force: FloatArray, step: float) -> list[Constan
     if duration < max(4.0 * _STUCK, 10.0 * step):
         return []
     value = float(force[int(starts[longest])])
-    return [ConstantForce(column, value, duration, value in (float(force.max()), float(force.min())))]
+    is_extreme = value in (float(force.max()), float(force.min()))
+    code = "saturated force" if is_extreme else "constant force"
+    return [diagnostic(code, column=column, force=value, duration=duration)]

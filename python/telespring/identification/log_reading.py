@@ -12,7 +12,7 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.identification.log_formats import read_columns
-from telespring.identification.warning_messages import Diagnostic, SuspectForceColumn
+from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["Log", "read_log"]
 
@@ -50,8 +50,8 @@ class Log:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The diagnostics as sentences."""
-        return tuple(str(diagnostic) for diagnostic in self.diagnostics)
+        """Messages of the diagnostics."""
+        return tuple(warning.message for warning in self.diagnostics)
 
 
 def read_log(
@@ -202,10 +202,10 @@ def _select_column(path: Path, columns: Mapping[str, FloatArray], option: str, n
 
 def _suspect_force_columns(
     columns: Mapping[str, FloatArray], force: Sequence[str], scale: float
-) -> list[SuspectForceColumn]:
+) -> list[Diagnostic]:
     """Find a force column in other units that no scale converts, and scalars that may be the scale."""
     suspects = [name for name in force if set(name.lower().replace("[", "_").split("_")) & _OTHER_QUANTITIES]
     if scale != 1.0 or not suspects:
         return []
-    scalars = tuple(name for name, values in columns.items() if values.size == 1)
-    return [SuspectForceColumn(suspects[0], scalars)]
+    scalars = ", ".join(name for name, values in columns.items() if values.size == 1)
+    return [diagnostic("suspect force column", column=suspects[0], scalars=scalars or "none")]

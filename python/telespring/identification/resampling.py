@@ -8,7 +8,7 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.warning_messages import UnevenTimes
+from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["UniformLog", "resample_uniformly", "shift_force"]
 
@@ -28,13 +28,13 @@ class UniformLog:
 
 def resample_uniformly(
     time: FloatArray, position: FloatArray, force: FloatArray
-) -> tuple[UniformLog, list[UnevenTimes]]:
+) -> tuple[UniformLog, list[Diagnostic]]:
     """Interpolate a checked log to evenly spaced times, by cubic splines where its time stamps jitter."""
     # The mean, not the median: stamps may be rounded, to ms for instance.
     step = float((time[-1] - time[0]) / (time.size - 1))
     even = time[0] + step * np.arange(time.size)
     deviation = float(np.abs(time - even).max()) / step
-    warnings = []
+    warnings: list[Diagnostic] = []
     if deviation > _EVEN:
         jitter = float(np.std(np.diff(time))) / step
         if jitter > 1e-3:
@@ -43,7 +43,7 @@ def resample_uniformly(
             position, force = (
                 np.asarray(CubicSpline(time, rows, axis=-1)(even)) for rows in (position, force)
             )
-            warnings.append(UnevenTimes(jitter))
+            warnings.append(diagnostic("uneven time stamps", jitter=jitter))
     return UniformLog(even, position, force, 1.0 / step), warnings
 
 

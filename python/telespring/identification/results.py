@@ -194,8 +194,8 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The diagnostics as sentences: read them before you trust the numbers."""
-        return tuple(str(diagnostic) for diagnostic in self.diagnostics)
+        """Messages of the diagnostics. Read them before you trust the numbers."""
+        return tuple(warning.message for warning in self.diagnostics)
 
     @property
     def independent(self) -> bool | None:
