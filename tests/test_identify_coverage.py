@@ -198,9 +198,7 @@ def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coup
         assert axis.damping.value == pytest.approx(robot.damping[i], rel=0.005)
         low, high = axis.mass.interval
         if not low < robot.mass[i] < high:
-            assert any(
-                f"Axis {axis.axis}: the axis sticks at its reversals" in warning for warning in found.warnings
-            )
+            assert any(f"Axis {axis.axis} sticks at its" in warning for warning in found.warnings)
     without = identify(rubbing.time, position[:, 0], force[:, 0])
     assert without.independent is True
     for i, axis in enumerate(without.axes):

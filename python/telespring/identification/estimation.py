@@ -166,6 +166,7 @@ def _axis_rows(name: str, values: ArrayLike) -> FloatArray:
 
 
 def _axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
+    """Return the given axis names, checked, or x, y, z."""
     if axes is None:
         return ["x", "y", "z"][:count] if count <= 3 else [f"axis {i + 1}" for i in range(count)]
     names = [str(name) for name in axes]

@@ -25,7 +25,7 @@ _JUMP = 4.0
 
 
 def check_log(time: FloatArray, position: FloatArray, force: FloatArray) -> list[Diagnostic]:
-    """Check times (s), and positions (m) and forces (N) of shape (axes, n).
+    """Check a log: times (s), and positions (m) and forces (N) of shape (axes, n).
 
     Raises
     ------
@@ -47,9 +47,8 @@ def check_log(time: FloatArray, position: FloatArray, force: FloatArray) -> list
         warnings += _held_position(column, row, step)
     for i, row in enumerate(force):
         warnings += _constant_force(f"force (column {i + 1})", row, step)
-    warnings += [
-        diagnostic("identical positions") for row in position[1:] if np.array_equal(position[0], row)
-    ]
+    if any(np.array_equal(position[0], row) for row in position[1:]):
+        warnings.append(diagnostic("identical positions"))
     return warnings
 
 

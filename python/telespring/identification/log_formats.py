@@ -86,7 +86,7 @@ def read_csv(path: Path) -> dict[str, FloatArray]:
             "Remove that line; give units other than s, m and N with --time-scale, --position-scale and "
             "--force-scale.",
         )
-    return _columns(numbers)
+    return _numbers_by_column(numbers)
 
 
 def read_parquet(path: Path) -> dict[str, FloatArray]:
@@ -94,7 +94,7 @@ def read_parquet(path: Path) -> dict[str, FloatArray]:
     import pandas as pd
 
     try:
-        return _columns(_to_numbers(pd.read_parquet(path)))
+        return _numbers_by_column(_to_numbers(pd.read_parquet(path)))
     except ImportError:
         raise InvalidInput(
             "log",
@@ -165,7 +165,7 @@ def _to_numbers(table: pd.DataFrame) -> pd.DataFrame:
     return numbers
 
 
-def _columns(numbers: pd.DataFrame) -> dict[str, FloatArray]:
+def _numbers_by_column(numbers: pd.DataFrame) -> dict[str, FloatArray]:
     return {str(name).strip(): numbers[name].to_numpy(dtype=float) for name in numbers.columns}
 
 

@@ -152,6 +152,7 @@ def read_log(
 
 
 def _axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tuple[str, ...]:
+    """Name the axis of each position column."""
     if axes:
         if len(axes) != len(position):
             raise InvalidInput(

@@ -26,15 +26,15 @@ _PARAMETERS = {
 
 def identification_screen(identification: Identification, title: str) -> RenderableType:
     """Lay out an identified robot for the terminal, under the name of its log."""
-    source = "chosen from the movement" if identification.cutoff_rule == CUTOFF_RULE else "as given"
+    source = "automatic" if identification.cutoff_rule == CUTOFF_RULE else "as given"
     return Group(
         _estimate_table(identification, title),
         Text(
-            f"{identification.samples[0]} samples at {identification.rate:.5g} Hz, filtered at "
-            f"{identification.cutoff:.4g} Hz ({source}); {identification.samples[1]} used."
+            f"{identification.samples[0]} samples at {identification.rate:.5g} Hz; "
+            f"{identification.samples[1]} used after filtering at {identification.cutoff:.4g} Hz ({source})."
         ),
-        _method(identification),
-        *_independence(identification),
+        _method_statement(identification),
+        *_independence_statement(identification),
         *(Text.assemble(("Warning: ", "bold yellow"), warning) for warning in identification.warnings),
     )
 
@@ -62,7 +62,7 @@ def _format_estimate(estimate: Estimate) -> tuple[str, str]:
     return f"{estimate.value:.{digits}f}", f"{low:.{digits}f} to {high:.{digits}f}"
 
 
-def _method(identification: Identification) -> Text:
+def _method_statement(identification: Identification) -> Text:
     iterations = identification.iterations
     return Text(
         {
@@ -76,7 +76,7 @@ def _method(identification: Identification) -> Text:
     )
 
 
-def _independence(identification: Identification) -> list[Text]:
+def _independence_statement(identification: Identification) -> list[Text]:
     """State whether several axes are independent."""
     if len(identification.axes) == 1:
         return []
