@@ -11,12 +11,15 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod model;
+mod participants;
 mod plant;
+mod recording;
 mod response;
 mod rig;
 mod simulation;
 mod spectrum;
 mod study;
+mod study_values;
 mod verdicts;
 
 use pyo3::prelude::*;
@@ -38,11 +41,15 @@ mod _core {
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
-    use crate::experiment::{Experiment, Uncertainty};
+    use crate::experiment::{Condition, Experiment, LaboratorySettings};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]
+    use crate::participants::{Agent, Arm, Task};
+    #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
+    #[pymodule_export]
+    use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
@@ -55,7 +62,7 @@ mod _core {
     #[pymodule_export]
     use crate::spectrum::{characteristic_roots, spectral_abscissa};
     #[pymodule_export]
-    use crate::study::{Coupling, Network, OperatorRange, Study};
+    use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
     #[pymodule_export]
     use crate::verdicts::verdicts;
 }

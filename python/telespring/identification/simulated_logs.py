@@ -6,7 +6,6 @@ force at the handle from a sensor or, instead, the force that the arm's joint to
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import Any
 
@@ -155,18 +154,15 @@ def simulate_log(
 def _robot_sections(robots: Study | Dyad | None) -> list[dict[str, list[float]]]:
     """Return mass, damping and Coulomb friction of both robots, per axis, as in a study file."""
     dyad = hman() if robots is None else robots.dyad if isinstance(robots, Study) else robots
-    tables = tomllib.loads(robots.to_toml()) if isinstance(robots, Study) else {}
-    sections = []
-    for side, robot in enumerate(dyad.robots, start=1):
-        friction = tables.get(f"robot{side}", {}).get("coulomb", 0.0)
-        sections.append(
-            {
-                "mass": robot.mass.tolist(),
-                "damping": robot.damping.tolist(),
-                "coulomb": np.broadcast_to(friction, robot.mass.shape).tolist(),
-            }
-        )
-    return sections
+    friction = robots.coulomb if isinstance(robots, Study) else np.zeros((2, len(dyad.axes)))
+    return [
+        {
+            "mass": robot.mass.tolist(),
+            "damping": robot.damping.tolist(),
+            "coulomb": friction[index].tolist(),
+        }
+        for index, robot in enumerate(dyad.robots)
+    ]
 
 
 def _simulate_two_axes(

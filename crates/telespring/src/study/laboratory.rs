@@ -124,7 +124,7 @@ fn or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, default
     reader.get(section, key).map_or(Ok(default), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
-fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
+pub(super) fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
         reader.get(section, key).map_or(Ok([0.0; 2]), |entry| Ok(entry.two(quantity, true)?.map(|v| v + 0.0)))
     };
@@ -157,7 +157,7 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     }
 }
 
-fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
+pub(super) fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
     }
@@ -171,7 +171,7 @@ fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<Age
             stiffness: stiffness()?,
             spots: Spots {
                 count: reader.get(section, "spots").map_or(Ok(SPOTS.count as i64), |entry| {
-                    entry.whole("the number of spots", 1, Spots::MOST as i64)
+                    entry.whole("the number of spots", 1, Spots::MAX_COUNT as i64)
                 })? as usize,
                 velocity: or(reader, section, "spot_velocity", quantity::SPEED, SPOTS.velocity)?,
                 lifetime: or(reader, section, "spot_lifetime", quantity::LIFETIME, SPOTS.lifetime)?,
@@ -181,7 +181,7 @@ fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<Age
     })
 }
 
-fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
+pub(super) fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {
         return Ok(Task::Python(python(reader, "task", "function", "targets:circle")?));
