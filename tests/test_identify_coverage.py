@@ -12,7 +12,6 @@ from telespring import InvalidInput
 from telespring.identification import Identification, identify
 from telespring.identification.simulated_logs import SensorNoise, SimulatedLog, simulate_log
 from telespring.paper.sections.identification.numbers import study_identification
-from telespring.study.editing import with_values
 
 #: Fixed before the first run.
 SEED = 20251122
@@ -173,7 +172,7 @@ def test_law_at_the_joints_the_arm_is_identified_too(log: SimulatedLog) -> None:
 
 
 def test_law_a_study_with_friction_has_it_identified() -> None:
-    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [0.4, 0.3]}})
+    rough = ts.Study.paper().replace(robot1={"coulomb": [0.4, 0.3]})
     found = study_identification(rough)
     for robot, coulombs in zip(found.robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
         for axis, coulomb in zip(robot.axes, coulombs, strict=True):
@@ -186,7 +185,7 @@ def test_law_a_study_with_friction_has_it_identified() -> None:
 
 @pytest.mark.parametrize("coulomb", [0.5, 1.0])
 def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coupling(coulomb: float) -> None:
-    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [coulomb, coulomb]}})
+    rough = ts.Study.paper().replace(robot1={"coulomb": [coulomb, coulomb]})
     rubbing = simulate_log(rough)
     position, force = rubbing.measured(np.random.default_rng(SEED))
     robot = ts.hman().robots[0]

@@ -18,7 +18,6 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from telespring import InvalidInput, cli
 from telespring.identification import identify, paper_excitation, read_log, robot_toml, write_robot
-from telespring.study.editing import with_robot
 
 TRUTH = {"x": (0.8334, 7.7257), "y": (1.0649, 10.1168)}
 
@@ -407,7 +406,7 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     written_robot = tomllib.loads(robot.read_text(encoding="utf-8"))
     assert written_robot["robot"]["name"] == "mine"
     assert written_robot["identification"]["log"] == "log.csv"
-    study = with_robot(ts.Study.paper(), 2, robot)
+    study = ts.Study.paper().with_robot(2, robot)
     known = study.uncertainty[1]
     assert known is not None
     np.testing.assert_array_equal(known.mass_sd, written_robot["robot"]["mass_sd"])

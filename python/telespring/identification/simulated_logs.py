@@ -173,19 +173,14 @@ def _simulate_two_axes(
     periods: float,
 ) -> SimulatedLog:
     """Simulate two robots with two axes; `lags` are in periods of the movement."""
-    from telespring.study.editing import with_values
-
-    driven = with_values(
-        Study.paper(),
-        {
-            "robot1": sections[0],
-            "robot2": sections[1],
-            "arm1": arm,
-            "arm2": arm,
-            "agent1": _SERVO,
-            "agent2": _SERVO,
-            "laboratory": {"sample_period": 1.0 / RATE},
-        },
+    driven = Study.paper().replace(
+        robot1=sections[0],
+        robot2=sections[1],
+        arm1=arm,
+        arm2=arm,
+        agent1=_SERVO,
+        agent2=_SERVO,
+        laboratory={"sample_period": 1.0 / RATE},
     )
     assert driven.experiment is not None  # robots of two axes have one
     ticks = int(periods * command.period * RATE)
