@@ -181,7 +181,7 @@ def _fit_with_lag(
     with_jerk = np.column_stack([columns, jerk])
     keep = np.ones(time.size, dtype=bool)
     shifted, total = force, 0.0
-    spline = CubicSpline(time, force)
+    spline = None
     for _ in range(_LAG_STEPS):
         terms, r_squared = _fit_terms(with_jerk[keep], shifted[keep], weights[keep])
         fitted = int(keep.sum())
@@ -194,6 +194,7 @@ def _fit_with_lag(
         if abs(step) < error or abs(total + step) > _LONGEST_LAG:
             break
         total += step
+        spline = spline or CubicSpline(time, force)
         shifted = spline(time + total)
         keep = (time + total >= time[0]) & (time + total <= time[-1])
     strictness = _strictness(fitted - with_jerk.shape[1])
