@@ -10,9 +10,8 @@ import pytest
 import telespring as ts
 from telespring import InvalidInput
 from telespring.identification import Identification, identify
-from telespring.identification.simulated_logs import Noise, RigLog, rig_log
+from telespring.identification.simulated_logs import SensorNoise, SimulatedLog, simulate_log
 from telespring.paper.sections.identification.numbers import study_identification
-from telespring.study.editing import with_values
 
 #: Fixed before the first run.
 SEED = 20251122
@@ -20,11 +19,11 @@ REPETITIONS = 400
 
 
 @pytest.fixture(scope="module")
-def log() -> RigLog:
-    return rig_log()
+def log() -> SimulatedLog:
+    return simulate_log()
 
 
-def test_law_95_percent_intervals_hold_table_iii_in_95_percent_of_400_logs(log: RigLog) -> None:
+def test_law_95_percent_intervals_hold_table_iii_in_95_percent_of_400_logs(log: SimulatedLog) -> None:
     """Pooled 93 to 97 %: with 3200 intervals chance alone is ±0.8 %. Each at least 91 %: chance is ±2.2 %."""
     robots = ts.hman().robots
     truth = np.array([[robot.mass, robot.damping] for robot in robots]).transpose(0, 2, 1)
@@ -47,14 +46,14 @@ def test_law_95_percent_intervals_hold_table_iii_in_95_percent_of_400_logs(log: 
 @pytest.mark.parametrize(
     "noise",
     [
-        Noise(position_step=1e-4),
-        Noise(position_step=5e-5, position_jitter=0.0),
-        Noise(position_step=2e-5, position_jitter=5e-5),
-        Noise(position_step=1e-4, position_jitter=5e-5, force=1.0),
-        Noise(position_step=1e-3, position_jitter=0.0),
+        SensorNoise(position_step=1e-4),
+        SensorNoise(position_step=5e-5, position_jitter=0.0),
+        SensorNoise(position_step=2e-5, position_jitter=5e-5),
+        SensorNoise(position_step=1e-4, position_jitter=5e-5, force=1.0),
+        SensorNoise(position_step=1e-3, position_jitter=0.0),
     ],
 )
-def test_law_a_coarse_encoder_costs_precision_and_not_truth(log: RigLog, noise: Noise) -> None:
+def test_law_a_coarse_encoder_costs_precision_and_not_truth(log: SimulatedLog, noise: SensorNoise) -> None:
     """Of 160 intervals 152 hold on average, chance is ±2.8; 143 or fewer come once in a thousand runs."""
     robots = ts.hman().robots
     random = np.random.default_rng(SEED + 1)
@@ -72,12 +71,12 @@ def test_law_a_coarse_encoder_costs_precision_and_not_truth(log: RigLog, noise: 
 
 
 @pytest.mark.parametrize("corner", [20.0, 60.0, 150.0])
-def test_law_noise_that_a_filter_has_cut_is_no_movement(log: RigLog, corner: float) -> None:
+def test_law_noise_that_a_filter_has_cut_is_no_movement(log: SimulatedLog, corner: float) -> None:
     """A filter before the recorder empties the upper part of the spectrum; the noise below it stays."""
     from scipy import signal
 
     position, force = log.measured(
-        np.random.default_rng(SEED + 4), Noise(position_step=1e-6, position_jitter=3e-4)
+        np.random.default_rng(SEED + 4), SensorNoise(position_step=1e-6, position_jitter=3e-4)
     )
     smooth = signal.sosfiltfilt(signal.butter(4, corner, fs=1000.0, output="sos"), position[:, 0], axis=0)
     found = identify(log.time, smooth, force[:, 0])
@@ -110,7 +109,7 @@ def test_law_lines_of_the_encoder_on_a_sine_are_no_movement(
 
 
 @pytest.mark.parametrize("jump", [0.02, 0.002])
-def test_law_an_axis_that_jumps_spoils_no_other(log: RigLog, jump: float) -> None:
+def test_law_an_axis_that_jumps_spoils_no_other(log: SimulatedLog, jump: float) -> None:
     position, force = log.measured(np.random.default_rng(SEED + 2))
     position[9000:, 0, 0] += jump
     found = identify(log.time, position[:, 0], force[:, 0])
@@ -121,19 +120,19 @@ def test_law_an_axis_that_jumps_spoils_no_other(log: RigLog, jump: float) -> Non
 
 
 @pytest.mark.parametrize("cutoff", [30.0, 50.0, 100.0, 300.0, 400.0])
-def test_law_a_cutoff_that_lets_noise_through_is_told_or_refused(log: RigLog, cutoff: float) -> None:
+def test_law_a_cutoff_that_lets_noise_through_is_told_or_refused(log: SimulatedLog, cutoff: float) -> None:
     position, force = log.measured(np.random.default_rng(SEED + 3))
     if cutoff == 30.0:
         assert any(
-            "position's noise" in text
+            "position noise" in text
             for text in identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff).warnings
         )
         return
-    with pytest.raises(InvalidInput, match="position's noise shifts the mass"):
+    with pytest.raises(InvalidInput, match="position noise biases the mass"):
         identify(log.time, position[:, 0], force[:, 0], cutoff=cutoff)
 
 
-def test_ref_table_iii_is_found_from_a_log_without_noise(log: RigLog) -> None:
+def test_ref_table_iii_is_found_from_a_log_without_noise(log: SimulatedLog) -> None:
     for robot, table in enumerate(ts.hman().robots):
         found = identify(log.time, log.position[:, robot], log.handle_force[:, robot])
         for i, axis in enumerate(found.axes):
@@ -143,7 +142,7 @@ def test_ref_table_iii_is_found_from_a_log_without_noise(log: RigLog) -> None:
         assert found.independent is True
 
 
-def test_law_the_force_at_the_handle_obeys_newton(log: RigLog) -> None:
+def test_law_the_force_at_the_handle_obeys_newton(log: SimulatedLog) -> None:
     """Mass times the change of velocity plus damping times the way: what a sensor's force must add up to."""
     positions, force = log.position, log.handle_force
     step = log.time[1] - log.time[0]
@@ -160,7 +159,7 @@ def test_law_the_force_at_the_handle_obeys_newton(log: RigLog) -> None:
             np.testing.assert_allclose(impulse, change + way, atol=3e-3)
 
 
-def test_law_at_the_joints_the_arm_is_identified_too(log: RigLog) -> None:
+def test_law_at_the_joints_the_arm_is_identified_too(log: SimulatedLog) -> None:
     random = np.random.default_rng(SEED)
     position, force = log.measured(random, at="joints")
     for robot, table in enumerate(ts.hman().robots):
@@ -173,7 +172,7 @@ def test_law_at_the_joints_the_arm_is_identified_too(log: RigLog) -> None:
 
 
 def test_law_a_study_with_friction_has_it_identified() -> None:
-    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [0.4, 0.3]}})
+    rough = ts.Study.paper().replace(robot1={"coulomb": [0.4, 0.3]})
     found = study_identification(rough)
     for robot, coulombs in zip(found.robots, ((0.4, 0.3), (0.0, 0.0)), strict=True):
         for axis, coulomb in zip(robot.axes, coulombs, strict=True):
@@ -186,8 +185,8 @@ def test_law_a_study_with_friction_has_it_identified() -> None:
 
 @pytest.mark.parametrize("coulomb", [0.5, 1.0])
 def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coupling(coulomb: float) -> None:
-    rough = with_values(ts.Study.paper(), {"robot1": {"coulomb": [coulomb, coulomb]}})
-    rubbing = rig_log(rough)
+    rough = ts.Study.paper().replace(robot1={"coulomb": [coulomb, coulomb]})
+    rubbing = simulate_log(rough)
     position, force = rubbing.measured(np.random.default_rng(SEED))
     robot = ts.hman().robots[0]
     found = identify(rubbing.time, position[:, 0], force[:, 0], coulomb=True)
@@ -198,13 +197,13 @@ def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coup
         assert axis.damping.value == pytest.approx(robot.damping[i], rel=0.005)
         low, high = axis.mass.interval
         if not low < robot.mass[i] < high:
-            assert any(f"Axis {axis.axis}: friction holds" in warning for warning in found.warnings)
+            assert any(f"Axis {axis.axis} sticks at its" in warning for warning in found.warnings)
     without = identify(rubbing.time, position[:, 0], force[:, 0])
     assert without.independent is True
     for i, axis in enumerate(without.axes):
         assert axis.damping.value > robot.damping[i] + 2.0
         assert any(
-            f"Axis {axis.axis}: friction of" in warning and "--coulomb" in warning
+            f"Axis {axis.axis}: the model omits friction of" in warning and "--coulomb" in warning
             for warning in without.warnings
         )
 
@@ -213,7 +212,7 @@ def test_law_friction_of_a_robot_that_reverses_and_sticks_is_no_mass_and_no_coup
 def test_law_robots_of_other_than_two_axes_are_driven_axis_by_axis(count: int) -> None:
     one = ts.Robot([0.8 + 0.1 * i for i in range(count)], [7.0] * count)
     other = ts.Robot([1.2] * count, [9.0 + i for i in range(count)])
-    log = rig_log(ts.Dyad(one, other))
+    log = simulate_log(ts.Dyad(one, other))
     assert log.position.shape[1:] == (2, count)
     for robot, truth in enumerate((one, other)):
         found = identify(log.time, log.position[:, robot], log.handle_force[:, robot])

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from telespring import cli
 from telespring._types import FloatArray
 from telespring.identification import identify, paper_reweightings, read_log
-from telespring.identification.estimation import Method
+from telespring.identification.results import Method
 
 ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT.parent / "shared" / "data" / "emps" / "DATA_EMPS.mat"

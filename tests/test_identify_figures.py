@@ -48,7 +48,7 @@ def test_law_residuals_that_were_left_out_are_marked(found: Identification) -> N
     legend = drawn.axes[0].get_legend()
     assert legend is not None
     labels = [text.get_text() for text in legend.get_texts()]
-    assert labels == ["counted", "left out"]
+    assert labels == ["used", "rejected"]
 
 
 def test_law_the_same_figure_gives_the_same_text(found: Identification) -> None:

@@ -18,7 +18,6 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from telespring import InvalidInput, cli
 from telespring.identification import identify, paper_excitation, read_log, robot_toml, write_robot
-from telespring.study.editing import with_robot
 
 TRUTH = {"x": (0.8334, 7.7257), "y": (1.0649, 10.1168)}
 
@@ -144,7 +143,7 @@ def short(table: pd.DataFrame) -> pd.DataFrame:
     ("spoil", "field", "remedy"),
     [
         (without_rows, "time", "--start 4.1 --end 11.999"),
-        (doubled, "time", "Remove doubled samples"),
+        (doubled, "time", "Remove duplicate samples"),
         (turned, "time", "one log at a time"),
         (missing, "force (column 2)", "--start, --end"),
         (in_milliseconds, "time", "--time-scale 0.001"),
@@ -203,7 +202,7 @@ def test_law_units_that_no_such_robot_has_are_told() -> None:
 def test_law_a_position_that_was_read_less_often_than_logged_is_told() -> None:
     table = frame()
     held = np.repeat(table["position_x"].to_numpy()[::5], 5)
-    assert "has every value 5 times" in warned(table.assign(position_x=held))
+    assert "repeats every value 5 times" in warned(table.assign(position_x=held))
 
 
 def test_law_a_robot_that_rests_without_a_force_is_not_stuck() -> None:
@@ -278,12 +277,12 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
         ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is needed"),
         ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is needed"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
-        ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "holds no samples"),
+        ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "contains no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
         (
             "log.csv",
             b"time,position_x,position_y,force_x,force_y\na,1,1,1,1\nb,1,2,1,1\n",
-            "this one holds none",
+            "this one contains none",
         ),
     ],
 )
@@ -299,7 +298,7 @@ def test_law_a_number_of_reweightings_is_for_the_papers_method(tmp_path: Path) -
     log = written(frame(), tmp_path / "log.csv")
     found = run(log, "--iterations", "3")
     assert found.exit_code == 2
-    assert "only the paper's method counts its reweightings" in " ".join(found.stderr.split())
+    assert "only the paper's method has reweightings" in " ".join(found.stderr.split())
     assert run(log, "--iterations", "3", "--method", "paper").exit_code == 0
 
 
@@ -402,12 +401,12 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     log, robot, figure = written(frame(), tmp_path / "log.csv"), tmp_path / "robot.toml", tmp_path / "fit.svg"
     screen = run(log, "--out", robot, "--figure", figure, "--name", "mine")
     assert screen.exit_code == 0, screen.stderr
-    assert "Axes are independent" in screen.stdout
+    assert "The axes are independent" in screen.stdout
     assert figure.read_text(encoding="utf-8").startswith("<?xml")
     written_robot = tomllib.loads(robot.read_text(encoding="utf-8"))
     assert written_robot["robot"]["name"] == "mine"
     assert written_robot["identification"]["log"] == "log.csv"
-    study = with_robot(ts.Study.paper(), 2, robot)
+    study = ts.Study.paper().with_robot(2, robot)
     known = study.uncertainty[1]
     assert known is not None
     np.testing.assert_array_equal(known.mass_sd, written_robot["robot"]["mass_sd"])
@@ -502,7 +501,7 @@ def test_law_a_value_whose_sign_the_log_leaves_open_asks_for_more_movement() -> 
     assert min(found.axes[0].mass.value, found.axes[0].damping.value) < 0.0
     with pytest.raises(InvalidInput) as refused:
         robot_toml(found, "open")
-    assert "leaves its sign open" in str(refused.value)
+    assert "does not determine its sign" in str(refused.value)
     assert "Move this axis further" in refused.value.remedy
 
 

@@ -1,8 +1,8 @@
-"""Whether what was identified can be right: noise in the regressor, the choice of the cut-off, other units.
+"""Diagnostics of an identification: bias by noise, cut-off, friction, lag and coupling; implausible values.
 
 Least squares takes velocity and acceleration as exact. Noise in them makes mass and damping too small, by the
-noise's share of their power (attenuation, Fuller 1987 [1]_), and the intervals, which see the residuals only,
-become the narrower the wronger they are.
+noise's share of their power (attenuation, Fuller 1987 [1]_). The intervals, which depend on the residuals
+only, do not show it: the larger the bias, the narrower they become.
 
 References
 ----------
@@ -11,194 +11,289 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.filtering import Signals, filtered_signals, largest_cutoff, noise_after_filter
+from telespring.identification.axis_fit import AxisModel, axis_regressor, fit_axis
+from telespring.identification.cutoff import filtered_noise, largest_cutoff
+from telespring.identification.filtering import Signals, filter_signals
+from telespring.identification.regression import least_squares
+from telespring.identification.resampling import UniformLog
+from telespring.identification.results import AxisIdentification, CrossInertia
+from telespring.identification.unmodelled import UnmodelledTerms, is_moving
+from telespring.identification.warning_messages import UNITS, Diagnostic, diagnostic
 
-if TYPE_CHECKING:
-    from telespring.identification.estimation import AxisIdentification, Estimate
+__all__ = [
+    "check_coupling",
+    "check_cutoff",
+    "check_estimates",
+    "check_force_lag",
+    "check_omitted_friction",
+    "check_plausibility",
+    "check_sticking",
+    "noise_bias",
+]
 
-__all__ = ["cutoff_warnings", "implausible", "noise_shift"]
-
-#: In half-widths of the interval: a shift by noise of more than the first is told, of more than the second
-#: refused, unless it is too little to matter (share of the value).
-_TOLD, _REFUSED, _MATTERS = 0.5, 3.0, 0.005
-#: At half of the cut-off an estimate may differ by so many half-widths of both intervals together.
-_MOVED = 2.0
-#: Nobody holds a robot that moves faster, m/s and m/s², or is lighter or heavier, kg.
-_FASTEST, _HARDEST, _LIGHTEST, _HEAVIEST = 4.0, 100.0, 0.05, 200.0
-
-
-def noise_shift(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
-    """Estimate by how much noise of the position shifts mass and damping, to first order.
-
-    Parameters
-    ----------
-    axis
-        What was identified.
-    signals
-        The signals it came from.
-    position
-        The axis' position before the filter, m.
-    rate
-        Samples per second, Hz.
-
-    Returns
-    -------
-    ndarray
-        kg and N·s/m; below 0 where they are found too small.
-    """
-    velocity, acceleration = noise_after_filter(position, rate, signals.cutoff)
-    regressor = np.stack(
-        [signals.acceleration[axis.signals_index], signals.velocity[axis.signals_index]], axis=-1
-    )
-    noise = np.diag([acceleration, velocity])
-    # Of the movement alone, without the noise, but never less than a tenth of what was seen.
-    seen = regressor.T @ regressor / len(regressor)
-    clean = seen - noise
-    if np.linalg.eigvalsh(clean)[0] <= 0.0 or (np.diag(clean) < 0.1 * np.diag(seen)).any():
-        clean = np.diag(0.1 * np.diag(seen))
-    estimate = np.array([axis.mass.value, axis.damping.value])
-    # seen @ estimate is what the force says; without noise it would be clean @ truth.
-    return np.asarray(estimate - np.linalg.solve(clean, seen @ estimate))
+#: In half-widths of the interval: a bias by noise above the first is a warning, above the second a refusal
+#: unless it is below this share of the value.
+_BIAS_WARNED, _BIAS_REFUSED, _BIAS_NEGLIGIBLE = 0.5, 3.0, 0.005
+#: At half of the cut-off an estimate may change by so many half-widths of both intervals combined.
+_CUTOFF_CHANGE = 2.0
+#: In half-widths: where leaving out the samples near rest shifts the mass by more, the axis sticks.
+_STICKING_SHIFT = 1.5
+#: A robot held by a person moves no faster, m/s and m/s², and is no lighter or heavier, kg.
+_FASTEST, _LARGEST_ACCELERATION, _LIGHTEST, _HEAVIEST = 4.0, 100.0, 0.05, 200.0
+_LOWEST_R_SQUARED, _LARGEST_OUTLIER_SHARE = 0.8, 0.05
+#: The lag is not trusted where the model, with all terms, explains less of the force.
+_LAG_R_SQUARED = 0.99
 
 
-def cutoff_warnings(
-    found: Sequence[AxisIdentification],
+def check_omitted_friction(
+    axes: Sequence[AxisIdentification],
+    unmodelled: Sequence[UnmodelledTerms],
     signals: Signals,
-    positions: FloatArray,
-    rate: float,
-    again: Callable[[Signals], Sequence[AxisIdentification]],
-    times_and_forces: tuple[FloatArray, FloatArray],
-) -> list[str]:
-    """Tell where the estimates hang on the cut-off; refuse where noise makes them wrong.
+    model: AxisModel,
+) -> list[Diagnostic]:
+    """Find axes on which friction or an offset that was not fitted biases mass or damping."""
+    warnings = []
+    for axis, terms in zip(axes, unmodelled, strict=True):
+        # Friction that drives the axis is not friction.
+        names = [
+            name
+            for name, term in terms.friction.items()
+            if term.significant and (name == "offset" or term.value > 0.0)
+        ]
+        if not names:
+            continue
+        fuller = replace(
+            model, coulomb=model.coulomb or "coulomb" in names, offset=model.offset or "offset" in names
+        )
+        refit = fit_axis(axis.axis, axis.signals_index, signals, fuller)
+        if any(
+            abs(axis.estimates[name].value - refit.estimates[name].value) > axis.half_width(name)
+            for name in ("mass", "damping")
+        ):
+            warnings.append(
+                diagnostic(
+                    "omitted " + " and ".join(name.replace("coulomb", "friction") for name in names),
+                    axis=axis.axis,
+                    fitted_mass=axis.mass.value,
+                    fitted_damping=axis.damping.value,
+                    **{name: estimate.value for name, estimate in refit.estimates.items()},
+                )
+            )
+    return warnings
 
-    Parameters
-    ----------
-    found, signals
-        What was identified, and from what.
-    positions
-        m, shape (axes, n), before the filter.
-    rate
-        Samples per second, Hz.
-    again
-        Identifies every axis from other signals.
-    times_and_forces
-        s, shape (n,), and N, shape (axes, n).
 
-    Returns
-    -------
-    list of str
-        Sentences.
+def check_sticking(
+    axes: Sequence[AxisIdentification], signals: Signals, model: AxisModel
+) -> list[Diagnostic]:
+    """Find axes that stick at their reversals for so long that it biases the mass."""
+    warnings = []
+    for axis in axes:
+        i = axis.signals_index
+        moving = is_moving(signals, i)
+        if axis.coulomb is None or axis.fit.lags is None or moving.mean() < 0.3:
+            continue
+        regressor = axis_regressor(signals, i, model)
+        mass = float(least_squares(regressor, signals.force[i], axis.fit.weights * moving).estimate[0])
+        if abs(mass - axis.mass.value) > _STICKING_SHIFT * axis.half_width("mass"):
+            warnings.append(diagnostic("sticking", axis=axis.axis, mass=axis.mass.value, moving_mass=mass))
+    return warnings
+
+
+def check_force_lag(
+    axes: Sequence[AxisIdentification],
+    unmodelled: Sequence[UnmodelledTerms],
+    cross_inertias: Sequence[CrossInertia],
+) -> list[Diagnostic]:
+    """Find axes on which the force lags the position, and whether coupled axes would look the same."""
+    coupled = {cross.axis for cross in cross_inertias if cross.significant}
+    lags: dict[str, tuple[float, float, bool]] = {}
+    for axis, terms in zip(axes, unmodelled, strict=True):
+        lag = terms.lag
+        if lag is None or not lag.significant or terms.r_squared < _LAG_R_SQUARED:
+            continue
+        # A lag τ of the force shifts the mass by τ b (and the damping by less).
+        mass_bias = abs(lag.value * axis.damping.value)
+        if mass_bias > max(axis.half_width("mass"), 0.01 * abs(axis.mass.value)):
+            lags[axis.axis] = (lag.value, mass_bias, terms.is_confounded and axis.axis in coupled)
+    axes_disagree = len({np.sign(lag) for lag, _, _ in lags.values()}) > 1
+    code = "force lag differs by axis" if axes_disagree else "force lag"
+    return [
+        diagnostic(
+            "force lag or coupling" if may_be_coupling else code,
+            axis=name,
+            lag=abs(lag),
+            direction="behind" if lag > 0.0 else "ahead of",
+            force_delay=lag,
+            mass_bias=mass_bias,
+        )
+        for name, (lag, mass_bias, may_be_coupling) in lags.items()
+    ]
+
+
+def check_estimates(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
+    """Find estimates with a wrong or open sign, and fits that explain little or reject many samples."""
+    warnings: list[Diagnostic] = []
+    for axis in axes:
+        intervals = {name: axis.estimates[name].interval for name in ("mass", "damping")}
+        negative = tuple(name for name, (_, high) in intervals.items() if high <= 0.0)
+        if negative:
+            warnings.append(diagnostic("negative estimates", axis=axis.axis, parameters=negative))
+        warnings += [
+            diagnostic(f"{name} close to zero", axis=axis.axis)
+            for name, (low, high) in intervals.items()
+            if low <= 0.0 < high
+        ]
+        if axis.r_squared < _LOWEST_R_SQUARED:
+            warnings.append(
+                diagnostic("unexplained force", axis=axis.axis, r_squared=max(0.0, axis.r_squared))
+            )
+        outliers = axis.outlier_share
+        if outliers is not None and outliers > _LARGEST_OUTLIER_SHARE:
+            warnings.append(diagnostic("many outliers", axis=axis.axis, share=outliers))
+        if not axis.fit.converged:
+            warnings.append(diagnostic("no convergence", axis=axis.axis))
+    return warnings
+
+
+def check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
+    """Find axes that are coupled by inertia, or that moved too much alike to show it."""
+    warnings: list[Diagnostic] = [
+        diagnostic(
+            "coupled axes",
+            axis=cross.axis,
+            other=cross.other,
+            inertia=cross.inertia.value,
+            low=cross.inertia.interval[0],
+            high=cross.inertia.interval[1],
+        )
+        for cross in cross_inertias
+        if cross.significant and cross.inertia is not None
+    ]
+    if any(cross.inertia is None for cross in cross_inertias):
+        warnings.append(diagnostic("similar movements"))
+    return warnings
+
+
+def check_cutoff(
+    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals, model: AxisModel
+) -> list[Diagnostic]:
+    """Find estimates that depend on the cut-off, and refuse a cut-off that lets too much noise pass.
 
     Raises
     ------
     telespring.InvalidInput
-        Where noise of the position shifts an estimate by three half-widths of its interval or more.
+        Where position noise biases an estimate by three half-widths of its interval or more.
     """
-    told = []
-    good = min(largest_cutoff(row, rate) for row in positions)
-    for axis, position in zip(found, positions, strict=True):
-        shifts = noise_shift(axis, signals, position, rate)
-        for name, shift in zip(("mass", "damping"), shifts, strict=True):
-            estimate = axis.estimates[name]
-            by = abs(float(shift))
-            # The interval of the paper's method means nothing.
-            half = _half_width(estimate) if axis.fit.lags is not None else 0.01 * abs(estimate.value)
-            if by <= max(_TOLD * half, 1e-12):
+    return _check_noise_bias(axes, log, signals) or _check_half_cutoff(axes, log, signals, model)
+
+
+def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
+    """Estimate the bias of mass (kg) and damping (N·s/m) by noise of the unfiltered position, to first order.
+
+    It is below 0 where they are estimated too small.
+    """
+    velocity, acceleration = filtered_noise(position, rate, signals.cutoff)
+    regressor = np.stack(
+        [signals.acceleration[axis.signals_index], signals.velocity[axis.signals_index]], axis=-1
+    )
+    noise = np.diag([acceleration, velocity])
+    # The movement's power without the noise, but never less than a tenth of the measured power.
+    measured = regressor.T @ regressor / len(regressor)
+    clean = measured - noise
+    if np.linalg.eigvalsh(clean)[0] <= 0.0 or (np.diag(clean) < 0.1 * np.diag(measured)).any():
+        clean = np.diag(0.1 * np.diag(measured))
+    estimate = np.array([axis.mass.value, axis.damping.value])
+    # measured @ estimate equals the correlation with the force, which without noise is clean @ truth.
+    return np.asarray(estimate - np.linalg.solve(clean, measured @ estimate))
+
+
+def _check_noise_bias(
+    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals
+) -> list[Diagnostic]:
+    warnings = []
+    limit = min(largest_cutoff(row, log.rate) for row in log.position)
+    for axis, position in zip(axes, log.position, strict=True):
+        biases = noise_bias(axis, signals, position, log.rate)
+        for name, bias in zip(("mass", "damping"), np.abs(biases).tolist(), strict=True):
+            half = axis.half_width(name)
+            if bias <= max(_BIAS_WARNED * half, 1e-12):
                 continue
-            unit = "kg" if name == "mass" else "N·s/m"
-            if by > _REFUSED * half and by > _MATTERS * abs(estimate.value):
+            if bias > _BIAS_REFUSED * half and bias > _BIAS_NEGLIGIBLE * abs(axis.estimates[name].value):
                 raise InvalidInput(
                     f"cutoff (axis {axis.axis})",
                     f"{signals.cutoff:.4g} Hz",
-                    f"at this cut-off the position's noise shifts the {name} by about {by:.2g} {unit}, "
-                    f"{by / half:.0f} times what its interval says",
-                    f"Give at most {good:.3g} Hz, leave --cutoff away, or move the robot further and faster.",
+                    f"at this cut-off position noise biases the {name} by about {bias:.2g} {UNITS[name]}, "
+                    f"{bias / half:.0f} times the half-width of its interval",
+                    f"Set at most {limit:.3g} Hz, omit --cutoff, or move the robot further and faster.",
                 )
-            told.append(
-                f"Axis {axis.axis}: at a cut-off of {signals.cutoff:.3g} Hz the position's noise makes the "
-                f"{name} about {by:.2g} {unit} too small, {by / half:.1g} of its interval's half-width. "
-                f"Give a --cutoff of {good:.3g} Hz or less."
+            warnings.append(
+                diagnostic(
+                    "noise bias",
+                    axis=axis.axis,
+                    parameter=name,
+                    bias=bias,
+                    unit=UNITS[name],
+                    half_widths=bias / half,
+                    cutoff=signals.cutoff,
+                    largest_cutoff=limit,
+                )
             )
-    return told or _moved(found, signals, positions, rate, again, times_and_forces)
+    return warnings
 
 
-def _moved(
-    found: Sequence[AxisIdentification],
-    signals: Signals,
-    positions: FloatArray,
-    rate: float,
-    again: Callable[[Signals], Sequence[AxisIdentification]],
-    times_and_forces: tuple[FloatArray, FloatArray],
-) -> list[str]:
-    """Identify at half of the cut-off and compare: where the model holds, the filter changes nothing."""
-    times, forces = times_and_forces
+def _check_half_cutoff(
+    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals, model: AxisModel
+) -> list[Diagnostic]:
+    """Compare with estimates at half of the cut-off: where the model holds, the filter changes nothing."""
     half = 0.5 * signals.cutoff
-    if any(axis.fit.lags is None for axis in found):
+    if any(axis.fit.lags is None for axis in axes):
         return []
     try:
-        lower = again(filtered_signals(times, positions, forces, rate=rate, cutoff=half))
+        lower = filter_signals(log.time, log.position, log.force, rate=log.rate, cutoff=half)
+        others = [fit_axis(axis.axis, axis.signals_index, lower, model) for axis in axes]
     except InvalidInput:
-        # The log is too short for it, or what is left of the movement says too little.
+        # The log is too short for it, or too little of the movement remains.
         return []
-    told = []
-    for one, other in zip(found, lower, strict=True):
+    warnings = []
+    for axis, other in zip(axes, others, strict=True):
         for name in ("mass", "damping"):
-            mine, theirs = one.estimates[name], other.estimates[name]
-            by = abs(mine.value - theirs.value)
-            widths = np.hypot(_half_width(mine), _half_width(theirs))
-            if by > max(_MOVED * widths, 0.01 * abs(mine.value)):
-                unit = "kg" if name == "mass" else "N·s/m"
-                told.append(
-                    f"Axis {one.axis}: the {name} hangs on the cut-off: {mine.value:.3g} {unit} at "
-                    f"{signals.cutoff:.3g} Hz and {theirs.value:.3g} {unit} at {half:.3g} Hz, further apart "
-                    "than their intervals say. Look whether the position jumps, whether friction is "
-                    "missing, and at the residuals."
+            values = axis.estimates[name].value, other.estimates[name].value
+            tolerance = _CUTOFF_CHANGE * np.hypot(axis.half_width(name), other.half_width(name))
+            if abs(values[0] - values[1]) > max(tolerance, 0.01 * abs(values[0])):
+                warnings.append(
+                    diagnostic(
+                        "cut-off dependence",
+                        axis=axis.axis,
+                        parameter=name,
+                        unit=UNITS[name],
+                        value=values[0],
+                        cutoff=signals.cutoff,
+                        other_value=values[1],
+                        other_cutoff=half,
+                    )
                 )
-    return told
+    return warnings
 
 
-def _half_width(estimate: Estimate) -> float:
-    return 0.5 * (estimate.interval[1] - estimate.interval[0])
-
-
-def implausible(found: Sequence[AxisIdentification], signals: Signals) -> list[str]:
-    """Tell what no robot that a person holds does or is: probably other units.
-
-    Parameters
-    ----------
-    found, signals
-        What was identified, and from what.
-
-    Returns
-    -------
-    list of str
-        Sentences.
-    """
-    told = []
-    for axis in found:
-        speed = float(np.abs(signals.velocity[axis.signals_index]).max())
-        hard = float(np.abs(signals.acceleration[axis.signals_index]).max())
-        if speed > _FASTEST or hard > _HARDEST:
-            told.append(
-                f"Axis {axis.axis} moves at {speed:.3g} m/s and {hard:.3g} m/s², more than a robot that a "
-                "person holds. Is the time in s (--time-scale 60 for minutes) and the position in m "
-                "(--position-scale 0.001 for mm, 0.01 for cm)?"
+def check_plausibility(axes: Sequence[AxisIdentification], signals: Signals) -> list[Diagnostic]:
+    """Find motion and masses that no robot held by a person has: the log probably has other units."""
+    warnings: list[Diagnostic] = []
+    for axis in axes:
+        velocity = float(np.abs(signals.velocity[axis.signals_index]).max())
+        acceleration = float(np.abs(signals.acceleration[axis.signals_index]).max())
+        if velocity > _FASTEST or acceleration > _LARGEST_ACCELERATION:
+            warnings.append(
+                diagnostic("implausible motion", axis=axis.axis, velocity=velocity, acceleration=acceleration)
             )
-        if abs(axis.mass.value) < _LIGHTEST:
-            told.append(
-                f"Axis {axis.axis}: {axis.mass.value:.2g} kg is lighter than any robot that a person holds. "
-                "Are time, position and force in s, m and N (--time-scale, --position-scale, --force-scale)?"
-            )
-        if abs(axis.mass.value) > _HEAVIEST:
-            told.append(
-                f"Axis {axis.axis}: {axis.mass.value:.3g} kg is heavier than any robot that a person holds. "
-                "Are time, position and force in s, m and N (--force-scale 0.001 for mN)?"
-            )
-    return told
+        mass = abs(axis.mass.value)
+        if not _LIGHTEST <= mass <= _HEAVIEST:
+            code = "implausibly light" if mass < _LIGHTEST else "implausibly heavy"
+            warnings.append(diagnostic(code, axis=axis.axis, mass=axis.mass.value))
+    return warnings

@@ -1,7 +1,7 @@
-"""Periodic movements that excite a robot for identification: the paper's, and better ones.
+"""Periodic movements that excite a robot for identification: the paper's, and designed ones.
 
-A movement is a Fourier series of the velocity; position and acceleration follow in closed form, so that no
-command is ever differentiated or integrated numerically.
+A movement is a Fourier series of the velocity. Position and acceleration follow in closed form, so no command
+is differentiated or integrated numerically.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from telespring._arrays import as_number, as_numbers, as_vector
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.identification.regression import regressor_matrix
 
 __all__ = [
     "PAPER_AMPLITUDES",
@@ -29,10 +30,10 @@ __all__ = [
 #: Appendix B: A and B of the five harmonics, m/s.
 PAPER_AMPLITUDES = (0.01, 0.02, 0.05, 0.1, 0.15)
 
-#: Base frequency, rad/s (0.2 Hz). The paper prints none. With its A and B the position reaches
-#: 0.1249 m/ω at most, whatever ω is in rad/s; 0.2 Hz is the lowest tenth of a hertz at which that stays
-#: within ±0.1 m, the amplitude B of Eq. 12 that the paper's robots are known to travel. Lower ones would
-#: leave this range, higher ones would cost movement and ask for more acceleration.
+#: Base frequency, rad/s (0.2 Hz). The paper prints none. With its A and B the position reaches at most
+#: 0.1249 m/ω for ω in rad/s; 0.2 Hz is the lowest tenth of a hertz at which that stays within ±0.1 m, the
+#: amplitude B of Eq. 12 that the paper's robots are known to travel. Lower frequencies leave this range,
+#: higher ones travel less and need more acceleration.
 PAPER_ANGULAR_FREQUENCY = 0.4 * math.pi
 
 #: Points over a period at which extremes and regressors are evaluated, per harmonic.
@@ -40,12 +41,12 @@ _POINTS_PER_HARMONIC = 64
 
 
 class Extremes(NamedTuple):
-    """The largest magnitudes of a movement over one period.
+    """Peak magnitudes of a movement over one period.
 
     Attributes
     ----------
     position : float
-        m, from the middle (the mean over a period).
+        m, from the mean over a period.
     velocity : float
         m/s.
     acceleration : float
@@ -59,7 +60,7 @@ class Extremes(NamedTuple):
 
 @dataclass(frozen=True)
 class Excitation:
-    """A periodic movement, given by the Fourier series of its velocity.
+    """A periodic excitation movement, given by the Fourier series of its velocity.
 
     v(t) = Σ A_i cos(iωt) + B_i sin(iωt), as in Appendix B of the paper, after Swevers et al. [1]_.
 
@@ -96,7 +97,7 @@ class Excitation:
             raise InvalidInput(
                 "cosine, sine",
                 f"{a.size} and {b.size} values",
-                "as many finite amplitudes for the cosines as for the sines are needed, in m/s",
+                "cosines and sines need the same number of finite amplitudes, in m/s",
                 "Give one of each per harmonic, 0 where a term is missing.",
             )
         frequency = as_number("angular_frequency", angular_frequency)
@@ -105,7 +106,7 @@ class Excitation:
                 "angular_frequency",
                 f"{frequency:g}",
                 "the base frequency must be above 0 rad/s",
-                "Leave it away for 1.257 rad/s (0.2 Hz).",
+                "Omit it for 1.257 rad/s (0.2 Hz).",
             )
         object.__setattr__(self, "cosine", tuple(a.tolist()))
         object.__setattr__(self, "sine", tuple(b.tolist()))
@@ -118,24 +119,24 @@ class Excitation:
 
     @property
     def highest_frequency(self) -> float:
-        """Frequency of the highest harmonic that moves, Hz."""
-        moving = [i + 1 for i in range(len(self.cosine)) if self.cosine[i] or self.sine[i]]
-        return max(moving, default=1) / self.period
+        """Frequency of the highest harmonic with an amplitude above 0, Hz."""
+        present = [i + 1 for i in range(len(self.cosine)) if self.cosine[i] or self.sine[i]]
+        return max(present, default=1) / self.period
 
     def position(self, time: ArrayLike) -> FloatArray:
-        """Give the position at each time (s), m, its mean over a period being 0."""
+        """Return the position at each time (s), m; its mean over a period is 0."""
         return self._series(time, -1)
 
     def velocity(self, time: ArrayLike) -> FloatArray:
-        """Give the velocity at each time (s), m/s."""
+        """Return the velocity at each time (s), m/s."""
         return self._series(time, 0)
 
     def acceleration(self, time: ArrayLike) -> FloatArray:
-        """Give the acceleration at each time (s), m/s²."""
+        """Return the acceleration at each time (s), m/s²."""
         return self._series(time, 1)
 
     def _series(self, time: ArrayLike, order: int) -> FloatArray:
-        """Sum the derivative of that order of the velocity; order −1 is the position."""
+        """Return the derivative of this order of the velocity; order −1 is the position."""
         t = as_numbers("time", time)
         # One complex sum: A cos + B sin is the real part of (A − jB) e^(jiωt).
         frequency = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
@@ -144,7 +145,7 @@ class Excitation:
         return np.asarray(series).real.astype(np.float64)
 
     def extremes(self) -> Extremes:
-        """Give the largest magnitudes of position, velocity and acceleration."""
+        """Return the peak magnitudes of position, velocity and acceleration."""
         time = self._grid(64 * _POINTS_PER_HARMONIC)
         return Extremes(
             *(
@@ -154,9 +155,11 @@ class Excitation:
         )
 
     def regressor(self, *, coulomb: bool = False, offset: bool = False) -> FloatArray:
-        """Give the columns [a, v, sign v, 1] over one period, the last two where asked for, in SI units."""
+        """Return the columns [a, v, sign v, 1] over one period in SI units, the last two optionally."""
         time = self._grid(_POINTS_PER_HARMONIC * len(self.cosine))
-        return _columns(self.acceleration(time), self.velocity(time), coulomb, offset)
+        velocity = self.velocity(time)
+        direction = np.sign(velocity) if coulomb else None
+        return regressor_matrix(self.acceleration(time), velocity, direction, offset=offset)
 
     def condition_number(
         self,
@@ -166,14 +169,14 @@ class Excitation:
         velocity_scale: float = 1.0,
         acceleration_scale: float = 1.0,
     ) -> float:
-        """Give the condition number of the regressor over one period.
+        """Return the condition number of the regressor over one period.
 
         Parameters
         ----------
         coulomb, offset
             Whether it has the columns sign v and 1.
         velocity_scale, acceleration_scale
-            Units in which v (m/s) and a (m/s²) are counted; SI unless told.
+            Units of v (in m/s) and a (in m/s²); by default SI units.
         """
         columns = self.regressor(coulomb=coulomb, offset=offset)
         columns[:, 0] /= acceleration_scale
@@ -183,29 +186,20 @@ class Excitation:
     def _grid(self, points: int) -> FloatArray:
         return np.arange(points, dtype=np.float64) * (self.period / points)
 
-    def _times(self, factor: float) -> Excitation:
+    def _scaled(self, factor: float) -> Excitation:
         return Excitation(
             factor * np.array(self.cosine), factor * np.array(self.sine), self.angular_frequency
         )
 
 
-def _columns(acceleration: FloatArray, velocity: FloatArray, coulomb: bool, offset: bool) -> FloatArray:
-    columns = [acceleration, velocity]
-    if coulomb:
-        columns.append(np.sign(velocity))
-    if offset:
-        columns.append(np.ones_like(velocity))
-    return np.stack(columns, axis=-1)
-
-
 def paper_excitation(angular_frequency: float = PAPER_ANGULAR_FREQUENCY) -> Excitation:
-    """Give the paper's velocity command (Appendix B): five harmonics with equal A and B.
+    """Return the paper's velocity command (Appendix B): five harmonics with equal A and B.
 
     Parameters
     ----------
     angular_frequency : float
-        ω, rad/s. The paper prints none; at the default, 0.2 Hz, the movement just fits into ±0.1 m, which
-        the paper's task travels.
+        ω, rad/s. The paper prints none; at the default, 0.2 Hz, the movement just fits into ±0.1 m, the
+        travel of the paper's task.
 
     Returns
     -------
@@ -233,17 +227,18 @@ def design_excitation(
     starts: int = 6,
     seed: int = 1,
 ) -> Excitation:
-    """Find a movement within limits whose regressor is as well conditioned as can be.
+    """Design a movement within limits whose regressor has the smallest condition number.
 
-    Minimised is the condition number of [a, v, sign v, 1] with a and v counted in their limits: in SI units
-    it would depend on the choice of units, and for [a, v] alone reward moving slowly. The movement is as
-    large as the limits allow, which is best for the precision. With five harmonics or more it is in SI units
-    too no worse conditioned than the paper's movement, scaled to the same limits; fewer may not reach it.
+    The objective is the condition number of [a, v, sign v, 1] with a and v in units of their limits: in SI
+    units it would depend on the choice of units, and for [a, v] alone it would favour slow movements. The
+    movement is as large as the limits allow, which is best for the precision. With five harmonics or more its
+    condition number in SI units, too, does not exceed that of the paper's movement scaled to the same limits;
+    with fewer harmonics it may.
 
     Parameters
     ----------
     position_limit : float
-        Largest distance from the middle, m.
+        Largest distance from the centre, m.
     velocity_limit : float
         Largest velocity, m/s.
     acceleration_limit : float
@@ -253,13 +248,13 @@ def design_excitation(
     angular_frequency : float
         Base frequency ω, rad/s.
     coulomb : bool
-        Whether Coulomb friction will be identified (column sign v).
+        Whether Coulomb friction will be estimated (column sign v).
     offset : bool
-        Whether an offset will be identified (column 1).
+        Whether an offset will be estimated (column 1).
     starts : int
-        Number of random starts beside the paper's movement.
+        Number of random starts of the search, besides the paper's movement.
     seed : int
-        Of the random starts: the same seed gives the same movement.
+        Seed of the random starts: the same seed gives the same movement.
 
     Returns
     -------
@@ -269,7 +264,7 @@ def design_excitation(
     Raises
     ------
     telespring.InvalidInput
-        Where a limit is not above 0.
+        Where a limit is not positive.
 
     Examples
     --------
@@ -282,56 +277,61 @@ def design_excitation(
     from scipy.optimize import minimize
 
     limits = Extremes(
-        _limit("position_limit", position_limit, "m"),
-        _limit("velocity_limit", velocity_limit, "m/s"),
-        _limit("acceleration_limit", acceleration_limit, "m/s²"),
+        _positive_limit("position_limit", position_limit, "m"),
+        _positive_limit("velocity_limit", velocity_limit, "m/s"),
+        _positive_limit("acceleration_limit", acceleration_limit, "m/s²"),
     )
     if not 1 <= harmonics <= 20:
-        raise InvalidInput("harmonics", str(harmonics), "1 to 20 harmonics are possible", "Leave it for 5.")
-    problem = _Problem(limits, harmonics, angular_frequency, coulomb, offset)
-    paper = paper_excitation(angular_frequency)
-    problem.worst_si = problem.fit(paper).condition_number(coulomb=coulomb, offset=offset)
+        raise InvalidInput("harmonics", str(harmonics), "1 to 20 harmonics are allowed", "Omit it for 5.")
+    problem = _DesignProblem(limits, harmonics, angular_frequency, coulomb, offset)
     first = np.zeros((2, harmonics))
-    # With fewer harmonics than the paper's: its highest amplitudes, which carry the movement.
+    # With fewer harmonics than the paper's, start from its highest amplitudes, which dominate the movement.
     count = min(harmonics, len(PAPER_AMPLITUDES))
     first[:, :count] = PAPER_AMPLITUDES[-count:]
     random = np.random.default_rng(seed)
-    candidates = [first.ravel()]
     order = np.tile(np.arange(1, harmonics + 1), 2)
-    candidates += [random.normal(size=2 * harmonics) / order for _ in range(starts)]
-    found = [first.ravel()]
-    for start in candidates:
-        # Without derivatives: the sign of the velocity makes the objective a staircase in places.
-        best = minimize(
+    initial = [first.ravel(), *(random.normal(size=2 * harmonics) / order for _ in range(starts))]
+    candidates = [first.ravel()]
+    for start in initial:
+        # Without derivatives: the sign of the velocity makes the objective piecewise constant in places.
+        optimum = minimize(
             problem.objective,
             start / np.linalg.norm(start),
             method="Powell",
             options={"maxiter": 12, "xtol": 1e-3},
         )
-        found.append(np.asarray(best.x))
-    return problem.fitted(min(found, key=problem.objective))
+        candidates.append(np.asarray(optimum.x))
+    best = min(candidates, key=problem.objective)
+    cosine, sine = best.reshape(2, harmonics)
+    return _scale_to_limits(Excitation(cosine, sine, angular_frequency), limits)
 
 
-def _limit(name: str, value: float, unit: str) -> float:
+def _scale_to_limits(movement: Excitation, limits: Extremes) -> Excitation:
+    """Scale a movement until it reaches the first of the limits."""
+    size = max(peak / limit for peak, limit in zip(movement.extremes(), limits, strict=True))
+    # Between the points of a grid the peak may be this little larger.
+    return movement._scaled((1.0 - 1e-5) / size)
+
+
+def _positive_limit(name: str, value: float, unit: str) -> float:
     number = as_number(name, value)
     if not 0.0 < number < math.inf:
         raise InvalidInput(
-            name, f"{number:g}", f"a limit must be above 0 {unit}", "Give what the robot may do."
+            name, f"{number:g}", f"a limit must be above 0 {unit}", "Set it to what the robot can do safely."
         )
     return number
 
 
-class _Problem:
-    """The condition number as a function of the direction of the amplitudes; their size follows."""
+class _DesignProblem:
+    """Condition number of a movement as a function of its amplitudes, which are scaled to the limits."""
 
     def __init__(
         self, limits: Extremes, harmonics: int, angular_frequency: float, coulomb: bool, offset: bool
     ) -> None:
         self.limits = limits
-        self.harmonics = harmonics
-        self.angular_frequency = angular_frequency
         self.coulomb, self.offset = coulomb, offset
-        self.worst_si = math.inf
+        paper = _scale_to_limits(paper_excitation(angular_frequency), limits)
+        self.paper_condition = paper.condition_number(coulomb=coulomb, offset=offset)
         order = np.arange(1, harmonics + 1)
         points = 48 * harmonics
         angle = np.multiply.outer(2.0 * np.pi * np.arange(points) / points, order)
@@ -348,26 +348,18 @@ class _Problem:
         )
         if not 0.0 < size < math.inf:
             return math.inf
-        columns = _columns(a / size, v / size, self.coulomb, self.offset)
-        si = _condition(columns)
+        columns = regressor_matrix(
+            a / size, v / size, np.sign(v / size) if self.coulomb else None, offset=self.offset
+        )
+        condition_si = _condition_by_gram_matrix(columns)
         columns[:, 0] /= self.limits.acceleration
         columns[:, 1] /= self.limits.velocity
-        # A movement worse than the paper's in SI units pays far more than it can gain.
-        return _condition(columns) * (1.0 + 100.0 * max(0.0, si / self.worst_si - 1.0))
-
-    def fit(self, movement: Excitation) -> Excitation:
-        """Scale a movement until it meets the first of the limits."""
-        reached = movement.extremes()
-        size = max(value / limit for value, limit in zip(reached, self.limits, strict=True))
-        # Between the points of a grid the extreme may be this little larger.
-        return movement._times((1.0 - 1e-5) / size)
-
-    def fitted(self, amplitudes: FloatArray) -> Excitation:
-        cosine, sine = amplitudes.reshape(2, self.harmonics)
-        return self.fit(Excitation(cosine, sine, self.angular_frequency))
+        # A movement with a larger condition number in SI units than the paper's is penalised heavily.
+        penalty = 1.0 + 100.0 * max(0.0, condition_si / self.paper_condition - 1.0)
+        return _condition_by_gram_matrix(columns) * penalty
 
 
-def _condition(columns: FloatArray) -> float:
-    # By the small Gram matrix: ten times as fast as by the columns, and exact enough to compare.
+def _condition_by_gram_matrix(columns: FloatArray) -> float:
+    # Ten times as fast as from the columns themselves, and exact enough for comparisons.
     eigenvalues = np.linalg.eigvalsh(columns.T @ columns)
     return math.sqrt(float(eigenvalues[-1]) / max(float(eigenvalues[0]), 1e-30))

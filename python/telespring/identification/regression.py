@@ -1,10 +1,11 @@
-"""Linear regression whose intervals hold although neighbouring residuals are alike.
+"""Linear regression with confidence intervals that account for autocorrelated residuals.
 
-Filtered signals have correlated residuals, and textbook intervals are then too narrow. Here the covariance
-is Newey and West's [1]_, by statsmodels, on samples thinned out to a little more than twice the cut-off; each
-residual is divided by one minus its leverage [2]_, since a fit comes closest to the samples that weigh most,
-and the quantile is that for a bandwidth which is a fixed share of the samples [3]_. Without these two,
-nominal 95 % intervals hold the truth in 93 % of logs of four periods of the paper's movement.
+Filtered signals have correlated residuals, which makes textbook intervals too narrow. Here the covariance is
+that of Newey and West [1]_, computed by statsmodels on samples decimated to a little more than twice the
+cut-off. Each residual is divided by one minus its leverage [2]_, since a fit comes closest to the samples
+with the largest influence, and the quantile is that for a bandwidth which is a fixed share of the samples
+[3]_. Without these two corrections, nominal 95 % intervals contain the true value in 93 % of logs of four
+periods of the paper's movement.
 
 References
 ----------
@@ -35,23 +36,23 @@ __all__ = [
     "newey_west_lags",
     "paper_least_squares",
     "paper_reweightings",
+    "regressor_matrix",
     "robust_least_squares",
-    "weighted",
 ]
 
 #: ε of the paper's weights 1/(r² + ε): the relative accuracy of floating-point numbers.
 PAPER_EPSILON = float(np.finfo(float).eps)
 
-#: A robust fit that has not come to rest after so many steps says so.
-_STEPS = 200
+#: A robust fit that has not converged after so many steps is reported as such.
+_MAXIMUM_STEPS = 200
 
-#: In robust standard deviations: up to the first a sample counts fully, from the last on not at all.
+#: In robust standard deviations: up to the first a sample has full weight, from the last on none.
 _HAMPEL = (4.0, 6.0, 9.0)
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Coefficients of a linear regression.
+    """Coefficients of a linear regression with their covariance.
 
     Attributes
     ----------
@@ -60,16 +61,15 @@ class Fit:
     covariance
         Of the coefficients.
     residual
-        Force minus estimated force, N.
+        Measured minus estimated force, N.
     weights
-        Of the samples: 1 where a sample counts fully.
+        Weights of the samples, 1 for full weight.
     degrees_of_freedom
         Samples minus coefficients, for the quantile of Student's t.
     lags
-        Over how many samples residuals were taken to be correlated; None where the covariance does not
-        account for that.
+        Newey-West bandwidth in samples; None where the covariance assumes independent residuals.
     converged
-        False where the iteration stopped before it came to rest.
+        False where the iteration stopped before it converged.
     """
 
     estimate: FloatArray
@@ -82,36 +82,38 @@ class Fit:
 
     @property
     def standard_error(self) -> FloatArray:
-        """Of the coefficients."""
+        """Standard errors of the coefficients."""
         return np.sqrt(np.diag(self.covariance))
 
     def half_width(self) -> FloatArray:
-        """Half of the 95 % confidence intervals' widths."""
+        """Return the half-widths of the coefficients' 95 % confidence intervals."""
         from scipy import stats
 
         quantile = float(stats.t.ppf(0.975, self.degrees_of_freedom))
         if self.lags is not None:
             share = (self.lags + 1) / self.residual.size
-            widened = 1.96 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
-            quantile *= widened / 1.96
+            fixed_bandwidth = 1.96 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
+            quantile *= fixed_bandwidth / 1.96
         return np.asarray(quantile * self.standard_error)
 
 
+def regressor_matrix(
+    acceleration: FloatArray, velocity: FloatArray, direction: FloatArray | None, *, offset: bool
+) -> FloatArray:
+    """Stack the columns [a, v, sign v, 1]; the third is omitted without a direction, the last by choice."""
+    columns = [acceleration, velocity]
+    if direction is not None:
+        columns.append(direction)
+    if offset:
+        columns.append(np.ones_like(velocity))
+    return np.stack(columns, axis=-1)
+
+
 def newey_west_lags(residual: FloatArray) -> int:
-    """Choose over how many samples residuals are taken to be correlated.
+    """Choose the bandwidth of the Newey-West covariance, in samples, from evenly spaced residuals.
 
     The larger of the usual 4 (n/100)^(2/9) and Andrews' choice [1]_ for residuals that resemble an
     autoregression of first order, 1.1447 (4 ρ² n/(1 − ρ²)²)^(1/3), rounded down; half of the samples at most.
-
-    Parameters
-    ----------
-    residual
-        One per sample, evenly spaced in time.
-
-    Returns
-    -------
-    int
-        The bandwidth in samples.
 
     References
     ----------
@@ -128,114 +130,20 @@ def newey_west_lags(residual: FloatArray) -> int:
     """
     samples = residual.size
     power = float(residual @ residual)
-    alike = min(0.97, abs(float(residual[1:] @ residual[:-1])) / power) if power > 0.0 else 0.0
+    correlation = min(0.97, abs(float(residual[1:] @ residual[:-1])) / power) if power > 0.0 else 0.0
     usual = 4.0 * (samples / 100.0) ** (2.0 / 9.0)
-    andrews = 1.1447 * (4.0 * alike**2 * samples / (1.0 - alike**2) ** 2) ** (1.0 / 3.0)
+    andrews = 1.1447 * (4.0 * correlation**2 * samples / (1.0 - correlation**2) ** 2) ** (1.0 / 3.0)
     return min(int(max(usual, andrews)), samples // 2)
 
 
-def least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
-    """Fit by ordinary least squares with a covariance for correlated residuals.
+def least_squares(regressor: FloatArray, force: FloatArray, weights: FloatArray | None = None) -> Fit:
+    """Fit by ordinary or weighted least squares, with a Newey-West covariance.
 
-    Parameters
-    ----------
-    regressor
-        One row per sample, one column per coefficient.
-    force
-        N, one per sample.
-
-    Returns
-    -------
-    Fit
-        Coefficients and covariance.
+    The rows of the regressor and the forces (N) are samples, and a weight of 1 is full weight.
     """
-    import statsmodels.api as sm
-
-    found = sm.OLS(force, regressor).fit()
-    estimate, residual = np.asarray(found.params), np.asarray(found.resid)
-    lags = newey_west_lags(residual)
-    ones = np.ones_like(force)
-    return Fit(
-        estimate=estimate,
-        covariance=_sandwich(regressor, residual, ones, lags),
-        residual=residual,
-        weights=ones,
-        degrees_of_freedom=force.size - estimate.size,
-        lags=lags,
-    )
-
-
-def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
-    """Fit by Hampel's three-part function, started from Huber's estimate, with a covariance as above.
-
-    Both are statsmodels' RLM. Huber's problem is convex, so its answer does not depend on a start. Hampel's
-    function then counts every sample up to 4 robust standard deviations fully and leaves out what is beyond
-    9: a glitch has no say, while what the model lacks still counts as in least squares. (The usual
-    tunings weigh that down too, and answer another question: on the axis of Janot et al. they shift the
-    damping by 3 %.) The loss is bounded and the scale is the median absolute residual of all samples, so
-    that the fit cannot retire to a few of them as under the paper's weights.
-
-    Parameters
-    ----------
-    regressor
-        One row per sample, one column per coefficient.
-    force
-        N, one per sample.
-
-    Returns
-    -------
-    Fit
-        Coefficients and covariance; those of ordinary least squares where no residual is large.
-    """
-    import statsmodels.api as sm
-
-    plain = least_squares(regressor, force)
-    scale = float(sm.robust.scale.mad(plain.residual, center=0))
-    # Residuals of rounding only have no scale; and where none is large, this is Hampel's answer already.
-    if scale <= 1e-12 * float(np.abs(force).max()) or np.abs(plain.residual).max() <= _HAMPEL[0] * scale:
-        return plain
-    with warnings.catch_warnings():
-        # What it warns of is in the result.
-        warnings.simplefilter("ignore")
-        huber = sm.RLM(force, regressor, M=sm.robust.norms.HuberT()).fit()
-        norm = sm.robust.norms.Hampel(*_HAMPEL)
-        found = sm.RLM(force, regressor, M=norm).fit(start_params=huber.params, maxiter=_STEPS)
-    residual = np.asarray(found.resid)
-    scaled = residual / found.scale
-    # What is left out must not say how alike the rest is.
-    lags = newey_west_lags(found.scale * norm.psi(scaled))
-    return Fit(
-        estimate=np.asarray(found.params),
-        covariance=_sandwich(
-            regressor, found.scale * norm.psi(scaled), np.asarray(norm.psi_deriv(scaled)), lags
-        ),
-        residual=residual,
-        weights=np.asarray(found.weights),
-        degrees_of_freedom=plain.degrees_of_freedom,
-        lags=lags,
-        converged=found.fit_history["iteration"] < _STEPS,
-    )
-
-
-def weighted(regressor: FloatArray, force: FloatArray, weights: FloatArray) -> Fit:
-    """Fit with given weights and a covariance for correlated residuals.
-
-    Parameters
-    ----------
-    regressor
-        One row per sample, one column per coefficient.
-    force
-        N, one per sample.
-    weights
-        Of the samples: 1 where a sample counts fully.
-
-    Returns
-    -------
-    Fit
-        Coefficients and covariance.
-    """
+    weights = np.ones_like(force) if weights is None else weights
     root = np.sqrt(weights)
-    size = np.sqrt((regressor**2).mean(axis=0))
+    size = _column_sizes(regressor)
     estimate: FloatArray = (
         np.linalg.lstsq(regressor / size * root[:, None], force * root, rcond=None)[0].astype(float) / size
     )
@@ -243,7 +151,7 @@ def weighted(regressor: FloatArray, force: FloatArray, weights: FloatArray) -> F
     lags = newey_west_lags(weights * residual)
     return Fit(
         estimate=estimate,
-        covariance=_sandwich(regressor, weights * residual, weights, lags),
+        covariance=_sandwich_covariance(regressor, weights * residual, weights, lags),
         residual=residual,
         weights=weights,
         degrees_of_freedom=force.size - estimate.size,
@@ -251,12 +159,55 @@ def weighted(regressor: FloatArray, force: FloatArray, weights: FloatArray) -> F
     )
 
 
-def _sandwich(regressor: FloatArray, score: FloatArray, slope: FloatArray, lags: int) -> FloatArray:
-    """Covariance of an M-estimate: `score` is ψ of each residual, `slope` its derivative."""
+def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
+    """Fit by Hampel's three-part M-estimator, started from Huber's, with a Newey-West covariance.
+
+    Both are statsmodels' RLM. Huber's problem is convex, so its solution does not depend on a start. Hampel's
+    function then gives every sample up to 4 robust standard deviations full weight and rejects those beyond
+    9: a glitch has no influence, while what the model omits still counts as in least squares. (The usual
+    tunings weigh that down too, and estimate something else: on the axis of Janot et al. they shift the
+    damping by 3 %.) The loss is bounded and the scale is the median absolute residual of all samples, so
+    the fit cannot collapse onto a few of them as it does under the paper's weights.
+
+    Where no residual is large, the fit is that of ordinary least squares.
+    """
+    import statsmodels.api as sm
+
+    ordinary = least_squares(regressor, force)
+    scale = float(sm.robust.scale.mad(ordinary.residual, center=0))
+    # Residuals from rounding alone have no scale; and where none is large, this is Hampel's solution already.
+    if scale <= 1e-12 * float(np.abs(force).max()) or np.abs(ordinary.residual).max() <= _HAMPEL[0] * scale:
+        return ordinary
+    with warnings.catch_warnings():
+        # The result says whether it converged.
+        warnings.simplefilter("ignore")
+        huber = sm.RLM(force, regressor, M=sm.robust.norms.HuberT()).fit()
+        norm = sm.robust.norms.Hampel(*_HAMPEL)
+        hampel = sm.RLM(force, regressor, M=norm).fit(start_params=huber.params, maxiter=_MAXIMUM_STEPS)
+    residual = np.asarray(hampel.resid)
+    scaled = residual / hampel.scale
+    # Rejected samples must not influence the estimated correlation of the others.
+    score = hampel.scale * norm.psi(scaled)
+    lags = newey_west_lags(score)
+    return Fit(
+        estimate=np.asarray(hampel.params),
+        covariance=_sandwich_covariance(regressor, score, np.asarray(norm.psi_deriv(scaled)), lags),
+        residual=residual,
+        weights=np.asarray(hampel.weights),
+        degrees_of_freedom=ordinary.degrees_of_freedom,
+        lags=lags,
+        converged=hampel.fit_history["iteration"] < _MAXIMUM_STEPS,
+    )
+
+
+def _sandwich_covariance(
+    regressor: FloatArray, score: FloatArray, slope: FloatArray, lags: int
+) -> FloatArray:
+    """Return the covariance of an M-estimate: `score` is ψ of each residual, `slope` its derivative."""
     from statsmodels.stats.sandwich_covariance import S_hac_simple
 
-    # Columns in their own size: mass and offset may differ by orders of magnitude.
-    size = np.sqrt((regressor**2).mean(axis=0))
+    # Scaled columns: mass and offset may differ by orders of magnitude.
+    size = _column_sizes(regressor)
     columns = regressor / size
     bread = np.linalg.inv(columns.T @ (slope[:, None] * columns))
     leverage = np.clip(np.einsum("ij,jk,ik->i", columns, bread, columns), 0.0, 0.5)
@@ -264,9 +215,13 @@ def _sandwich(regressor: FloatArray, score: FloatArray, slope: FloatArray, lags:
     return np.asarray(bread @ meat @ bread / np.outer(size, size))
 
 
+def _column_sizes(regressor: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt((regressor**2).mean(axis=0)))
+
+
 @dataclass(frozen=True)
 class Reweighting:
-    """One step of the paper's reweighting.
+    """One step of the paper's iteratively reweighted least squares.
 
     Attributes
     ----------
@@ -275,11 +230,11 @@ class Reweighting:
     estimate
         Coefficients.
     half_width
-        Half of the 95 % intervals that weighted least squares would give.
+        Half-widths of the 95 % intervals that weighted least squares claims.
     log_loss
-        Σ log(r² + ε): what the reweighting makes smaller at every step.
+        Σ log(r² + ε), which no step of the reweighting increases.
     effective_samples
-        (Σw)²/Σw²: how many samples carry the weight.
+        (Σw)²/Σw²: the number of samples that carry the weight.
     """
 
     iteration: int
@@ -289,7 +244,7 @@ class Reweighting:
     effective_samples: float
 
     def to_json(self) -> dict[str, Any]:
-        """Give plain numbers."""
+        """Return plain numbers."""
         return {
             "iteration": self.iteration,
             "estimate": self.estimate.tolist(),
@@ -300,38 +255,24 @@ class Reweighting:
 
 
 def paper_least_squares(regressor: FloatArray, force: FloatArray, iterations: int = 1) -> Fit:
-    """Fit by the paper's weighted least squares: weights 1/(r² + ε) from the last residuals.
+    """Fit by the paper's weighted least squares: weights 1/(r² + ε) from the residuals of the last fit.
 
-    Its covariance is that of weighted least squares as if the weights were known and the residuals
-    independent. Neither holds: see `paper_reweightings`.
-
-    Parameters
-    ----------
-    regressor
-        One row per sample, one column per coefficient.
-    force
-        N, one per sample.
-    iterations
-        How often weights are taken from residuals, beginning with those of ordinary least squares; the
-        paper prints one step and no number.
-
-    Returns
-    -------
-    Fit
-        Coefficients and covariance.
+    The first weights come from ordinary least squares; the paper prints one step and no number. The
+    covariance is that of weighted least squares with known weights and independent residuals. Neither holds:
+    see `paper_reweightings`.
     """
-    return _reweight(regressor, force, {iterations})[0][1]
+    return _reweighted_fits(regressor, force, {iterations})[0][1]
 
 
 def paper_reweightings(
     regressor: FloatArray, force: FloatArray, iterations: tuple[int, ...] = (0, 1, 2, 5, 10, 30, 100)
 ) -> list[Reweighting]:
-    """Show where the paper's weights lead when they are iterated.
+    """Iterate the paper's weights and show how the fit collapses onto a few samples.
 
     Weights 1/(r² + ε) are those of a majorisation of Σ log(r² + ε): no step makes that sum larger. It has a
-    deep minimum, log ε for each sample met exactly, wherever as many samples are met exactly as there are
-    coefficients. The iteration falls into one of these: a fit through p samples out of n, with an interval of
-    the width of rounding that says nothing about the parameters.
+    deep minimum, log ε for each sample met exactly, wherever the fit meets as many samples exactly as there
+    are coefficients. The iteration falls into one of these: a fit through p samples out of n, with an
+    interval as narrow as rounding that says nothing about the parameters.
 
     Parameters
     ----------
@@ -340,51 +281,44 @@ def paper_reweightings(
     force
         N, one per sample.
     iterations
-        After which numbers of reweightings to look.
+        The numbers of reweightings to report.
 
     Returns
     -------
     list of Reweighting
-        One per number asked for.
+        One per requested number.
     """
-    found = []
-    for iteration, fit in _reweight(regressor, force, set(iterations)):
-        weights = fit.weights
-        found.append(
-            Reweighting(
-                iteration=iteration,
-                estimate=fit.estimate,
-                half_width=fit.half_width(),
-                log_loss=float(np.log(fit.residual**2 + PAPER_EPSILON).sum()),
-                effective_samples=float(weights.sum() ** 2 / (weights**2).sum()),
-            )
+    return [
+        Reweighting(
+            iteration=iteration,
+            estimate=fit.estimate,
+            half_width=fit.half_width(),
+            log_loss=float(np.log(fit.residual**2 + PAPER_EPSILON).sum()),
+            effective_samples=float(fit.weights.sum() ** 2 / (fit.weights**2).sum()),
         )
-    return found
+        for iteration, fit in _reweighted_fits(regressor, force, set(iterations))
+    ]
 
 
-def _reweight(regressor: FloatArray, force: FloatArray, wanted: set[int]) -> list[tuple[int, Fit]]:
+def _reweighted_fits(regressor: FloatArray, force: FloatArray, iterations: set[int]) -> list[tuple[int, Fit]]:
     import statsmodels.api as sm
 
     weights = np.ones_like(force)
-    found = []
-    for iteration in range(max(wanted) + 1):
-        fit = sm.WLS(force, regressor, weights=weights).fit(method="qr")
-        residual = force - regressor @ np.asarray(fit.params)
-        if iteration in wanted:
-            found.append(
-                (
-                    iteration,
-                    Fit(
-                        estimate=np.asarray(fit.params),
-                        covariance=np.asarray(fit.cov_params()),
-                        residual=residual,
-                        weights=weights / weights.max(),
-                        degrees_of_freedom=force.size - regressor.shape[1],
-                        lags=None,
-                    ),
-                )
+    fits = []
+    for iteration in range(max(iterations) + 1):
+        wls = sm.WLS(force, regressor, weights=weights).fit(method="qr")
+        residual = force - regressor @ np.asarray(wls.params)
+        if iteration in iterations:
+            fit = Fit(
+                estimate=np.asarray(wls.params),
+                covariance=np.asarray(wls.cov_params()),
+                residual=residual,
+                weights=weights / weights.max(),
+                degrees_of_freedom=force.size - regressor.shape[1],
+                lags=None,
             )
+            fits.append((iteration, fit))
         weights = 1.0 / (residual**2 + PAPER_EPSILON)
         if not math.isfinite(float(weights.sum())):
             break
-    return found
+    return fits

@@ -1,4 +1,4 @@
-"""What was identified as a robot file: read by studies and by `telespring decide --robot1 FILE`."""
+"""The robot file of an identification, read by studies and by `telespring decide --robot1 FILE`."""
 
 from __future__ import annotations
 
@@ -7,25 +7,29 @@ from pathlib import Path
 
 from telespring._errors import InvalidInput
 from telespring._files import write_whole
-from telespring.identification.estimation import Identification
+from telespring.identification.results import Identification
+from telespring.identification.warning_messages import UNITS
 
 __all__ = ["robot_toml", "write_robot"]
 
+#: A study's range of masses begins here, kg.
+_SMALLEST_MASS = 1e-4
 
-def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
-    """Give the text of a robot file.
+
+def robot_toml(identification: Identification, name: str, *, source: str = "") -> str:
+    """Return the text of a robot file.
 
     Its section `[robot]` has the keys of `[robot1]` in a study, standard deviations included; the section
-    `[identification]` is a record of how they were found.
+    `[identification]` records how they were estimated.
 
     Parameters
     ----------
-    found
-        What was identified.
+    identification
+        The identified robot.
     name
         The robot's name.
     source
-        The log's name, for the record.
+        Name of the log, for the record.
 
     Returns
     -------
@@ -35,73 +39,58 @@ def robot_toml(found: Identification, name: str, *, source: str = "") -> str:
     Raises
     ------
     telespring.InvalidInput
-        Where a mass or a damping is not that of a robot: not above 0 (the damping: below 0).
+        Where a mass is not positive or a damping is negative.
     """
     import tomli_w
 
-    for axis in found.axes:
-        if axis.mass.value < 1e-4 or axis.damping.value < 0.0:
-            wrong, value, unit = (
-                ("mass", axis.mass.value, "kg")
-                if axis.mass.value < 1e-4
-                else ("damping", axis.damping.value, "N·s/m")
-            )
-            if axis.estimates[wrong].interval[1] > 0.0:
-                low, high = axis.estimates[wrong].interval
-                raise InvalidInput(
-                    f"{wrong} ({axis.axis})",
-                    f"{value:.4g} {unit}, 95 % interval {low:.4g} to {high:.4g}",
-                    "a value above 0 is needed, and this log leaves its sign open",
-                    "Move this axis further and faster, or record longer.",
-                )
-            raise InvalidInput(
-                f"{wrong} ({axis.axis})",
-                f"{value:.4g} {unit}",
-                f"a robot's {wrong} is not negative",
-                "Check sign and unit of the force (--force-scale), and that position and force are of the "
-                "same axis.",
-            )
-    # The paper's intervals mean nothing, so neither does a standard deviation taken from them.
-    certain = found.method == "paper"
+    axes = identification.axes
+    _refuse_impossible_robot(identification)
     robot: dict[str, object] = {
         "name": name,
-        "axes": [axis.axis for axis in found.axes],
-        "mass": [axis.mass.value for axis in found.axes],
-        "damping": [axis.damping.value for axis in found.axes],
+        "axes": [axis.axis for axis in axes],
+        "mass": [axis.mass.value for axis in axes],
+        "damping": [axis.damping.value for axis in axes],
     }
-    if found.axes[0].coulomb is not None:
-        robot["coulomb"] = [max(0.0, axis.coulomb.value) for axis in found.axes if axis.coulomb is not None]
-    if not certain:
-        robot["mass_sd"] = [axis.mass.standard_error for axis in found.axes]
-        robot["damping_sd"] = [axis.damping.standard_error for axis in found.axes]
-        robot["mass_damping_correlation"] = [axis.correlation for axis in found.axes]
-    record = {key: value for key, value in found.to_json().items() if value is not None and key != "axes"}
+    if axes[0].coulomb is not None:
+        robot["coulomb"] = [max(0.0, axis.coulomb.value) for axis in axes if axis.coulomb is not None]
+    # The intervals of the paper's method are not valid, and neither are standard deviations from them.
+    if identification.method != "paper":
+        robot["mass_sd"] = [axis.mass.standard_error for axis in axes]
+        robot["damping_sd"] = [axis.damping.standard_error for axis in axes]
+        robot["mass_damping_correlation"] = [axis.correlation for axis in axes]
+    record = {
+        key: value for key, value in identification.to_json().items() if value is not None and key != "axes"
+    }
     record["cross_inertias"] = [
         {key: value for key, value in cross.items() if value is not None}
         for cross in record["cross_inertias"]
     ]
-    record["condition_number"] = [axis.condition_number for axis in found.axes]
-    record["r_squared"] = [axis.r_squared for axis in found.axes]
+    record["condition_number"] = [axis.condition_number for axis in axes]
+    record["r_squared"] = [axis.r_squared for axis in axes]
     if source:
         record["log"] = source
     return tomli_w.dumps({"robot": robot, "identification": record})
 
 
 def write_robot(
-    found: Identification, path: str | os.PathLike[str], name: str | None = None, *, source: str = ""
+    identification: Identification,
+    path: str | os.PathLike[str],
+    name: str | None = None,
+    *,
+    source: str = "",
 ) -> Path:
-    """Write a robot file, whole or not at all.
+    """Write a robot file, completely or not at all.
 
     Parameters
     ----------
-    found
-        What was identified.
+    identification
+        The identified robot.
     path
-        Where the file shall stand.
+        The file to write.
     name
-        The robot's name; the file's unless given.
+        The robot's name; by default that of the file.
     source
-        The log's name, for the record.
+        Name of the log, for the record.
 
     Returns
     -------
@@ -111,8 +100,34 @@ def write_robot(
     Raises
     ------
     telespring.InvalidInput
-        Where what was identified is no robot.
+        Where a mass is not positive or a damping is negative.
     OSError
         Where the file cannot be written.
     """
-    return write_whole(path, robot_toml(found, name or Path(path).stem, source=source))
+    return write_whole(path, robot_toml(identification, name or Path(path).stem, source=source))
+
+
+def _refuse_impossible_robot(identification: Identification) -> None:
+    for axis in identification.axes:
+        if axis.mass.value < _SMALLEST_MASS:
+            parameter = "mass"
+        elif axis.damping.value < 0.0:
+            parameter = "damping"
+        else:
+            continue
+        estimate, unit = axis.estimates[parameter], UNITS[parameter]
+        low, high = estimate.interval
+        if high > 0.0:
+            raise InvalidInput(
+                f"{parameter} ({axis.axis})",
+                f"{estimate.value:.4g} {unit}, 95 % interval {low:.4g} to {high:.4g}",
+                "a value above 0 is needed, and this log does not determine its sign",
+                "Move this axis further and faster, or record longer.",
+            )
+        raise InvalidInput(
+            f"{parameter} ({axis.axis})",
+            f"{estimate.value:.4g} {unit}",
+            f"a robot's {parameter} is not negative",
+            "Check sign and unit of the force (--force-scale), and that position and force belong to the "
+            "same axis.",
+        )

@@ -1,7 +1,7 @@
-"""Logs of the simulated robots: each handle is driven through a two-link arm by a velocity servo.
+"""Simulated logs for identification: a velocity servo drives each handle through a two-link arm.
 
-The servo follows a movement; what is logged at 1 kHz is the handle's position by an encoder and the force at
-the handle by a sensor, or instead of the latter the force that the arm's joint torques make at its hand.
+The servo follows an excitation movement. The log has, at 1 kHz, the handle's position from an encoder and the
+force at the handle from a sensor or, instead, the force that the arm's joint torques exert at its hand.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from telespring._types import FloatArray
 from telespring.identification.excitation import Excitation, paper_excitation
 from telespring.model import Dyad, Study, hman
 
-__all__ = ["ARM", "Noise", "RigLog", "rig_log"]
+__all__ = ["ARM", "SensorNoise", "SimulatedLog", "simulate_log"]
 
-#: The rate of log and servo, Hz.
+#: Rate of the log and of the servo, Hz.
 RATE = 1000.0
 #: Periods of the movement in a log: 20 s of the paper's.
 PERIODS = 4.0
-#: Gains of the servo: N·s/m on the velocity, N/m on the position, so that it does not drift away.
+#: Gains of the servo: N·s/m on the velocity, and N/m on the position to prevent drift.
 _SERVO = {"kind": "skilled", "stiffness": 200.0, "damping": 80.0}
 
-#: A two-link arm of HEBI X-series parts, 0.45 m behind the middle of the task; the paper gives no numbers.
-#: The values and where they come from are those of `TwoLinkArm::HEBI_X8` in the core.
+#: A two-link arm of HEBI X-series parts, 0.45 m behind the centre of the task; the paper gives no numbers.
+#: The values and their sources are those of `TwoLinkArm::HEBI_X8` in the core.
 ARM: dict[str, Any] = {
     "kind": "two-link",
     "base": [0.0, -0.45],
@@ -40,23 +40,23 @@ ARM: dict[str, Any] = {
     "torque_limit": [20.0, 20.0],
 }
 
-#: What moves an axis alone, kg and N·s/m: about as heavy as such an arm is to its hand.
+#: Drives a single axis, kg and N·s/m: about the inertia of such an arm at its hand.
 _ONE_AXIS_ARM = {"kind": "lumped", "mass": 0.5, "damping": 1.0}
 
 
 @dataclass(frozen=True)
-class Noise:
-    """What sensors add, one value for all axes.
+class SensorNoise:
+    """Noise of the simulated sensors, the same for all axes.
 
     Attributes
     ----------
     force
         Standard deviation of the force, N: a six-axis sensor of ±100 N resolves about 0.02 N, and its
-        amplifier at 1 kHz brings a few times that.
+        amplifier at 1 kHz adds a few times that.
     position_step
-        Step of the encoder, m: 4096 counts on a pulley of 13 mm radius, as small planar robots have.
+        Resolution of the encoder, m: 4096 counts on a pulley of 13 mm radius, as in small planar robots.
     position_jitter
-        Standard deviation of the handle's play about the encoder's position, m.
+        Standard deviation of the handle's position about that of the encoder (backlash), m.
     """
 
     force: float = 0.1
@@ -65,8 +65,8 @@ class Noise:
 
 
 @dataclass(frozen=True)
-class RigLog:
-    """One run of a study's robots, without noise; arrays have time, robot, axis.
+class SimulatedLog:
+    """A log of both robots without sensor noise; arrays over (time, robot, axis).
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class RigLog:
     position
         m, shape (n, 2, 2).
     handle_force, joint_force
-        N, shape (n, 2, 2): what the arm does to the handle, and what its torques make at its hand.
+        N, shape (n, 2, 2): the arm's force on the handle, and the force of its joint torques at its hand.
     """
 
     time: FloatArray
@@ -84,58 +84,43 @@ class RigLog:
     joint_force: FloatArray
 
     def measured(
-        self, random: np.random.Generator, noise: Noise | None = None, *, at: str = "handle"
+        self, random: np.random.Generator, noise: SensorNoise | None = None, *, at: str = "handle"
     ) -> tuple[FloatArray, FloatArray]:
-        """Give position (m) and force (N) as sensors show them.
-
-        Parameters
-        ----------
-        random
-            From which the noise is drawn.
-        noise
-            How much of it there is.
-        at
-            Where the force is measured, "handle" or "joints".
-        """
-        added = noise or Noise()
+        """Return position (m) and force (N, at the "handle" or the "joints") with sensor noise."""
+        added = noise or SensorNoise()
         force = self.handle_force if at == "handle" else self.joint_force
         play = random.normal(0.0, added.position_jitter, self.position.shape)
-        # Nobody knows where the encoder's zero is between two of its steps.
+        # The encoder's zero lies anywhere between two of its steps.
         zero = random.uniform(0.0, added.position_step, self.position.shape[1:])
         counts = np.round((self.position + play + zero) / added.position_step)
         return counts * added.position_step - zero, force + random.normal(0.0, added.force, force.shape)
 
 
-def rig_log(
+def simulate_log(
     robots: Study | Dyad | None = None,
     movement: Excitation | None = None,
     *,
     arm: dict[str, Any] | None = None,
     periods: float = PERIODS,
-) -> RigLog:
-    """Drive both robots on all axes, each axis a quarter of a period after the one before.
+) -> SimulatedLog:
+    """Simulate a log of both robots on all axes, each axis a quarter of a period after the one before.
 
-    The paper commands the same movement on both axes. Then no log can tell whether one axis feels the
-    other's acceleration; a quarter of a period apart it can. The noise of the sensors does not enter the
-    servo, so that one run serves any number of noisy logs.
+    The paper commands the same movement on both axes. Then no log can show whether the axes are coupled by
+    inertia; with a quarter of a period between them it can. Sensor noise does not enter the servo, so one
+    simulation serves any number of noisy logs.
 
     Parameters
     ----------
     robots
-        A study, whose robots are taken with their Coulomb friction, or a dyad, without; the paper's unless
-        given. What holds the handles is left out.
+        A study (its robots with their Coulomb friction) or a dyad (robots without); by default the paper's.
+        Operators that hold the handles are ignored.
     movement
-        What the servo follows; the paper's unless given.
+        The movement that the servo follows; by default the paper's.
     arm
-        Both arms, as in a study file; unless given `ARM`, and where there are not two axes, which no planar
-        arm can move, a mass and a damping on every axis alone.
+        Both arms, as in a study file; by default `ARM` or, for other than two axes, which no planar arm can
+        move, a mass and a damping on every axis separately.
     periods
-        How many periods are logged.
-
-    Returns
-    -------
-    RigLog
-        Positions and forces at 1 kHz.
+        Number of periods to log.
 
     Raises
     ------
@@ -143,12 +128,12 @@ def rig_log(
         Where the movement leaves the arm's reach.
     """
     command = movement or paper_excitation()
-    sections = _bare_robots(robots)
+    sections = _robot_sections(robots)
     count = len(sections[0]["mass"])
     if count == 2:
-        return _run(sections, command, (0.0, 0.25), arm or ARM, periods)
-    alone = [
-        _run(
+        return _simulate_two_axes(sections, command, (0.0, 0.25), arm or ARM, periods)
+    single_axes = [
+        _simulate_two_axes(
             [{key: [values[i]] * 2 for key, values in section.items()} for section in sections],
             command,
             (0.25 * i, 0.25 * i),
@@ -157,17 +142,17 @@ def rig_log(
         )
         for i in range(count)
     ]
-    return RigLog(
-        alone[0].time,
+    return SimulatedLog(
+        single_axes[0].time,
         *(
-            np.concatenate([getattr(each, name)[:, :, :1] for each in alone], axis=2)
+            np.concatenate([getattr(log, name)[:, :, :1] for log in single_axes], axis=2)
             for name in ("position", "handle_force", "joint_force")
         ),
     )
 
 
-def _bare_robots(robots: Study | Dyad | None) -> list[dict[str, list[float]]]:
-    """List mass, damping and Coulomb friction of both robots, per axis."""
+def _robot_sections(robots: Study | Dyad | None) -> list[dict[str, list[float]]]:
+    """Return mass, damping and Coulomb friction of both robots, per axis, as in a study file."""
     dyad = hman() if robots is None else robots.dyad if isinstance(robots, Study) else robots
     friction = robots.coulomb if isinstance(robots, Study) else np.zeros((2, len(dyad.axes)))
     return [
@@ -180,27 +165,22 @@ def _bare_robots(robots: Study | Dyad | None) -> list[dict[str, list[float]]]:
     ]
 
 
-def _run(
+def _simulate_two_axes(
     sections: list[dict[str, list[float]]],
     command: Excitation,
     lags: tuple[float, float],
     arm: dict[str, Any],
     periods: float,
-) -> RigLog:
-    """Drive two robots of two axes; `lags` are in periods of the movement."""
-    from telespring.study.editing import with_values
-
-    driven = with_values(
-        Study.paper(),
-        {
-            "robot1": sections[0],
-            "robot2": sections[1],
-            "arm1": arm,
-            "arm2": arm,
-            "agent1": _SERVO,
-            "agent2": _SERVO,
-            "laboratory": {"sample_period": 1.0 / RATE},
-        },
+) -> SimulatedLog:
+    """Simulate two robots with two axes; `lags` are in periods of the movement."""
+    driven = Study.paper().replace(
+        robot1=sections[0],
+        robot2=sections[1],
+        arm1=arm,
+        arm2=arm,
+        agent1=_SERVO,
+        agent2=_SERVO,
+        laboratory={"sample_period": 1.0 / RATE},
     )
     assert driven.experiment is not None  # robots of two axes have one
     ticks = int(periods * command.period * RATE)
@@ -212,14 +192,14 @@ def _run(
     before = np.empty_like(run["handle_force"])
     for robot in range(2):
         positions = np.ascontiguousarray(run["position"][:, robot])
-        before[:, robot] = _before_the_tick(
+        before[:, robot] = _force_before_ticks(
             run["handle_force"][:, robot],
             run["agent_force"][:, robot],
             np.diag(driven.dyad.robots[robot].mass),
             _core.arm_operator(driven.experiment.arms[robot], positions)[0],
         )
-    # The first tick, at which the servo jumps to its task, has nothing before it.
-    return RigLog(
+    # The first tick, at which the servo starts abruptly, has no force before it.
+    return SimulatedLog(
         time=time[1:],
         position=run["position"][1:],
         handle_force=0.5 * (before + run["handle_force"])[1:],
@@ -227,14 +207,14 @@ def _run(
     )
 
 
-def _before_the_tick(
+def _force_before_ticks(
     handle_force: FloatArray, hand_force: FloatArray, handle_mass: FloatArray, arm_mass: FloatArray
 ) -> FloatArray:
-    """Give the force at the handle just before each tick, which is recorded just after it.
+    """Return the force at the handle just before each tick of the servo, from the one recorded just after it.
 
-    At a tick only the servo's force jumps. Both masses then share the jump: the handle gets
-    M_h (M_h + M_arm)^-1 of it. A sensor sees the mean of before and after: taking the values after the ticks
-    would make the force half a sample early, and the mass wrong by half a sample times the damping.
+    At a tick only the servo's force jumps. Both masses share the jump: the handle gets M_h (M_h + M_arm)^-1
+    of it. A sensor measures the mean of before and after: the values after the ticks would be half a sample
+    early, and bias the mass by half a sample times the damping.
     """
     jump = np.diff(hand_force, axis=0, prepend=0.0)
     accelerations = np.linalg.solve(handle_mass + arm_mass, jump[..., None])[..., 0]

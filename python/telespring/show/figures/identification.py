@@ -133,12 +133,12 @@ def _plane(axes: Any, panel: RegressionPanel, letter: str) -> None:
     axes.tick_params(pad=-3.0, labelsize=6.0)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
-    estimates = f"m = {_with_error(*mass)} kg, b = {_with_error(*damping)} N·s/m"
+    estimates = f"m = {_format_interval(*mass)} kg, b = {_format_interval(*damping)} N·s/m"
     axes.set_title(rf"$\mathbf{{({letter})}}$ {estimates}", loc="center", pad=-2.0)
 
 
-def _with_error(low: float, high: float) -> str:
-    """Write the middle of an interval and its half-width, to two digits of the latter."""
+def _format_interval(low: float, high: float) -> str:
+    """Format the midpoint of an interval ± its half-width, to two digits of the latter."""
     half = 0.5 * (high - low)
     digits = max(0, 1 - math.floor(math.log10(half))) if half > 0.0 else 4
     return f"{0.5 * (low + high):.{digits}f} ± {half:.{digits}f}"
@@ -164,7 +164,7 @@ def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:
                     ".",
                     color=COLOURS["blue"],
                     markersize=2.0,
-                    label="counted",
+                    label="used",
                 )
                 if not used.all():
                     axes.plot(
@@ -173,7 +173,7 @@ def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:
                         "x",
                         color=COLOURS["vermilion"],
                         markersize=3.0,
-                        label="left out",
+                        label="rejected",
                     )
             over_time.set_ylabel("Residual, N")
             if not used.all():

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring.decision.uncertainty import delta_method, margin_uncertainty, stable_probability
-from telespring.identification.estimation import Identification, identify
+from telespring.identification.estimation import identify
 from telespring.identification.excitation import Excitation, design_excitation, paper_excitation
 from telespring.identification.regression import paper_reweightings
-from telespring.identification.simulated_logs import ARM, Noise, RigLog, rig_log
+from telespring.identification.results import Identification
+from telespring.identification.simulated_logs import ARM, SensorNoise, SimulatedLog, simulate_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
 from telespring.paper.reference import Reference, reference_of
 from telespring.show.decision_json import uncertainty_json
@@ -79,7 +80,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
     source = Study.paper() if study is None else study
     dyad = source.dyad
     movement, designed = paper_excitation(), _designed()
-    log = rig_log(source, movement)
+    log = simulate_log(source, movement)
     random = np.random.default_rng(seed)
     measured = {at: log.measured(random, at=at) for at in ("handle", "joints")}
     friction = source.coulomb
@@ -110,7 +111,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
             "paper": _movement(movement),
             "designed": _movement(designed),
         },
-        "noise": vars(Noise()),
+        "noise": vars(SensorNoise()),
         "arm": ARM if len(dyad.axes) == 2 else None,
         "axes": [
             {
@@ -149,7 +150,7 @@ def _designed() -> Excitation:
 
 
 def _estimate(
-    log: RigLog,
+    log: SimulatedLog,
     measured: tuple[FloatArray, FloatArray],
     robot: int,
     axes: list[str],

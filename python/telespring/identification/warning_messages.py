@@ -1,0 +1,162 @@
+"""The wording of every warning about a log or an estimate, by code.
+
+The checks compute codes and values; only this module words them. It belongs to this room because
+`Identification.warnings`, `Identification.to_json` and robot files carry the sentences.
+"""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["UNITS", "Diagnostic", "diagnostic"]
+
+#: What an SI value is multiplied by in these units.
+_SCALES = {"mm": 1e3, "ms": 1e3, "%": 100.0}
+
+UNITS = {"mass": "kg", "damping": "N·s/m", "coulomb": "N", "offset": "N"}
+
+_OMITTED = (
+    "Axis {axis}: the model omits %s. Add %s for a mass of {mass:.4g} kg (now {fitted_mass:.4g} kg) and a "
+    "damping of {damping:.4g} N·s/m (now {fitted_damping:.4g} N·s/m)."
+)
+_LAG = (
+    "Axis {axis}: the force seems to be {lag:.2g ms} {direction} the position, which biases the mass by "
+    "about {mass_bias:.2g} kg. "
+)
+
+_MESSAGES = {
+    # the log
+    "suspect force column": (
+        "The force column {column} looks like a voltage, a current or a command. If it is one, give the "
+        "newtons per unit with --force-scale. Otherwise mass and damping are wrong by that factor. Scalars "
+        "in the same file: {scalars}."
+    ),
+    "uneven time stamps": (
+        "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
+        "interpolated."
+    ),
+    "identical positions": "Two axes have identical positions. Is a column named twice?",
+    "held position": (
+        "The {column} repeats every value {repeats} times: it is updated every {period:.3g ms} and is "
+        "{age:.2g ms} old on average, which biases the mass. Keep only the first of every {repeats} "
+        "samples."
+    ),
+    "position jumps": (
+        "The {column} jumps by {size:.3g mm} between two samples at {time:.4g} s (jumps in all: {count}). "
+        "Did the sensor slip?"
+    ),
+    "saturated force": (
+        "The {column} stays at its extreme of {force:.4g} N for {duration:.4g ms}. Was it saturated?"
+    ),
+    "constant force": "The {column} stays at {force:.4g} N for {duration:.4g ms}. Was the sensor stuck?",
+    # the model
+    "omitted friction": _OMITTED % ("friction of {coulomb:.3g} N", "--coulomb"),
+    "omitted offset": _OMITTED % ("an offset of {offset:.3g} N", "--offset"),
+    "omitted friction and offset": _OMITTED
+    % ("friction of {coulomb:.3g} N and an offset of {offset:.3g} N", "--coulomb --offset"),
+    "sticking": (
+        "Axis {axis} sticks at its reversals, and the force during this time biases the mass. Without the "
+        "samples near rest it is {moving_mass:.4g} kg instead of {mass:.4g} kg; the interval does not "
+        "include this uncertainty. Move faster, so that the axis rests for a shorter time."
+    ),
+    "force lag": _LAG + "If the two sensors really are that far apart in time, correct it with --force-delay "
+    "{force_delay:.2g}.",
+    "force lag or coupling": _LAG
+    + "Axes coupled by inertia would look the same in this movement. Excite the axes with different "
+    "movements to see which it is.",
+    "force lag differs by axis": _LAG
+    + "The axes disagree, so no single --force-delay corrects it. Identify each axis on its own with its "
+    "own --force-delay, or look for another force on this axis.",
+    "coupled axes": (
+        "The axes are not independent: the force on {axis} includes {inertia:.3g} kg ({low:.3g} to "
+        "{high:.3g} kg) times the acceleration on {other}. Verdicts for single axes do not hold for this "
+        "robot as it was measured."
+    ),
+    "similar movements": (
+        "This log cannot show whether the axes are independent: they moved too much alike. Excite them with "
+        "different movements, for example the same movement a quarter of a period later."
+    ),
+    # the estimates
+    "negative estimates": (
+        "Axis {axis}: negative {parameters}. Force and position must be positive in the same direction; "
+        "--force-scale -1 reverses the force."
+    ),
+    "mass close to zero": (
+        "Axis {axis}: the mass cannot be distinguished from 0. Excite the robot with more acceleration or "
+        "record longer."
+    ),
+    "damping close to zero": (
+        "Axis {axis}: the damping cannot be distinguished from 0. Excite the robot at higher velocity or "
+        "record longer."
+    ),
+    "unexplained force": (
+        "Axis {axis}: the model explains only {r_squared:.0f %} of the force. Do position and force belong "
+        "to the same axis? Is friction or an offset missing (--coulomb, --offset)?"
+    ),
+    "many outliers": (
+        "Axis {axis}: {share:.0f %} of the samples were rejected as outliers. Look at the residuals "
+        "(--figure)."
+    ),
+    "no convergence": "Axis {axis}: the robust fit did not converge. Compare it with --method ols.",
+    "noise bias": (
+        "Axis {axis}: at a cut-off of {cutoff:.3g} Hz position noise makes the {parameter} about {bias:.2g} "
+        "{unit} too small, which is {half_widths:.1g} times the half-width of its interval. Set --cutoff to "
+        "{largest_cutoff:.3g} Hz or less."
+    ),
+    "cut-off dependence": (
+        "Axis {axis}: the {parameter} depends on the cut-off: {value:.3g} {unit} at {cutoff:.3g} Hz, but "
+        "{other_value:.3g} {unit} at {other_cutoff:.3g} Hz. The difference is larger than both intervals. "
+        "Check whether the position jumps, whether friction is missing (--coulomb), and the residuals "
+        "(--figure)."
+    ),
+    "implausible motion": (
+        "Axis {axis} reaches {velocity:.3g} m/s and {acceleration:.3g} m/s², more than a robot held by a "
+        "person. Is the time in s (--time-scale 60 for minutes) and the position in m (--position-scale "
+        "0.001 for mm, 0.01 for cm)?"
+    ),
+    "implausibly light": (
+        "Axis {axis}: {mass:.2g} kg is lighter than any robot held by a person. Are time, position and "
+        "force in s, m and N (--time-scale, --position-scale, --force-scale)?"
+    ),
+    "implausibly heavy": (
+        "Axis {axis}: {mass:.3g} kg is heavier than any robot held by a person. Are time, position and "
+        "force in s, m and N (--force-scale 0.001 for mN)?"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """A reason to doubt a log or an estimate.
+
+    Attributes
+    ----------
+    code
+        What is doubtful, such as "noise bias".
+    values
+        Its numbers in SI units, and the names of axis, parameter or column.
+    message
+        The sentence that a user reads.
+    """
+
+    code: str
+    values: Mapping[str, Any]
+    message: str
+
+
+def diagnostic(code: str, **values: Any) -> Diagnostic:
+    """Word a warning: its code selects the sentence, and its values fill it."""
+    return Diagnostic(code, values, _QuantityFormatter().format(_MESSAGES[code], **values))
+
+
+class _QuantityFormatter(string.Formatter):
+    """Converts an SI value to the unit behind its format, `{size:.3g mm}`, and joins texts with "and"."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if isinstance(value, tuple):
+            return " and ".join(value)
+        digits, _, unit = format_spec.partition(" ")
+        return f"{_SCALES[unit] * value:{digits}} {unit}" if unit else format(value, digits)

@@ -1,0 +1,89 @@
+"""The screen of `telespring identify`: estimates with intervals, how they were made, and warnings."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from telespring.identification.cutoff import CUTOFF_RULE
+
+if TYPE_CHECKING:
+    from telespring.identification.results import Estimate, Identification
+
+__all__ = ["identification_screen"]
+
+_PARAMETERS = {
+    "mass": ("mass", "kg"),
+    "damping": ("damping", "N·s/m"),
+    "coulomb": ("Coulomb friction", "N"),
+    "offset": ("offset", "N"),
+}
+
+
+def identification_screen(identification: Identification, title: str) -> RenderableType:
+    """Lay out an identified robot for the terminal, under the name of its log."""
+    source = "automatic" if identification.cutoff_rule == CUTOFF_RULE else "as given"
+    return Group(
+        _estimate_table(identification, title),
+        Text(
+            f"{identification.samples[0]} samples at {identification.rate:.5g} Hz; "
+            f"{identification.samples[1]} used after filtering at {identification.cutoff:.4g} Hz ({source})."
+        ),
+        _method_statement(identification),
+        *_independence_statement(identification),
+        *(Text.assemble(("Warning: ", "bold yellow"), warning) for warning in identification.warnings),
+    )
+
+
+def _estimate_table(identification: Identification, title: str) -> Table:
+    table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", title=title)
+    table.add_column("axis", no_wrap=True, min_width=4)
+    for heading in ("parameter", "estimate", "95 % interval", "condition", "R²"):
+        table.add_column(heading, justify="left" if heading == "parameter" else "right", no_wrap=True)
+    for axis in identification.axes:
+        quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
+        for key, estimate in axis.estimates.items():
+            name, unit = _PARAMETERS[key]
+            value, interval = _format_estimate(estimate)
+            table.add_row(quality[0], name, f"{value} {unit}", interval, *quality[1:])
+            quality = "", "", ""
+    return table
+
+
+def _format_estimate(estimate: Estimate) -> tuple[str, str]:
+    """Format a value and its interval with two digits of the standard error, at most 6 decimals."""
+    error = estimate.standard_error
+    digits = min(6, max(0, 1 - math.floor(math.log10(error)))) if 0.0 < error < math.inf else 6
+    low, high = estimate.interval
+    return f"{estimate.value:.{digits}f}", f"{low:.{digits}f} to {high:.{digits}f}"
+
+
+def _method_statement(identification: Identification) -> Text:
+    iterations = identification.iterations
+    return Text(
+        {
+            "robust": "Robust regression. Intervals account for autocorrelated residuals.",
+            "ols": "Ordinary least squares. Intervals account for autocorrelated residuals.",
+            "paper": (
+                f"The paper's weights 1/(r² + ε), {iterations} reweighting{'' if iterations == 1 else 's'}. "
+                "These intervals are not valid."
+            ),
+        }[identification.method]
+    )
+
+
+def _independence_statement(identification: Identification) -> list[Text]:
+    """State whether several axes are independent."""
+    if len(identification.axes) == 1:
+        return []
+    return [
+        {
+            True: Text("The axes are independent, as far as this log shows.", style="green"),
+            False: Text("The axes are NOT independent.", style="bold red"),
+            None: Text("This log cannot show whether the axes are independent."),
+        }[identification.independent]
+    ]
