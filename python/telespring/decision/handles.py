@@ -11,7 +11,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 from telespring.model import Dyad, Operator, Study
-from telespring.rehearsal.target import path_of_program
+from telespring.rehearsal.target import user_target_path
 from telespring.study.target import figure_eight_path
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ def places_of(experiment: Experiment, modules: Path | None = None) -> tuple[Floa
         # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
         places = np.unique(np.round(path, 12) + 0.0, axis=0)
         return places, f"{'one period' if whole else 'the trial'} of the target"
-    return _spread(path_of_program(experiment, modules), POSES), "a whole trial of the target"
+    return _spread(user_target_path(experiment, modules), POSES), "a whole trial of the target"
 
 
 def _spread(path: FloatArray, count: int) -> FloatArray:

@@ -59,7 +59,7 @@ fn listed(reader: &Reader<'_>, section: &str) -> Result<Option<usize>> {
     Ok(None)
 }
 
-fn robot(
+pub(super) fn robot(
     reader: &Reader<'_>,
     section: &str,
     count: usize,

@@ -23,14 +23,14 @@ def find_experiment(scene: Scene) -> Found:
     from telespring.analysis.measures import measure_trials
     from telespring.analysis.results import analyse_taken
     from telespring.analysis.trials import take_trials
-    from telespring.rehearsal.run import forget
+    from telespring.rehearsal.run import remove_rehearsal
     from telespring.show.drawings import draw_errors, draw_trajectories
 
     experiment = scene.study.experiment
     if experiment is None:
         if scene.rehearsal is not None:
             # no page beside another study's trials
-            forget(scene.rehearsal)
+            remove_rehearsal(scene.rehearsal)
         return Found()
     trials = take_trials(_rehearsed(scene))
     analysed = analyse_taken(trials, measure_trials(trials))
