@@ -11,7 +11,6 @@ from scipy import stats
 import oracle_laboratory as oracle
 import telespring as ts
 from telespring import _core
-from telespring.study.editing import with_values
 
 PERIOD = 2 * math.pi / 2.59  # of the target, s
 
@@ -19,16 +18,17 @@ PERIOD = 2 * math.pi / 2.59  # of the target, s
 def laboratory(mass: float, damping: float, coulomb: float, spot_velocity: float | None) -> _core.Laboratory:
     arm = {"kind": "lumped", "mass": mass, "damping": damping}
     second = {"kind": "skilled"} if spot_velocity is None else {"spot_velocity": spot_velocity}
-    experiment = with_values(
-        ts.Study.paper(),
-        {
-            "arm1": arm,
-            "arm2": arm,
-            "robot1": {"coulomb": [coulomb, coulomb]},
-            "robot2": {"coulomb": [coulomb, coulomb]},
-            "agent2": second,
-        },
-    ).experiment
+    experiment = (
+        ts.Study.paper()
+        .replace(
+            arm1=arm,
+            arm2=arm,
+            robot1={"coulomb": [coulomb, coulomb]},
+            robot2={"coulomb": [coulomb, coulomb]},
+            agent2=second,
+        )
+        .experiment
+    )
     assert experiment is not None
     return experiment.laboratory
 

@@ -197,7 +197,7 @@ def test_law_a_misspelt_or_missing_value_is_named() -> None:
         (ROBOT, {**ARM, "link_mass": [0.9, -0.4]}, [0.0, 0.0], "arm.link_mass[1]"),
         (ROBOT, {**ARM, "link_mass": "heavy"}, [0.0, 0.0], "arm.link_mass"),
         ({"mass": 0.8}, ARM, [0.0, 0.0], "handle.damping"),
-        ({**ROBOT, "coulomb": -1.0}, ARM, [0.0, 0.0], "handle.coulomb[0]"),
+        ({**ROBOT, "coulomb": -1.0}, ARM, [0.0, 0.0], "handle.coulomb"),
         (ROBOT, ARM, [0.0, 0.5], "arm.base"),
     ]:
         with pytest.raises(ts.InvalidInput) as refused:

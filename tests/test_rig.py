@@ -236,9 +236,9 @@ except KeyboardInterrupt:
     assert done.stdout.split() == ["interrupted"] * 2
 
 
-def test_law_a_watch_ends_a_trial_by_what_it_raises() -> None:
-    def watch() -> None:
+def test_law_an_interrupt_check_ends_a_trial_by_what_it_raises() -> None:
+    def interrupt_check() -> None:
         raise KeyError("enough")
 
     with pytest.raises(KeyError, match="enough"):
-        LABORATORY.run(20.0, 0.0, 1, 1.0, 100.0, watch=watch)
+        LABORATORY.run(20.0, 0.0, 1, 1.0, 100.0, interrupt_check=interrupt_check)

@@ -390,7 +390,7 @@ def test_law_the_trials_of_a_study_are_kept_and_gone_on_with(tmp_path: Path) -> 
     study = ts.Study.from_toml(HELD)
     with pytest.raises(KeyboardInterrupt):
         run_protocol(study, tmp_path, stopped)
-    assert run_protocol(study, tmp_path, replace_others=True).found >= 2
+    assert run_protocol(study, tmp_path, replace_others=True).resumed >= 2
     written = (tmp_path / "rehearsal.nc").stat().st_mtime_ns
     assert table1(HELD) == whole
     assert (tmp_path / "rehearsal.nc").stat().st_mtime_ns == written

@@ -105,12 +105,9 @@ def test_law_an_experiment_is_a_value(root: Path) -> None:
 
 def test_ref_options_of_python_arrive_as_python_values() -> None:
     options: dict[str, Any] = {"gain": 2.5, "order": 3, "side": "left", "on": True, "poles": [1.0, [2, "a"]]}
-    study = with_values(
-        ts.Study.paper(),
-        {
-            "agent2": {"kind": "python", "class": "patients:Tremor", "options": options},
-            "task": {"kind": "python", "function": "targets:circle"},
-        },
+    study = ts.Study.paper().replace(
+        agent2={"kind": "python", "class": "patients:Tremor", "options": options},
+        task={"kind": "python", "function": "targets:circle"},
     )
     experiment = experiment_of(study)
     agent = experiment.agents[1]
@@ -135,23 +132,20 @@ def test_ref_what_cannot_be_rehearsed_says_so() -> None:
         "coupling.stiffness = 20\nnetwork.delay = 0.05"
     )
     assert one_axis.experiment is None
-    undamped = with_values(ts.Study.paper(), {"robot1": {"damping": 0.0}, "robot2": {"damping": 0.0}})
+    undamped = ts.Study.paper().replace(robot1={"damping": 0.0}, robot2={"damping": 0.0})
     with pytest.raises(ts.InvalidInput, match="critical stiffness K") as refused:
         _ = undamped.experiment
     assert refused.value.field == "protocol.stiffness"
 
 
-def test_law_with_values_changes_what_it_names_only() -> None:
+def test_law_replacing_changes_what_it_names_only() -> None:
     paper = ts.Study.paper()
-    assert with_values(paper, {}) == paper
-    changed = with_values(
-        paper,
-        {
-            "name": "heavier",
-            "robot1": {"coulomb": np.array([0.1, 0.2]), "mass_sd": np.float64(0.01)},
-            "arm1": {"kind": "lumped", "mass": 0.5},
-            "agent2": {"spot_velocity": 0.1},
-        },
+    assert paper.replace() == paper
+    changed = paper.replace(
+        name="heavier",
+        robot1={"coulomb": np.array([0.1, 0.2]), "mass_sd": np.float64(0.01)},
+        arm1={"kind": "lumped", "mass": 0.5},
+        agent2={"spot_velocity": 0.1},
     )
     assert changed.name == "heavier"
     assert changed.dyad == paper.dyad
@@ -161,19 +155,16 @@ def test_law_with_values_changes_what_it_names_only() -> None:
     assert experiment.agents[1].to_dict() == {**less_skilled, "spot_velocity": 0.1}
     assert experiment.conditions == experiment_of(paper).conditions
     # another kind starts the section anew, None takes a key away, and back we are
-    back = with_values(
-        changed,
-        {
-            "name": paper.name,
-            "robot1": {
-                "coulomb": None,
-                "mass_sd": None,
-                "damping_sd": None,
-                "mass_damping_correlation": None,
-            },
-            "arm1": {"kind": "massless"},
-            "agent2": {"spot_velocity": 0.3},
+    back = changed.replace(
+        name=paper.name,
+        robot1={
+            "coulomb": None,
+            "mass_sd": None,
+            "damping_sd": None,
+            "mass_damping_correlation": None,
         },
+        arm1={"kind": "massless"},
+        agent2={"spot_velocity": 0.3},
     )
     assert back == paper
 
@@ -223,12 +214,19 @@ def test_law_friction_has_a_value_for_each_robot_and_axis() -> None:
     assert rough.coulomb.tolist() == [[0.0, 0.0], [0.3, 0.3]]
 
 
+def test_law_the_functions_of_before_do_the_same() -> None:
+    paper = ts.Study.paper()
+    values = {"coupling": {"stiffness": 140.0}}
+    assert with_values(paper, values) == paper.replace(**values)
+    assert with_robot(paper, 2, ROBOT) == paper.with_robot(2, ROBOT)
+
+
 def test_law_conditions_and_lists_take_each_others_place() -> None:
-    listed = with_values(
-        ts.Study.paper(), {"protocol": {"conditions": [{"stiffness": 20.0, "delay": 0.1}], "trials": 3}}
+    listed = ts.Study.paper().replace(
+        protocol={"conditions": [{"stiffness": 20.0, "delay": 0.1}], "trials": 3}
     )
     assert list(experiment_of(listed).conditions) == [(None, 0.0), (20.0, 0.1)]
-    combined = with_values(listed, {"protocol": {"stiffness": [10.0, 20.0], "delay": [0.0]}})
+    combined = listed.replace(protocol={"stiffness": [10.0, 20.0], "delay": [0.0]})
     assert list(experiment_of(combined).conditions) == [(None, 0.0), (10.0, 0.0), (20.0, 0.0)]
     assert experiment_of(combined).trials == 3
 
@@ -243,7 +241,7 @@ def test_ref_a_refusal_names_no_line_of_a_text_that_nobody_wrote() -> None:
     )
     for values, field in refusals:
         with pytest.raises(ts.InvalidInput) as refused:
-            with_values(ts.Study.paper(), values)
+            ts.Study.paper().replace(**values)
         assert refused.value.field == field
         assert "line" not in str(refused.value)
     with pytest.raises(ts.InvalidInput, match="is a section with the keys stiffness, damping"):
@@ -254,14 +252,14 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
     path = tmp_path / "left.toml"
     path.write_text(ROBOT, encoding="utf-8")
     paper = ts.Study.paper()
-    study = with_robot(paper, 2, path)
-    assert study == with_robot(paper, 2, ROBOT)
+    study = paper.with_robot(2, path)
+    assert study == paper.with_robot(2, ROBOT)
     assert study.robot_names == ("H-MAN 1", "measured")
     assert study.dyad.robots == (paper.dyad.robots[0], ts.Robot([0.84, 1.07], [7.7, 10.1]))
     assert study.uncertainty == (None, ts.Uncertainty([0.01, 0.02], [0.1, 0.2], [0.5, -0.5]))
     assert "coulomb = [0.2, 0.3]" in study.to_toml()
     # another robot in its place leaves nothing of it behind
-    certain = with_robot(study, 2, "[robot]\nmass = [1, 1]\ndamping = 5")
+    certain = study.with_robot(2, "[robot]\nmass = [1, 1]\ndamping = 5")
     assert certain.uncertainty == (None, None)
     assert certain.robot_names == ("H-MAN 1", None)
 
@@ -282,7 +280,7 @@ def test_ref_a_wrong_robot_file_is_refused_by_its_name(tmp_path: Path, text: str
     path = tmp_path / "robot.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ts.InvalidInput) as refused:
-        with_robot(ts.Study.paper(), 1, path)
+        ts.Study.paper().with_robot(1, path)
     assert said in str(refused.value)
     assert "robot.toml" in str(refused.value)
 
@@ -291,11 +289,11 @@ def test_ref_a_robot_file_of_other_letters_or_none(tmp_path: Path) -> None:
     path = tmp_path / "robot.toml"
     path.write_bytes('[robot]\nname = "Zürich"'.encode("latin-1"))
     with pytest.raises(ts.InvalidInput, match="UTF-8"):
-        with_robot(ts.Study.paper(), 1, path)
+        ts.Study.paper().with_robot(1, path)
     with pytest.raises(FileNotFoundError):
-        with_robot(ts.Study.paper(), 1, tmp_path / "none.toml")
+        ts.Study.paper().with_robot(1, tmp_path / "none.toml")
     with pytest.raises(ts.InvalidInput, match="robots 1 and 2"):
-        with_robot(ts.Study.paper(), 3, ROBOT)
+        ts.Study.paper().with_robot(3, ROBOT)
 
 
 def test_ref_the_command_line_takes_robot_files(tmp_path: Path) -> None:

@@ -499,6 +499,12 @@ class Experiment:
     @property
     def sample_period(self) -> float: ...
     @property
+    def tick_count(self) -> int: ...
+    @property
+    def tick_stride(self) -> int: ...
+    @property
+    def sample_times(self) -> FloatArray: ...
+    @property
     def agents(self) -> tuple[Agent, Agent]: ...
     @property
     def task(self) -> Task: ...
@@ -797,7 +803,7 @@ class Laboratory:
         | None = None,
         target: ArrayLike | None = None,
         coupling_damping: float = 0.0,
-        watch: Callable[[], object] | None = None,
+        interrupt_check: Callable[[], object] | None = None,
     ) -> Recording: ...
     def target(self, duration: float, record_rate: float) -> FloatArray: ...
     def run_many(
@@ -984,7 +990,7 @@ def simulate(
     velocities: bool,
 ) -> tuple[FloatArray, FloatArray | None, list[float | None], list[list[float]], list[list[float]]]: ...
 def simulate_handle(
-    handle: dict[str, Any],
+    handle: Mapping[str, Any],
     arm: Arm | Mapping[str, Any],
     hand_force: ArrayLike,
     robot_force: ArrayLike,

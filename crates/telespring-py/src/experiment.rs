@@ -1,9 +1,10 @@
 //! The experiment of a study as Python sees it: its trials, who takes part, and the laboratory.
 
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use telespring::rig::Protocol;
+use telespring::rig::{Protocol, Schedule};
 
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
@@ -211,6 +212,10 @@ impl Experiment {
     pub fn of(study: &telespring::study::Study) -> Outcome<Self> {
         Ok(Self { study: study.clone(), protocol: study.protocol()?, sample_period: study.sample_period()? })
     }
+
+    fn schedule(&self) -> Outcome<Schedule> {
+        Ok(Schedule::new(self.protocol.duration, self.protocol.record_rate, self.sample_period)?)
+    }
 }
 
 #[pymethods]
@@ -271,6 +276,26 @@ impl Experiment {
     #[getter]
     fn sample_period(&self) -> f64 {
         self.sample_period
+    }
+
+    /// Number of sample periods of a trial.
+    #[getter]
+    fn tick_count(&self) -> Outcome<usize> {
+        Ok(self.schedule()?.ticks())
+    }
+
+    /// Number of sample periods between two recorded instants.
+    #[getter]
+    fn tick_stride(&self) -> Outcome<usize> {
+        Ok(self.schedule()?.stride())
+    }
+
+    /// The recorded instants of a completed trial, s, the first at 0.
+    #[getter]
+    fn sample_times<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyArray1<f64>>> {
+        let schedule = self.schedule()?;
+        let times = (0..schedule.rows()).map(|row| schedule.time(row, self.sample_period));
+        Ok(times.collect::<Vec<_>>().into_pyarray(py))
     }
 
     /// Both agents, defaults filled in.

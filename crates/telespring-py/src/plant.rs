@@ -1,8 +1,8 @@
-//! One robot in one arm under given forces, and what its handle feels of the arm.
+//! One robot in one arm under given forces, and the mass and damping that its handle feels of the arm.
 
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::PyMapping;
 use telespring::InvalidInput;
 use telespring::quantity::{FORCE, PLACE, Quantity, SAMPLE_PERIOD, VELOCITY};
 use telespring::rig::plant::{Halt, Plant};
@@ -14,79 +14,13 @@ use crate::participants::Arm;
 use crate::recording::HandleMotion;
 use crate::study_values::to_table;
 
-/// A dictionary of named values, each to be taken out once.
-struct Table<'py> {
-    name: &'static str,
-    dict: Bound<'py, PyDict>,
-    known: Vec<&'static str>,
-}
-
-impl<'py> Table<'py> {
-    fn new(name: &'static str, value: &Bound<'py, PyAny>) -> Outcome<Self> {
-        let Ok(dict) = value.cast::<PyDict>() else {
-            let allowed = "a dictionary of its values is needed";
-            return Err(InvalidInput::new(name, written(value), allowed, "Give a dict.").into());
-        };
-        Ok(Self { name, dict: dict.clone(), known: Vec::new() })
-    }
-
-    fn get(&mut self, key: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.known.push(key);
-        self.dict.get_item(key)
-    }
-
-    /// Two numbers, or one for both.
-    fn pair(&mut self, key: &'static str, otherwise: Option<[f64; 2]>) -> Outcome<[f64; 2]> {
-        let Some(value) = self.get(key)? else {
-            return otherwise.ok_or_else(|| {
-                InvalidInput::new(key, "nothing", "a number or a pair is needed", "Add it to the dictionary.")
-                    .within(self.name)
-                    .into()
-            });
-        };
-        if let Ok(number) = value.extract::<f64>() {
-            return Ok([number; 2]);
-        }
-        value.extract::<[f64; 2]>().map_err(|_| {
-            InvalidInput::new(
-                key,
-                written(&value),
-                "a number or a pair of numbers is needed",
-                "Give one or two floats.",
-            )
-            .within(self.name)
-            .into()
-        })
-    }
-
-    /// Refuses what nobody asked for: a misspelt key would pass for its default.
-    fn end(self) -> Outcome<()> {
-        for key in self.dict.keys() {
-            let text = key.str()?.to_string();
-            if !self.known.contains(&text.as_str()) {
-                return Err(InvalidInput::new(
-                    format!("{}.{text}", self.name),
-                    "given",
-                    format!("the keys are {:?}", self.known),
-                    "Correct its name or leave it out.",
-                )
-                .into());
-            }
-        }
-        Ok(())
-    }
-}
-
+/// A mapping of the keys that a robot has in a study file.
 fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
-    let mut table = Table::new("handle", value)?;
-    let handle = Handle {
-        mass: table.pair("mass", None)?,
-        damping: table.pair("damping", None)?,
-        coulomb: table.pair("coulomb", Some([0.0; 2]))?,
+    let Ok(keys) = value.cast::<PyMapping>() else {
+        let allowed = "a mapping with mass and damping, and possibly coulomb, is needed";
+        return Err(InvalidInput::new("handle", written(value), allowed, "Pass a dict.").into());
     };
-    table.end()?;
-    handle.check().map_err(|refusal| refusal.within("handle"))?;
-    Ok(handle)
+    Ok(Handle::from_table(&to_table("handle", keys)?)?)
 }
 
 /// An `Arm`, or a mapping of the keys that it has in a study file.
@@ -95,7 +29,7 @@ fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
         return Ok(arm.get().0);
     }
     let Ok(keys) = value.cast::<PyMapping>() else {
-        let allowed = "an Arm, or a mapping of its values, is needed";
+        let allowed = "an Arm, or a mapping of its keys, is needed";
         return Err(InvalidInput::new("arm", written(value), allowed, "Pass an Arm.").into());
     };
     Ok(rig::Arm::from_table(&to_table("arm", keys)?)?)
@@ -129,7 +63,7 @@ fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Py<PyArray2<f64>>>
     Ok(values.into_flattened().into_pyarray(py).reshape(shape)?.unbind())
 }
 
-/// What was recorded of one run.
+/// The signals of one simulated motion.
 #[derive(Default)]
 struct Record {
     position: Vec<[f64; 2]>,
@@ -139,7 +73,7 @@ struct Record {
     halt: Option<Halt>,
 }
 
-/// Position, velocity and the force at the handle of one robot in an arm, all forces held.
+/// Simulates one robot in an arm under forces held over each sample period.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "tests name them")]
 #[pyo3(signature = (handle, arm, hand_force, robot_force, sample_period, position0, velocity0=Argument::Given([0.0, 0.0])))]
@@ -163,7 +97,7 @@ pub fn simulate_handle(
             "robot_force",
             format!("{} rows beside {} of hand_force", robot.len(), hand.len()),
             "both forces have one row for every sample period, one at least",
-            "Give them the same length.",
+            "Pass arrays of the same length.",
         )
         .into());
     }
@@ -203,7 +137,7 @@ fn run(mut plant: Plant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> 
             return record;
         }
     }
-    // at the end no new forces are known: the last ones still act
+    // no forces are given for the end: the last ones still act
     keep(&plant, hand.len() - 1, &mut record);
     record
 }

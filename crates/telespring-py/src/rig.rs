@@ -15,7 +15,7 @@ use crate::arguments::{Argument, DelayChoice, Number, rows, written};
 use crate::errors::{Failure, Outcome};
 use crate::recording::{Recording, Recordings};
 
-/// Two robots in two arms, their agents, a target and a network, in virtual time.
+/// A virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
 ///
 /// Examples
 /// --------
@@ -28,18 +28,18 @@ use crate::recording::{Recording, Recordings};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory(pub rig::Laboratory);
 
-/// A program that moves an arm: force from time, position, velocity and target.
-type Program = Py<PyAny>;
+/// A function of the caller: the force of an agent from time, position, velocity and target.
+type AgentFunction = Py<PyAny>;
 
 #[pymethods]
 impl Laboratory {
-    /// The paper's: the robots of Table III, massless arms, a skilled and a less-skilled agent.
+    /// The paper's laboratory: the robots of Table III, massless arms, a skilled and a less-skilled agent.
     #[staticmethod]
     fn paper() -> Self {
         Self(rig::Laboratory::paper())
     }
 
-    /// Where the target is in a whole trial, m: (n, 2), row j at tick j/record_rate.
+    /// Positions of the target at the recorded instants of a whole trial, m, (n, 2).
     ///
     /// Parameters
     /// ----------
@@ -49,7 +49,7 @@ impl Laboratory {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of range, or the target is a program of the caller's.
+    ///     Where a value is out of range, or the target is a function of the caller.
     fn target<'py>(
         &self,
         py: Python<'py>,
@@ -65,29 +65,29 @@ impl Laboratory {
         Ok(positions.into_flattened().into_pyarray(py).reshape(shape)?)
     }
 
-    /// One trial.
+    /// Simulates one trial.
     ///
     /// Parameters
     /// ----------
     /// stiffness : float or None
-    ///     Of the virtual spring, N/m; None is the unconnected mode.
+    ///     Stiffness of the virtual spring, N/m; None is the unconnected mode.
     /// delay : float or (float, float)
     ///     One-way haptic delay, s, or the pair (forward, backward).
     /// seed : int
-    ///     From which everything random is drawn; see trial_seed.
+    ///     Seed of all random numbers of the trial; see trial_seed.
     /// duration : float
-    ///     Length of the trial, s.
+    ///     Duration of the trial, s.
     /// record_rate : float
-    ///     Rows kept per second, Hz; divides the controllers' rate.
+    ///     Recorded instants per second, Hz; divides the controllers' rate.
     /// agents : (callable or None, callable or None), optional
-    ///     For each agent that is a program of the caller's: f(time, position, velocity, target) ->
-    ///     force, called at every tick; s, m, m/s, m and N, each vector (2,).
+    ///     A function for each agent that is external: f(time, position, velocity, target) -> force, called at
+    ///     every tick; s, m, m/s, m and N, each vector (2,).
     /// target : (ticks + 1, 2) array, optional
     ///     Positions at every tick of the controllers, m, in place of the laboratory's own target.
     /// coupling_damping : float
-    ///     Of the damper beside the spring, N·s/m.
-    /// watch : callable, optional
-    ///     Called without arguments now and then; what it raises ends the trial.
+    ///     Damping beside the spring, N·s/m.
+    /// interrupt_check : callable, optional
+    ///     Called without arguments at short intervals; an exception from it ends the trial.
     ///
     /// Returns
     /// -------
@@ -97,10 +97,10 @@ impl Laboratory {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of range, more than 5e7 rows are kept, an arm cannot reach the start, an
-    ///     agent's program is missing, not wanted, or gives no finite force.
-    #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=Argument::Given(None), target=None, coupling_damping=Number::Given(0.0), watch=None),
-           text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0, watch=None)")]
+    ///     Where a value is out of range, more than 5e7 instants are recorded, an arm cannot reach the start,
+    ///     or an agent's function is missing, superfluous, or returns no finite force.
+    #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=Argument::Given(None), target=None, coupling_damping=Number::Given(0.0), interrupt_check=None),
+           text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0, interrupt_check=None)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn run(
         &self,
@@ -110,10 +110,10 @@ impl Laboratory {
         seed: Argument<u64>,
         duration: Number,
         record_rate: Number,
-        agents: Argument<Option<[Option<Program>; 2]>>,
+        agents: Argument<Option<[Option<AgentFunction>; 2]>>,
         target: Option<&Bound<'_, PyAny>>,
         coupling_damping: Number,
-        watch: Option<Program>,
+        interrupt_check: Option<Py<PyAny>>,
     ) -> Outcome<Recording> {
         let stiffness = stiffness.named("stiffness")?;
         let coupling = coupling(stiffness, delay.check()?, coupling_damping.named("coupling_damping")?);
@@ -130,24 +130,24 @@ impl Laboratory {
             if let Some(agent) = agent
                 && !agent.bind(py).is_callable()
             {
-                return Err(no_program(side, written(agent.bind(py))).into());
+                return Err(refuse_uncallable(side, written(agent.bind(py))).into());
             }
             if agent.is_some() && !matches!(laboratory.stations[side].agent, Agent::External) {
-                return Err(unwanted(side).into());
+                return Err(refuse_superfluous(side).into());
             }
         }
         let recording = py.detach(|| {
             laboratory.check()?;
-            let mut programs = agents
-                .each_ref()
-                .map(|agent| agent.as_ref().map(|program| move |seen: &Observation| call(program, seen)));
+            let mut programs = agents.each_ref().map(|agent| {
+                agent.as_ref().map(|program| move |seen: &Observation| call_agent(program, seen))
+            });
             let callbacks = programs
                 .each_mut()
                 .map(|program| program.as_mut().map(|program| program as rig::Callback<'_, Failure>));
             let mut looked = || {
                 Python::attach(|py| {
                     py.check_signals()?;
-                    watch.as_ref().map_or(Ok(()), |watch| watch.call0(py).map(drop))
+                    interrupt_check.as_ref().map_or(Ok(()), |check| check.call0(py).map(drop))
                 })
                 .map_err(Failure::Python)
             };
@@ -184,12 +184,12 @@ impl Laboratory {
         })
     }
 
-    /// Many trials on all cores, each with the numbers that `run` gives it.
+    /// Simulates many trials on all cores; each has the numbers that `run` computes.
     ///
     /// Parameters
     /// ----------
     /// stiffness : (trials,) array_like of float
-    ///     N/m; NaN is the unconnected mode.
+    ///     Stiffness of the virtual spring, N/m; NaN is the unconnected mode.
     /// delay : (trials,) array_like of float
     ///     One-way haptic delay, s.
     /// seed : (trials,) array_like of int
@@ -205,7 +205,7 @@ impl Laboratory {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     As `run`, and where the numbers of values differ; no agent may be a program.
+    ///     As `run`, and where the numbers of values differ or an agent is external.
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, coupling_damping=Number::Given(0.0)),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, coupling_damping=0.0)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
@@ -227,7 +227,7 @@ impl Laboratory {
                     name,
                     format!("{length} value(s)"),
                     format!("one value per trial is needed, that is {trials} as in stiffness"),
-                    "Give one stiffness, delay and seed per trial.",
+                    "Pass one stiffness, delay and seed per trial.",
                 )
                 .into());
             }
@@ -261,7 +261,7 @@ impl Laboratory {
         let outcomes = unless_interrupted(py, |interrupted| -> Outcome<Vec<TrialOutcome>> {
             laboratory.check()?;
             let looked = || match interrupted.load(Ordering::Relaxed) {
-                // never seen: the signal's own exception is raised instead
+                // never seen: the exception of the signal is raised instead
                 true => Err(InvalidInput::new("run_many", "a signal", "it was interrupted", "Run it again.")),
                 false => Ok(()),
             };
@@ -317,19 +317,19 @@ impl Laboratory {
     }
 }
 
-/// The seed of one trial of a rehearsal; it depends on nothing but the three numbers.
+/// Computes the seed of one trial of a rehearsal from these three numbers alone.
 ///
 /// Parameters
 /// ----------
 /// seed : int
-///     Of the rehearsal.
+///     The seed of the rehearsal.
 /// condition, trial : int
-///     Counted from 0.
+///     Index of the condition and of the trial, from 0.
 ///
 /// Returns
 /// -------
 /// int
-///     From 0 to 2⁶⁴ − 1.
+///     A seed from 0 to 2⁶⁴ − 1.
 ///
 /// Examples
 /// --------
@@ -341,8 +341,8 @@ pub fn trial_seed(seed: Argument<u64>, condition: Argument<u64>, trial: Argument
     Ok(rig::trial_seed(seed.named("seed")?, condition.named("condition")?, trial.named("trial")?))
 }
 
-/// Does the work on another thread while this one looks for signals, such as that of Ctrl-C; the work is told
-/// of one and its outcome then dropped.
+/// Does the work on another thread while this one checks for signals such as Ctrl-C. A signal sets the flag
+/// that the work receives, and its outcome is dropped.
 fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
     let interrupted = AtomicBool::new(false);
     py.detach(|| {
@@ -351,7 +351,7 @@ fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) ->
             let interrupted = &interrupted;
             let worker = scope.spawn(move || {
                 let outcome = work(interrupted);
-                // nobody waits for it where a signal came
+                // nobody receives it after a signal
                 let _ = done.send(());
                 outcome
             });
@@ -384,7 +384,7 @@ fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target>
     Ok(Target::Sampled(target))
 }
 
-/// Refuses what would fill the memory: six signals of four numbers make 10 GB of the most rows.
+/// Refuses recordings that would fill the memory: the largest has 10 GB, with six signals of four numbers.
 fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
     const MOST: usize = 50_000_000;
     let all = rows.saturating_mul(trials);
@@ -399,27 +399,27 @@ fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
     ))
 }
 
-fn no_program(side: usize, text: String) -> InvalidInput {
+fn refuse_uncallable(side: usize, text: String) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),
         text,
-        "an agent is None or can be called",
-        "Give a function of time, position, velocity and target that returns the force.",
+        "an agent is None or callable",
+        "Pass a function of time, position, velocity and target that returns the force.",
     )
 }
 
-fn unwanted(side: usize) -> InvalidInput {
+fn refuse_superfluous(side: usize) -> InvalidInput {
     let number = side + 1;
     InvalidInput::new(
         format!("agents[{side}]"),
-        "a program",
-        format!("agent {number} of this laboratory is not moved by a program of the caller's"),
-        format!("Choose kind = \"python\" in [agent{number}], or give None."),
+        "a function",
+        format!("agent {number} of this laboratory is not an external one"),
+        format!("Choose kind = \"python\" in [agent{number}], or pass None."),
     )
 }
 
-/// What the program answers, or what it raised.
-fn call(program: &Program, seen: &Observation) -> Outcome<[f64; 2]> {
+/// The force that the agent's function returns, or its exception.
+fn call_agent(program: &AgentFunction, seen: &Observation) -> Outcome<[f64; 2]> {
     Python::attach(|py| {
         let vector = |values: [f64; 2]| PyArray1::from_slice(py, &values);
         let arguments = (seen.time, vector(seen.position), vector(seen.velocity), vector(seen.target));

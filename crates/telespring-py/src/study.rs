@@ -13,7 +13,7 @@ use crate::experiment::Experiment;
 use crate::model::{Dyad, Operator};
 use crate::study_values::replacements;
 
-/// The virtual spring and the damper beside it.
+/// The coupling of the robots: a virtual spring and a damper beside it.
 ///
 /// Parameters
 /// ----------
@@ -25,7 +25,7 @@ use crate::study_values::replacements;
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of its range.
+///     Where a value is out of range.
 ///
 /// Examples
 /// --------
@@ -69,26 +69,26 @@ impl Coupling {
     }
 }
 
-/// A network between two controllers, in the terms that stability needs.
+/// A network between two controllers, by the quantities that determine stability.
 ///
 /// Parameters
 /// ----------
 /// delay : float or (float, float)
 ///     The constant part of the one-way delay, s, or the pair (forward, backward).
 /// jitter : float
-///     The most that a packet may be later than that, s.
+///     Largest delay of a packet beyond that, s.
 /// max_gap : float
-///     The longest wait for a newer partner sample, s, losses included; 0 is a stream without gaps.
+///     Longest wait for a newer partner sample, s, losses included; 0 is a stream without gaps.
 /// sample_period : float
-///     The period of both controllers, s, over which they hold the force; 0 is a continuous controller.
+///     Sample period of both controllers, s, over which they hold the force; 0 is a continuous controller.
 /// computing_time : float
-///     From reading the samples to applying the force, s, within the same period.
+///     Time from reading the samples to applying the force, s, within the same period.
 ///
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a span is not in 0 to 100 s, delay, jitter and gap together exceed that, or the computing
-///     time exceeds the sample period.
+///     Where a time is not in 0 to 100 s, delay, jitter and gap together exceed that, or the computing time
+///     exceeds the sample period.
 ///
 /// Examples
 /// --------
@@ -128,49 +128,49 @@ impl Network {
         (self.0.delay().forward(), self.0.delay().backward())
     }
 
-    /// The most that a packet may be later than the delay, s.
+    /// Largest delay of a packet beyond the constant part, s.
     #[getter]
     fn jitter(&self) -> f64 {
         self.0.jitter()
     }
 
-    /// The longest wait for a newer partner sample, s.
+    /// Longest wait for a newer partner sample, s.
     #[getter]
     fn max_gap(&self) -> f64 {
         self.0.max_gap()
     }
 
-    /// The period of both controllers, s; 0 where they are continuous.
+    /// Sample period of both controllers, s; 0 where they are continuous.
     #[getter]
     fn sample_period(&self) -> f64 {
         self.0.sample_period()
     }
 
-    /// From reading the samples to applying the force, s.
+    /// Time from reading the samples to applying the force, s.
     #[getter]
     fn computing_time(&self) -> f64 {
         self.0.computing_time()
     }
 
-    /// Whether every packet takes the same time: neither jitter nor gaps.
+    /// Whether the delay is constant: no jitter and no gaps.
     #[getter]
     fn is_constant(&self) -> bool {
         self.0.is_constant()
     }
 
-    /// The age of a partner sample at its oldest, s: T1 and T2.
+    /// Largest age of a partner sample, s: T1 and T2.
     #[getter]
     fn oldest_partner_sample(&self) -> (f64, f64) {
         self.0.oldest_partner_sample().into()
     }
 
-    /// The age of a robot's own position sample at its oldest, s: one period plus computing time.
+    /// Largest age of a robot's own position sample, s: one period plus computing time.
     #[getter]
     fn oldest_own_sample(&self) -> f64 {
         self.0.oldest_own_sample()
     }
 
-    /// The constant delays behind a playout buffer that waits for jitter and gaps, s.
+    /// Constant delays behind a playout buffer that absorbs jitter and gaps, s.
     #[getter]
     fn buffered(&self) -> (f64, f64) {
         self.0.buffered().into()
@@ -192,17 +192,17 @@ impl Network {
     }
 }
 
-/// All operators between two: a grip varies, and a verdict must hold for every one of them.
+/// A range of operators: a grip varies, and a verdict must hold for all of them.
 ///
 /// Parameters
 /// ----------
 /// low, high : Operator
-///     Both ends, included. A single number in them holds for every axis of the dyad.
+///     Both ends, included. A single number applies to every axis of the dyad.
 ///
 /// Raises
 /// ------
 /// InvalidInput
-///     Where both ends differ in their number of axes or a lower end lies above the upper.
+///     Where both ends differ in their number of axes or a lower end exceeds the upper.
 ///
 /// Examples
 /// --------
@@ -261,10 +261,10 @@ impl OperatorRange {
     }
 }
 
-/// How far a robot's identified parameters may be off, per axis.
+/// Uncertainty of a robot's identified parameters, per axis.
 ///
-/// Mass and damping of one axis are normal with these standard deviations and this correlation; axes and
-/// robots are independent. `Study.uncertainty` returns it.
+/// Mass and damping of an axis have a normal distribution with these standard deviations and this
+/// correlation; axes and robots are independent. `Study.uncertainty` returns it.
 ///
 /// Examples
 /// --------
@@ -317,10 +317,10 @@ impl Uncertainty {
     }
 }
 
-/// What one study file says: two robots, who holds them, how they are coupled, over which network, and
-/// the experiment to rehearse on them.
+/// The contents of a study file: two robots, what holds them, their coupling and network, and the experiment
+/// to rehearse on them.
 ///
-/// Made by `Study.read`, `Study.from_toml` or `Study.paper`.
+/// Create one by `Study.read`, `Study.from_toml` or `Study.paper`, and change it by `Study.replace`.
 ///
 /// Examples
 /// --------
@@ -346,7 +346,7 @@ impl Study {
     /// Returns
     /// -------
     /// Study
-    ///     Handles free, controllers continuous, as in Fig. 5(h) there.
+    ///     With free handles and continuous controllers, as in Fig. 5(h) of the paper.
     ///
     /// Examples
     /// --------
@@ -373,8 +373,8 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the text is not TOML, a key is unknown or missing, or a value has the wrong type or
-    ///     range: with the dotted field, what is allowed, the remedy and the line.
+    ///     Where the text is not TOML, a key is unknown or missing, or a value has the wrong type or range.
+    ///     The exception has the dotted field, what is allowed, a remedy and the line.
     ///
     /// Examples
     /// --------
@@ -404,7 +404,7 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     As `Study.from_toml` does, and where the file is not UTF-8.
+    ///     As for `Study.from_toml`, and where the file is not UTF-8.
     /// OSError
     ///     Where the file cannot be read.
     ///
@@ -508,7 +508,7 @@ impl Study {
         self.0.names_arms_or_agents()
     }
 
-    /// The study as TOML text that reads back to the same study.
+    /// The study as TOML text, from which the same study can be read.
     ///
     /// Returns
     /// -------
@@ -530,25 +530,25 @@ impl Study {
         self.0.name()
     }
 
-    /// The robots' names, where they have one.
+    /// The names of both robots; None where one has no name.
     #[getter]
     fn robot_names(&self) -> (Option<&str>, Option<&str>) {
         self.0.robot_names().into()
     }
 
-    /// The dyad; where the operators are ranges it holds the middle of each.
+    /// The dyad; where the operators are ranges, with the middle of each.
     #[getter]
     fn dyad(&self) -> Dyad {
         Dyad(self.0.dyad().clone())
     }
 
-    /// The ranges of both operators, where any of their values is a range.
+    /// The ranges of both operators; None where all their values are single numbers.
     #[getter]
     fn operator_ranges(&self) -> Option<(OperatorRange, OperatorRange)> {
         self.0.operator_ranges().map(|[first, second]| (first.into(), second.into()))
     }
 
-    /// The virtual spring and the damper beside it.
+    /// The coupling: the virtual spring and the damper beside it.
     #[getter]
     fn coupling(&self) -> Coupling {
         Coupling(self.0.coupling())
@@ -560,7 +560,7 @@ impl Study {
         self.0.coupling().stiffness
     }
 
-    /// The network and the controllers' timing.
+    /// The network, and the timing of the controllers.
     #[getter]
     fn network(&self) -> Network {
         Network(*self.0.network())
@@ -572,7 +572,7 @@ impl Study {
         self.network().delay()
     }
 
-    /// How far each robot's parameters may be off; None where they are certain.
+    /// The uncertainty of each robot's parameters; None where they are certain.
     #[getter]
     fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {
         self.0.uncertainty().map(|robot| robot.cloned().map(Uncertainty)).into()
@@ -590,8 +590,8 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the study names no conditions and its robots give no reference stiffness to take multiples
-    ///     of, as one without damping.
+    ///     Where the study names no conditions and its robots have no reference stiffness for the default
+    ///     ones, as robots without damping.
     #[getter]
     fn experiment(&self) -> Outcome<Option<Experiment>> {
         if self.0.is_planar() { Experiment::of(&self.0).map(Some) } else { Ok(None) }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.rehearsal.target import path_of_program
+from telespring.rehearsal.target import user_target_path
 from telespring.study.target import figure_eight_path
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def target_positions(experiment: Experiment, modules: Path | None = None) -> tup
     (31, 'period')
     """
     if experiment.task.kind == "python":
-        return _farthest_points(path_of_program(experiment, modules), _STEPS), "whole trial"
+        return _farthest_points(user_target_path(experiment, modules), _STEPS), "whole trial"
     path, is_whole = figure_eight_path(experiment, _STEPS)
     # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
     positions = np.unique(np.round(path, 12) + 0.0, axis=0)

@@ -1,9 +1,8 @@
-"""A study's whole protocol on the virtual laboratory, kept as one labelled dataset.
+"""A study's protocol run on the virtual laboratory, and kept in a folder as one dataset.
 
-The dataset, the folder it is made in and agents and targets written in Python are described in
-`docs/rehearse.md`.
+`docs/rehearse.md` describes the dataset, the folder, and agents and targets written in Python.
 """
 
-from telespring.rehearsal.run import Outcome, rehearse, run_protocol
+from telespring.rehearsal.run import RehearsalOutcome, rehearse, run_protocol
 
-__all__ = ["Outcome", "rehearse", "run_protocol"]
+__all__ = ["RehearsalOutcome", "rehearse", "run_protocol"]

@@ -1,4 +1,4 @@
-"""One labelled dataset of all trials, as a netCDF file."""
+"""The dataset of a rehearsal: all trials with labels and units, as a netCDF file."""
 
 from __future__ import annotations
 
@@ -8,24 +8,22 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
 
+from telespring._core import Experiment, Study
 from telespring._files import replacing
 from telespring._types import FloatArray
-from telespring.rehearsal.encoding import SIGNALS, STATUSES, TARGET, rounded
-from telespring.rehearsal.identity import Identity
-from telespring.rehearsal.schedule import Trial, sample_count, sample_times
-from telespring.rehearsal.store import RehearsalFolder
-from telespring.rehearsal.trial_file import Record
+from telespring.rehearsal.encoding import SIGNALS, STATUSES, TARGET, round_signal
+from telespring.rehearsal.identity import RehearsalIdentity
+from telespring.rehearsal.schedule import ScheduledTrial
+from telespring.rehearsal.store import RehearsalStore
+from telespring.rehearsal.trial_file import TrialRecord
 from telespring.study.conditions import condition_labels
-
-if TYPE_CHECKING:
-    from telespring._core import Experiment, Study
 
 __all__ = ["write_dataset"]
 
@@ -34,88 +32,73 @@ _DIMENSIONS = ("condition", "trial", "time", "robot", "axis")
 
 
 def write_dataset(
-    home: RehearsalFolder,
-    identity: Identity,
+    store: RehearsalStore,
+    identity: RehearsalIdentity,
     study: Study,
     experiment: Experiment,
-    trials: list[Trial],
+    trials: list[ScheduledTrial],
     target: FloatArray,
 ) -> None:
-    """Make the dataset of finished trials; it is whole or absent.
-
-    Parameters
-    ----------
-    home
-        The folder in which all of them are kept.
-    identity
-        Of the rehearsal.
-    experiment
-        Its protocol.
-    trials
-        All its trials.
-    target
-        Where the target is in every row of a whole trial, (time, axis), m.
+    """Write the dataset of a finished rehearsal, complete or absent; `target` is (time, axis), m.
 
     Raises
     ------
     OSError
         Where it cannot be written.
     """
-    records = _Records(home, trials)
-    with _told_as_disk_trouble(home.dataset), replacing(home.dataset) as beside:
-        small = _labels_and_outcomes(identity, study, experiment, records, target)
-        none_missing = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
-        small.to_netcdf(beside, engine="h5netcdf", encoding=none_missing)
-        count = sample_count(experiment)
-        _declare_signals(beside, count)
-        # Every thread deflated its own trials; here their bytes are only put in their places.
-        with h5py.File(beside, "r+") as file:
+    records = _StoredTrials(store, trials)
+    with _errors_of_the_disk(store.dataset), replacing(store.dataset) as temporary:
+        labels = _dataset_without_signals(identity, study, experiment, records, target)
+        no_fill_value = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
+        labels.to_netcdf(temporary, engine="h5netcdf", encoding=no_fill_value)
+        _declare_signals(temporary, len(experiment.sample_times))
+        # Every thread compressed its own trials; here only their bytes are copied.
+        with h5py.File(temporary, "r+") as file:
             for trial, record in records:
                 for signal in SIGNALS:
                     place = (trial.condition, trial.trial, 0, 0, 0)
                     file[signal.name].id.write_direct_chunk(place, record.chunks[signal.name])
 
 
-class _Records:
-    """The kept trials, read one after the other, in the order of the dataset."""
+class _StoredTrials:
+    """The stored trials in the order of the dataset, read one at a time."""
 
-    def __init__(self, home: RehearsalFolder, trials: list[Trial]) -> None:
-        self._home = home
+    def __init__(self, store: RehearsalStore, trials: list[ScheduledTrial]) -> None:
+        self._store = store
         self._trials = sorted(trials, key=lambda trial: (trial.condition, trial.trial))
 
-    def __iter__(self) -> Iterator[tuple[Trial, Record]]:
+    def __iter__(self) -> Iterator[tuple[ScheduledTrial, TrialRecord]]:
         for trial in self._trials:
-            record = self._home.record(trial)
+            record = self._store.read_trial(trial)
             if record is None:
                 raise OSError(
                     None,
-                    "a finished trial can no longer be read; the same command computes it again",
-                    str(self._home.path),
+                    "a finished trial can no longer be read; run the same command again to repeat it",
+                    str(self._store.path),
                 )
             yield trial, record
 
 
 @contextmanager
-def _told_as_disk_trouble(dataset: Path) -> Iterator[None]:
-    """Make an OSError of what h5py raises where a write fails: it knows the number, but not the class."""
+def _errors_of_the_disk(dataset: Path) -> Iterator[None]:
+    """Raise OSError where h5py raises RuntimeError because a write failed."""
     try:
         yield
-    except RuntimeError as trouble:
-        number = re.search(r"errno = (\d+)", str(trouble))
+    except RuntimeError as error:
+        number = re.search(r"errno = (\d+)", str(error))
         if number is None:
             raise
         code = int(number[1])
-        raise OSError(code, os.strerror(code), str(dataset)) from trouble
+        raise OSError(code, os.strerror(code), str(dataset)) from error
 
 
-def _labels_and_outcomes(
-    identity: Identity,
+def _dataset_without_signals(
+    identity: RehearsalIdentity,
     study: Study,
     experiment: Experiment,
-    records: _Records,
+    records: _StoredTrials,
     target: FloatArray,
 ) -> xr.Dataset:
-    """Make the dataset without its signals."""
     conditions = experiment.conditions
     shape = (len(conditions), experiment.trials)
     seed, order = np.zeros(shape, np.uint64), np.zeros(shape, np.int64)
@@ -130,14 +113,14 @@ def _labels_and_outcomes(
         {
             "target": (
                 ("time", "axis"),
-                rounded(TARGET, target),
-                _described(TARGET.units, TARGET.long_name, resolution=TARGET.resolution),
+                round_signal(TARGET, target),
+                _variable_attributes(TARGET.units, TARGET.long_name, resolution=TARGET.resolution),
             ),
-            "seed": (_PLACE, seed, _described("1", "seed of everything random in the trial")),
+            "seed": (_PLACE, seed, _variable_attributes("1", "seed of everything random in the trial")),
             "status": (
                 _PLACE,
                 status,
-                _described(
+                _variable_attributes(
                     "1",
                     "how the trial ended",
                     flag_values=np.arange(len(STATUSES), dtype=np.int8),
@@ -147,47 +130,47 @@ def _labels_and_outcomes(
             "ended_at": (
                 _PLACE,
                 ended_at,
-                _described("s", "time at which the trial ended early; NaN where it was completed"),
+                _variable_attributes("s", "time at which the trial ended early; NaN where it was completed"),
             ),
-            "order": (_PLACE, order, _described("1", "place in the order of running, from 0")),
+            "order": (_PLACE, order, _variable_attributes("1", "place in the order of running, from 0")),
         },
         coords={
             "condition": (
                 "condition",
                 np.array(condition_labels(conditions), dtype=object),
-                _described(
+                _variable_attributes(
                     "1", "UM: unconnected; CM: connected, with stiffness in N/m and one-way delay in ms"
                 ),
             ),
             "stiffness": (
                 "condition",
                 np.array(stiffness, dtype=np.float64),
-                _described("N/m", "stiffness of the virtual spring; NaN where there is none"),
+                _variable_attributes("N/m", "stiffness of the virtual spring; NaN where there is none"),
             ),
             "delay": (
                 "condition",
                 np.array([delay for _, delay in conditions], dtype=np.float64),
-                _described("s", "one-way delay, each way"),
+                _variable_attributes("s", "one-way delay, each way"),
             ),
-            "trial": ("trial", np.arange(1, shape[1] + 1), _described("1", "number of the trial")),
+            "trial": ("trial", np.arange(1, shape[1] + 1), _variable_attributes("1", "number of the trial")),
             "time": (
                 "time",
-                sample_times(experiment),
-                _described("s", "time since the beginning of the trial"),
+                experiment.sample_times,
+                _variable_attributes("s", "time since the beginning of the trial"),
             ),
-            "robot": ("robot", np.array([1, 2]), _described("1", "number of the robot")),
-            "axis": ("axis", np.array(["x", "y"], dtype=object), _described("1", "axis of motion")),
+            "robot": ("robot", np.array([1, 2]), _variable_attributes("1", "number of the robot")),
+            "axis": ("axis", np.array(["x", "y"], dtype=object), _variable_attributes("1", "axis of motion")),
         },
-        attrs=_attributes(identity, study, experiment),
+        attrs=_dataset_attributes(identity, study, experiment),
     )
 
 
-def _described(units: str, long_name: str, **more: Any) -> dict[str, Any]:
+def _variable_attributes(units: str, long_name: str, **more: Any) -> dict[str, Any]:
     return {"units": units, "long_name": long_name, **more}
 
 
-def _attributes(identity: Identity, study: Study, experiment: Experiment) -> dict[str, Any]:
-    """Everything that the dataset was made from; no time stamps, so that the same study gives the same."""
+def _dataset_attributes(identity: RehearsalIdentity, study: Study, experiment: Experiment) -> dict[str, Any]:
+    """List everything that the dataset depends on; no time stamps: equal studies give equal datasets."""
     return identity.to_attributes() | {
         "duration": experiment.duration,
         "discard": experiment.discard,
@@ -206,7 +189,7 @@ def _attributes(identity: Identity, study: Study, experiment: Experiment) -> dic
 
 
 def _robot_keys(study: Study, index: int) -> dict[str, Any]:
-    """List the keys that a robot has in the text of its study, where those at their defaults are left out."""
+    """List the keys of a robot as the text of its study has them, without those at their defaults."""
     robot, name = study.dyad.robots[index], study.robot_names[index]
     friction, uncertainty = study.coulomb[index], study.uncertainty[index]
     keys: dict[str, Any] = {} if name is None else {"name": name}
@@ -225,7 +208,7 @@ def _json(value: Any) -> str:
 
 
 def _declare_signals(path: Path, count: int) -> None:
-    """Add the signals to the file, a chunk per trial, without values."""
+    """Add the variables of the signals to the file, a chunk per trial, without values."""
     with h5netcdf.File(path, "a") as file:
         for signal in SIGNALS:
             variable = file.create_variable(

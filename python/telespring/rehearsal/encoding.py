@@ -1,4 +1,4 @@
-"""What is kept of a trial, to which resolution, and as which bytes."""
+"""The signals of a trial as they are stored: rounded to a resolution and compressed."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 
 from telespring._types import FloatArray
 
-__all__ = ["SIGNALS", "STATUSES", "TARGET", "Signal", "pack", "rounded"]
+__all__ = ["SIGNALS", "STATUSES", "TARGET", "Signal", "compress_signal", "round_signal"]
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal over (time, robot, axis) that every trial has.
+    """A signal of every trial over (time, robot, axis).
 
     Attributes
     ----------
     name, units, long_name
-        Of the variable in the dataset; the name is also that of the array which the laboratory gives.
+        Of the variable in the dataset; the name is also that of the attribute of a `Recording`.
     bits
-        Values are rounded to whole multiples of 2**-bits units.
+        Values are rounded to multiples of 2**-bits units.
     """
 
     name: str
@@ -35,9 +35,9 @@ class Signal:
         return 2.0**-self.bits
 
 
-#: Full double precision would store mostly digits below the size of an atom, and no compression helps
-#: against them. The steps, about 1 nm, 8 nm/s and 1 µN, are far below what any sensor of such a robot
-#: resolves, and halve the file.
+#: Full double precision would store mostly digits below the size of an atom, which do not compress. The
+#: steps, about 1 nm, 8 nm/s and 1 µN, are far below the resolution of any sensor of such a robot, and halve
+#: the file.
 SIGNALS = (
     Signal("position", "m", "position of the handle", 30),
     Signal("velocity", "m/s", "velocity of the handle", 27),
@@ -45,37 +45,37 @@ SIGNALS = (
     Signal("agent_force", "N", "force that the agent commands its arm to exert on the handle", 20),
 )
 
-#: What both agents follow, over (time, axis): the same in every trial.
+#: The target of both agents, over (time, axis): the same in every trial.
 TARGET = Signal("target", "m", "position of the target", 30)
 
-#: How a trial can end; its place here is its value in the dataset.
+#: How a trial can end; the index here is the value in the dataset.
 STATUSES = ("completed", "diverged", "out of reach", "too stiff")
 
 
-def pack(signal: Signal, values: FloatArray, count: int) -> bytes:
-    """Make one trial's chunk of the dataset: rounded, filled up with NaN, shuffled, deflated.
+def compress_signal(signal: Signal, values: FloatArray, count: int) -> bytes:
+    """Compress a signal of one trial to a chunk of the dataset.
 
     Parameters
     ----------
     signal
-        Which signal it is.
+        The signal.
     values
         (time, robot, axis); fewer than `count` rows where the trial ended early.
     count
-        Rows of a whole trial.
+        Rows of a completed trial; missing rows are NaN.
 
     Returns
     -------
     bytes
-        What HDF5's shuffle and deflate filters would make of it. Made here, and not by HDF5, because
-        here every thread can do it; HDF5 lets one in at a time.
+        The output of HDF5's shuffle and deflate filters. It is made here because every thread can do it,
+        while HDF5 admits one thread at a time.
     """
-    whole = np.full((count, *values.shape[1:]), np.nan, dtype="<f8")
-    whole[: len(values)] = rounded(signal, values)
-    return zlib.compress(whole.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), 1)
+    padded = np.full((count, *values.shape[1:]), np.nan, dtype="<f8")
+    padded[: len(values)] = round_signal(signal, values)
+    return zlib.compress(padded.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), 1)
 
 
-def rounded(signal: Signal, values: FloatArray) -> FloatArray:
-    """Round values to the signal's resolution."""
+def round_signal(signal: Signal, values: FloatArray) -> FloatArray:
+    """Round values to the resolution of a signal."""
     scale = 2.0**signal.bits
     return np.asarray(np.rint(values * scale) / scale, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""What makes two rehearsals the same: study, programs in Python, schema and version."""
+"""What identifies a rehearsal: study, user code, schema and version. Equal identities give equal datasets."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from typing import Any
 
 from telespring import _core
 
-__all__ = ["SCHEMA", "Identity", "version"]
+__all__ = ["SCHEMA", "RehearsalIdentity", "core_version"]
 
-#: Changes when a variable or attribute of the dataset changes its meaning or goes away.
+#: Changes when a variable or attribute of the dataset changes its meaning or is removed.
 SCHEMA = "telespring rehearsal 1"
 
 
 @cache
-def version() -> str:
-    """Name the compiled core that computes, the build included: another build may give other numbers.
+def core_version() -> str:
+    """Return the version of the compiled core with a hash of its build: another build may differ in numbers.
 
-    Not what is installed beside it, and only where it is asked for: it reads the whole core.
+    The hash is computed on demand because it reads the whole core.
     """
     built = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
     return f"{_core.__version__}+{built[:12]}"
 
 
 @dataclass(frozen=True)
-class Identity:
-    """All that the numbers of a rehearsal depend on.
+class RehearsalIdentity:
+    """Everything that the numbers of a rehearsal depend on.
 
     Attributes
     ----------
@@ -39,10 +39,10 @@ class Identity:
     study
         The study's text.
     programs
-        Agents and target written in Python: per place in the study (such as ``agent1``) their name and
-        a hash of the file they stand in.
+        Agents and target written in Python: by their place in the study (such as ``agent1``), their name
+        and a hash of their file.
     schema, version
-        Of the dataset and of telespring.
+        Of the dataset and of the core.
     """
 
     name: str
@@ -53,30 +53,24 @@ class Identity:
 
     @property
     def fingerprint(self) -> str:
-        """A hash of it all."""
+        """A hash of all attributes."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()
 
     def to_json(self) -> str:
-        """Write it down."""
+        """Return the identity as the text of a JSON file."""
         return json.dumps(asdict(self), sort_keys=True, ensure_ascii=False, indent=1)
 
     @classmethod
-    def from_json(cls, text: str) -> Identity:
-        """Read what `to_json` wrote.
-
-        Raises
-        ------
-        ValueError
-            Where it is no such text.
-        """
-        found: Any = json.loads(text)
+    def from_json(cls, text: str) -> RehearsalIdentity:
+        """Read the output of `to_json`; ValueError where the text is something else."""
+        attributes: Any = json.loads(text)
         try:
-            return cls(**{key: found[key] for key in cls.__dataclass_fields__})
-        except (KeyError, TypeError) as trouble:
-            raise ValueError("no identity of a rehearsal") from trouble
+            return cls(**{key: attributes[key] for key in cls.__dataclass_fields__})
+        except (KeyError, TypeError) as error:
+            raise ValueError("not the identity of a rehearsal") from error
 
     def to_attributes(self) -> dict[str, str]:
-        """Write it as attributes of a dataset."""
+        """Return the identity as attributes of a dataset."""
         return {
             "schema": self.schema,
             "telespring_version": self.version,
@@ -86,14 +80,8 @@ class Identity:
         }
 
     @classmethod
-    def from_attributes(cls, attributes: Mapping[str, Any]) -> Identity:
-        """Read what `to_attributes` wrote.
-
-        Raises
-        ------
-        KeyError, ValueError
-            Where they are not such attributes.
-        """
+    def from_attributes(cls, attributes: Mapping[str, Any]) -> RehearsalIdentity:
+        """Read the output of `to_attributes`; KeyError or ValueError where the attributes are others."""
         return cls(
             name=str(attributes["name"]),
             study=str(attributes["study"]),
@@ -102,8 +90,8 @@ class Identity:
             version=str(attributes["telespring_version"]),
         )
 
-    def difference(self, other: Identity) -> str | None:
-        """Say how the rehearsal `other`, found in a folder, differs from this one, or None."""
+    def describe_difference(self, other: RehearsalIdentity) -> str | None:
+        """Describe how the rehearsal `other` differs from this one; None where it is the same."""
         if self == other:
             return None
         if other.schema != self.schema or other.version != self.version:
@@ -120,5 +108,4 @@ class Identity:
             for place in self.programs.keys() | other.programs.keys()
             if self.programs.get(place) != other.programs.get(place)
         )
-        named = " and ".join(changed)
-        return f"a rehearsal with another version of the Python file of {named}"
+        return f"a rehearsal with another version of the Python file of {' and '.join(changed)}"

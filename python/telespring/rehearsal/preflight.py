@@ -1,140 +1,125 @@
-"""What a study file already tells of its rehearsal: the target's path, and what will spoil the trials."""
+"""Checks of a study before its rehearsal: what will spoil the trials."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from telespring._core import Arm, LaboratorySettings
+from telespring._core import Arm, Study
 from telespring._types import FloatArray
-from telespring.rehearsal.target import path_of_program
-from telespring.study.target import figure_eight_path
+from telespring.rehearsal.target import target_path
 
-if TYPE_CHECKING:
-    from telespring._core import Experiment
-    from telespring.model import Study
+__all__ = ["JitterWarning", "LossWarning", "PreflightWarning", "ReachWarning", "preflight_warnings"]
 
-__all__ = ["laboratory_settings", "target_path", "warnings_of"]
-
-#: m; how near to an end of its reach an arm may come before a warning.
-_NEAR = 0.03
-#: Points of one period of the figure of eight: between two of them it moves by less than 1 % of its size.
-_POINTS = 720
+#: m; an arm that comes closer than this to a limit of its reach gets a warning.
+_MARGIN = 0.03
 
 
-def laboratory_settings(study: Study) -> dict[str, Any]:
-    """List the settings of a study's laboratory, and its friction."""
-    experiment = study.experiment
-    settings = LaboratorySettings() if experiment is None else experiment.settings
-    return settings.to_dict() | {"coulomb": study.coulomb.tolist()}
+@dataclass(frozen=True)
+class JitterWarning:
+    """Jitter (s) that is no shorter than the duration of a trial (s): most packets arrive after its end."""
+
+    jitter: float
+    duration: float
 
 
-def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArray:
-    """Follow the target: through one period of the figure of eight, or a whole trial of a target in Python.
+@dataclass(frozen=True)
+class LossWarning:
+    """All packets are lost."""
 
-    Parameters
+
+@dataclass(frozen=True)
+class ReachWarning:
+    """The target comes close to a limit of a two-link arm's reach, or passes it.
+
+    Attributes
     ----------
-    experiment
-        A study's protocol.
-    modules
-        Where a target in Python is looked up first: the folder of the study's file.
-
-    Returns
-    -------
-    ndarray, (point, 2)
-        Places in their order, m.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a target in Python is not found or returns what is no target.
-
-    Examples
-    --------
-    >>> import telespring as ts
-    >>> abs(target_path(ts.Study.paper().experiment)).max(axis=0).round(6).tolist()
-    [0.05, 0.1]
+    arm
+        1 or 2.
+    limit
+        The farthest or the nearest distance from the shoulder that the hand reaches.
+    reach
+        That distance, m.
+    room
+        Smallest distance of the target from the limit, m; negative beyond it.
+    position
+        The position of the target there, m.
     """
-    if experiment.task.kind != "python":
-        return figure_eight_path(experiment, _POINTS)[0]
-    found = path_of_program(experiment, modules)
-    return found[:: max(1, len(found) // 4000)]
+
+    arm: int
+    limit: Literal["farthest", "nearest"]
+    reach: float
+    room: float
+    position: tuple[float, float]
 
 
-def warnings_of(study: Study, modules: Path | None = None) -> list[str]:
-    """Tell, before any trial is run, what of a study will spoil its trials.
+PreflightWarning: TypeAlias = JitterWarning | LossWarning | ReachWarning
 
-    Nothing of it is refused: a network that loses everything is a study too.
+
+def preflight_warnings(study: Study, modules: Path | None = None) -> list[PreflightWarning]:
+    """Check a study for what will spoil its trials.
+
+    Nothing is refused: a network that loses every packet can be studied too.
 
     Parameters
     ----------
     study
-        Any study; one without an experiment has no warnings.
+        Any study; without an experiment it has no warnings.
     modules
-        Where a target in Python is looked up first: the folder of the study's file.
+        Folder of the study file, where the module of a Python target is looked up first.
 
     Returns
     -------
-    list of str
-        A sentence or two each; empty where nothing is foreseen.
+    list of PreflightWarning
+        `telespring.show.screens.rehearsal.preflight_sentence` puts each into words.
 
     Raises
     ------
     telespring.InvalidInput
-        Where a target in Python is not found or returns what is no target.
+        Where a Python target is missing or its positions are invalid.
 
     Examples
     --------
     >>> import telespring as ts
-    >>> from telespring.study.editing import with_values
-    >>> warnings_of(ts.Study.paper())
+    >>> preflight_warnings(ts.Study.paper())
     []
-    >>> warnings_of(with_values(ts.Study.paper(), {"laboratory": {"loss": 1.0}}))
-    ['laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began.']
+    >>> preflight_warnings(ts.Study.paper().replace(laboratory={"loss": 1.0}))
+    [LossWarning()]
     """
     experiment = study.experiment
     if experiment is None:
         return []
     settings = experiment.settings
-    found = []
+    warnings: list[PreflightWarning] = []
     if settings.jitter >= experiment.duration:
-        found.append(
-            f"laboratory.jitter = {settings.jitter:g} s is no shorter than a trial of "
-            f"{experiment.duration:g} s: most packets arrive after its end."
-        )
+        warnings.append(JitterWarning(settings.jitter, experiment.duration))
     if settings.loss >= 1.0:
-        found.append(
-            "laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began."
-        )
-    jointed = [(i, arm) for i, arm in enumerate(experiment.arms, start=1) if arm.kind == "two-link"]
-    if jointed:
+        warnings.append(LossWarning())
+    if any(arm.kind == "two-link" for arm in experiment.arms):
         path = target_path(experiment, modules)
-        for i, arm in jointed:
-            found += _at_the_end_of_its_reach(i, arm, path)
-    return found
+        for number, arm in enumerate(experiment.arms, start=1):
+            if arm.kind == "two-link":
+                warnings += _reach_warnings(number, arm, path)
+    return warnings
 
 
-def _at_the_end_of_its_reach(number: int, arm: Arm, path: FloatArray) -> list[str]:
+def _reach_warnings(number: int, arm: Arm, path: FloatArray) -> list[ReachWarning]:
     assert arm.link_length is not None  # a two-link arm
     upper, lower = arm.link_length
-    distance = np.hypot(*(path - np.asarray(arm.base, float)).T)
-    ends = (
-        ("full reach", upper + lower, upper + lower - distance, "beyond"),
-        ("shortest reach", abs(upper - lower), distance - abs(upper - lower), "inside of"),
+    distance = np.hypot(*(path - np.asarray(arm.base)).T)
+    farthest, nearest = upper + lower, abs(upper - lower)
+    warnings = []
+    limits: tuple[tuple[Literal["farthest", "nearest"], float, FloatArray], ...] = (
+        ("farthest", farthest, farthest - distance),
+        ("nearest", nearest, distance - nearest),
     )
-    found = []
-    for name, reach, room, past in ends:
+    for limit, reach, room in limits:
         worst = int(np.argmin(room))
         # A nanometre for rounding: just 3 cm are enough.
-        if room[worst] >= _NEAR - 1e-9:
-            continue
-        x, y = (f"{1e3 * each + 0.0:.0f}" for each in path[worst].tolist())
-        left = 1e3 * float(room[worst])
-        how = f"comes within {left:.0f} mm of" if left >= 0.0 else f"goes {-left:.0f} mm {past}"
-        found.append(
-            f"arm{number}: the target {how} its {name} of {1e3 * reach:.0f} mm, at ({x}, {y}) mm. "
-            f"A hand that is pushed farther ends the trial as out of reach."
-        )
-    return found
+        if room[worst] < _MARGIN - 1e-9:
+            x, y = path[worst].tolist()
+            warnings.append(ReachWarning(number, limit, reach, float(room[worst]), (x, y)))
+    return warnings

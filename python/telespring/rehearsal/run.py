@@ -1,4 +1,4 @@
-"""Run all trials of a protocol, keep each as it is finished, and make one dataset of them."""
+"""A rehearsal from beginning to end: run all trials, keep each when it is finished, write the dataset."""
 
 from __future__ import annotations
 
@@ -11,45 +11,42 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, TypeAlias
 
-from telespring._core import Study
+from telespring._core import Experiment, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.rehearsal.encoding import SIGNALS, pack
-from telespring.rehearsal.identity import SCHEMA, Identity, version
-from telespring.rehearsal.lock import locked
-from telespring.rehearsal.schedule import Trial, sample_count, schedule, tick_count, tick_stride
-from telespring.rehearsal.store import RehearsalFolder
-from telespring.rehearsal.trial_file import Record
-from telespring.rehearsal.user_code import ProgramFailed, Programs, Stopped, programs_of
+from telespring.rehearsal.encoding import SIGNALS, compress_signal
+from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
+from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
+from telespring.rehearsal.store import RehearsalStore, lock_folder
+from telespring.rehearsal.trial_file import TrialRecord
+from telespring.rehearsal.user_code import RehearsalStopped, UserCode, UserCodeError, load_user_code
 from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring._core import Experiment
-
-__all__ = ["Outcome", "forget", "rehearse", "run_protocol"]
+__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What became of a rehearsal.
+class RehearsalOutcome:
+    """The result of a rehearsal.
 
     Attributes
     ----------
     dataset
-        The file with everything.
+        The file of the dataset.
     trials
-        How many trials the protocol has.
-    found
-        How many of them were finished before; all of them where the dataset was there already.
+        Number of trials of the protocol.
+    resumed
+        Number of trials that had been finished before; all of them where the dataset existed already.
     """
 
     dataset: Path
     trials: int
-    found: int
+    resumed: int
 
 
 def rehearse(
@@ -60,28 +57,28 @@ def rehearse(
     *,
     fresh: bool = False,
 ) -> xr.Dataset:
-    r"""Run a study's whole protocol on the virtual laboratory and return it as one dataset.
+    r"""Run a study's whole protocol on the virtual laboratory and return one dataset.
 
-    Finished trials are kept in `folder`. Called again after it was stopped, by Ctrl-C, by an error or
-    by the death of the process, it goes on from there; called again after the end, it returns the dataset.
-    The same study gives the same dataset, however often it was stopped and on however many threads.
+    Finished trials are kept in `folder`. If a rehearsal is interrupted by Ctrl-C, an error or the death of
+    the process, call the function again to resume it; after the end the function returns the dataset.
+    The same study gives the same dataset, however often it was interrupted and on any number of threads.
 
     Parameters
     ----------
     study : Study, str or path
-        The study, or its file. Agents and targets in Python are looked up beside the file first, so
-        that a study with such parts is better given as its file.
+        The study, or its file. Agents and targets written in Python are looked up beside the file first, so
+        that a study with such parts is better passed as its file.
     folder : str or path
-        Where to keep the trials and in the end the dataset, ``rehearsal.nc``. It is made where it is missing,
-        and refused where it holds a rehearsal of another study.
+        Folder for the trials and in the end for the dataset, ``rehearsal.nc``. It is created where it is
+        missing, and refused where it holds a rehearsal of another study.
     progress : callable, optional
         Called with the number of finished trials and the number of all trials, at the beginning and
         after each trial.
     workers : int, optional
-        How many trials run at the same time: all cores, or one where an agent is written in Python,
-        unless given.
+        Number of trials that run at the same time; by default all cores, or one where an agent is written
+        in Python.
     fresh : bool
-        Remove whatever rehearsal is in the folder and start anew.
+        Remove the rehearsal in the folder, whichever it is, and start over.
 
     Returns
     -------
@@ -90,23 +87,22 @@ def rehearse(
         trial, time, robot, axis), NaN after an early end; ``target`` (m) over (time, axis); ``seed``,
         ``status``, ``ended_at`` (s) and ``order`` over (condition, trial); ``stiffness`` (N/m, NaN:
         unconnected) and ``delay`` (s) along condition. The study and all parameters are in its
-        attributes. ``docs/rehearse.md`` describes all of it.
+        attributes. ``docs/rehearse.md`` describes everything.
 
     Raises
     ------
     InvalidInput
-        Where the study cannot be rehearsed, an agent or target in Python fails, or the folder holds
-        something else or is in use.
+        Where the study cannot be rehearsed, an agent or target written in Python fails, or the folder
+        is in use or holds something else.
     OSError
-        Where a file cannot be read or written; what is finished stays.
+        Where a file cannot be read or written; finished trials are kept.
 
     Examples
     --------
     >>> import tempfile
     >>> import telespring as ts
-    >>> study = ts.Study.from_toml(
-    ...     ts.Study.paper().to_toml().split("[protocol]")[0]
-    ...     + "[protocol]\nstiffness = [35.6]\ndelay = [0.167]\ntrials = 2\nduration = 2.5\ndiscard = 0.5"
+    >>> study = ts.Study.paper().replace(
+    ...     protocol={"stiffness": [35.6], "delay": [0.167], "trials": 2, "duration": 2.5, "discard": 0.5}
     ... )
     >>> trials = ts.rehearse(study, tempfile.mkdtemp())
     >>> trials.condition.values.tolist()
@@ -129,66 +125,60 @@ def run_protocol(
     fresh: bool = False,
     replace_others: bool = False,
     modules: Path | None = None,
-) -> Outcome:
-    """Do what `rehearse` does, and leave the dataset on the disk.
+) -> RehearsalOutcome:
+    """Run a rehearsal as `rehearse` does, and leave the dataset on the disk.
 
-    Parameters, errors and what is kept are those of `rehearse`. With `replace_others` a rehearsal of another
-    study is removed instead of refused. `modules` is where agents and targets in Python are looked up first:
-    the folder of the study's file unless given.
-
-    Returns
-    -------
-    Outcome
-        Where the dataset is.
+    With `replace_others` a rehearsal of another study is removed instead of refused. `modules` is the folder
+    in which agents and targets written in Python are looked up first; by default that of the study's file.
     """
     if not isinstance(study, Study):
         modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
-    experiment = _experiment(study)
-    threads = _workers(workers)
-    programs = programs_of(experiment, modules)
-    if workers is None and programs.agents != (None, None):
+    experiment = _require_experiment(study)
+    threads = _thread_count(workers)
+    user_code = load_user_code(experiment, modules)
+    if workers is None and user_code.has_agents:
         # The interpreter runs one agent at a time; threads would only wait for each other.
         threads = 1
-    identity = Identity(study.name, study.to_toml(), programs.provenance(), SCHEMA, version())
-    trials = schedule(experiment)
-    home = RehearsalFolder(Path(folder), identity)
-    home.make()
-    fresh = fresh or (replace_others and home.foreign())
-    if not fresh and home.complete():
-        _tidy_if_free(home)
-        return Outcome(home.dataset, len(trials), len(trials))
+    identity = RehearsalIdentity(study.name, study.to_toml(), user_code.provenance(), SCHEMA, core_version())
+    trials = schedule_trials(experiment)
+    store = RehearsalStore(Path(folder), identity)
+    store.create_folder()
+    fresh = fresh or (replace_others and store.holds_other_rehearsal())
+    if not fresh and store.is_complete():
+        _remove_leftover_trials(store)
+        return RehearsalOutcome(store.dataset, len(trials), len(trials))
 
-    target = programs.positions(tick_count(experiment), experiment.sample_period)
-    with locked(home.path):
+    target = user_code.target_positions(experiment.tick_count, experiment.sample_period)
+    with lock_folder(store.path):
         if fresh:
-            home.empty()
-        elif home.complete():  # by another process, since we looked
-            return Outcome(home.dataset, len(trials), len(trials))
-        home.begin()
-        finished = set(home.finished(trials))
+            store.remove_rehearsal()
+        elif store.is_complete():  # by another process, since the check above
+            return RehearsalOutcome(store.dataset, len(trials), len(trials))
+        store.begin()
+        finished = set(store.finished_trials(trials))
         done = len(finished)
         if progress is not None:
             progress(done, len(trials))
         missing = [trial for trial in trials if trial not in finished]
-        results = _run(study, experiment, missing, programs, target, identity.fingerprint, threads)
-        # closed at once when something goes wrong here, so that no trial runs on
-        with closing(results):
-            for trial, record in results:
-                home.keep(trial, record)
+        records = _run_trials(experiment, missing, user_code, target, identity.fingerprint, threads)
+        # Closed at once on an error here, so that no trial continues.
+        with closing(records):
+            for trial, record in records:
+                store.write_trial(trial, record)
                 done += 1
                 if progress is not None:
                     progress(done, len(trials))
         from telespring.rehearsal.dataset import write_dataset
 
-        write_dataset(home, identity, study, experiment, trials, _kept_target(experiment, target))
-        home.settle()
-        home.tidy()
-    return Outcome(home.dataset, len(trials), len(finished))
+        write_dataset(store, identity, study, experiment, trials, _recorded_target(experiment, target))
+        store.flush_folder()
+        store.remove_trials()
+    return RehearsalOutcome(store.dataset, len(trials), len(finished))
 
 
-def forget(folder: str | os.PathLike[str]) -> None:
-    """Remove whatever rehearsal is in a folder, and nothing else.
+def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
+    """Remove the rehearsal in a folder, whichever it is, and nothing else.
 
     Raises
     ------
@@ -197,94 +187,91 @@ def forget(folder: str | os.PathLike[str]) -> None:
     OSError
         Where it cannot be removed.
     """
-    home = RehearsalFolder(Path(folder), Identity("", "", {}, SCHEMA, version()))
-    if home.foreign():
-        with locked(home.path):
-            home.empty()
+    store = RehearsalStore(Path(folder), RehearsalIdentity("", "", {}, SCHEMA, core_version()))
+    if store.holds_other_rehearsal():
+        with lock_folder(store.path):
+            store.remove_rehearsal()
 
 
-def _experiment(study: Study) -> Experiment:
+def _require_experiment(study: Study) -> Experiment:
     experiment = study.experiment
     if experiment is None:
-        axes = study.dyad.axes
         raise InvalidInput(
             "robot1.axes",
-            ", ".join(axes),
+            ", ".join(study.dyad.axes),
             "a rehearsal needs robots with exactly two axes",
             "Describe both robots with the axes x and y.",
         )
     return experiment
 
 
-def _kept_target(experiment: Experiment, target: FloatArray | None) -> FloatArray:
-    """Return the target at the rows of a whole trial, (time, axis), m; `target` is that of a program."""
+def _recorded_target(experiment: Experiment, target: FloatArray | None) -> FloatArray:
+    """Return the target at the recorded instants, m; `target` is a Python one at every tick."""
     if target is not None:
-        return target[:: tick_stride(experiment)]
+        return target[:: experiment.tick_stride]
     return experiment.laboratory.target(experiment.duration, experiment.record_rate)
 
 
-def _workers(workers: int | None) -> int:
+def _thread_count(workers: int | None) -> int:
     if workers is None:
         with suppress(AttributeError):  # only some systems can limit a process to some cores
             return len(os.sched_getaffinity(0))
         return os.cpu_count() or 1
     if workers < 1:
         raise InvalidInput(
-            "workers", str(workers), "a whole number of 1 or more is needed", "Leave it away for all cores."
+            "workers", str(workers), "a whole number of 1 or more is needed", "Leave it out to use all cores."
         )
     return workers
 
 
-def _tidy_if_free(home: RehearsalFolder) -> None:
-    """Remove trials that a process killed at the very end left beside its dataset, if nothing hinders."""
-    with suppress(InvalidInput, OSError), locked(home.path):
-        home.tidy()
+def _remove_leftover_trials(store: RehearsalStore) -> None:
+    """Remove trials that a process killed at the very end left beside its dataset, if possible."""
+    with suppress(InvalidInput, OSError), lock_folder(store.path):
+        store.remove_trials()
 
 
-def _run(
-    study: Study,
+def _run_trials(
     experiment: Experiment,
-    trials: list[Trial],
-    programs: Programs,
+    trials: list[ScheduledTrial],
+    user_code: UserCode,
     target: FloatArray | None,
     fingerprint: str,
     threads: int,
-) -> Generator[tuple[Trial, Record]]:
-    """Run trials on so many threads and give each as it is finished."""
+) -> Generator[tuple[ScheduledTrial, TrialRecord]]:
+    """Run trials on several threads and yield each when it is finished."""
     stop = Event()
 
-    def stop_wanted() -> None:
+    def raise_if_stopped() -> None:
         if stop.is_set():
-            raise Stopped
+            raise RehearsalStopped
 
     labels = condition_labels(experiment.conditions)
-    count = sample_count(experiment)
+    count = len(experiment.sample_times)
 
-    def one(trial: Trial) -> tuple[Trial, Record]:
-        stiffness, delay = experiment.conditions[trial.condition]
+    def run_trial(trial: ScheduledTrial) -> tuple[ScheduledTrial, TrialRecord]:
+        condition = experiment.conditions[trial.condition]
         try:
             recording = experiment.laboratory.run(
-                stiffness,
-                delay,
+                condition.stiffness,
+                condition.delay,
                 trial.seed,
                 experiment.duration,
                 experiment.record_rate,
-                agents=programs.forces(trial.seed, stop),
+                agents=user_code.create_agents(trial.seed, stop),
                 target=target,
-                coupling_damping=study.coupling.damping,
-                watch=stop_wanted,
+                coupling_damping=experiment.coupling_damping,
+                interrupt_check=raise_if_stopped,
             )
-        except ProgramFailed as failed:
-            place = f"{failed.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}"
-            raise ProgramFailed(
-                failed.field,
-                failed.value,
-                place,
-                f"{failed.remedy} Finished trials are kept; they count as long as its file stays as it is.",
-            ) from failed
+        except UserCodeError as error:
+            raise UserCodeError(
+                error.field,
+                error.value,
+                f"{error.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}",
+                f"{error.remedy} Finished trials are kept; they are valid as long as its file is unchanged.",
+            ) from error
         rows = len(recording.time)
         assert rows <= count
-        return trial, Record(
+        return trial, TrialRecord(
             fingerprint=fingerprint,
             condition=trial.condition,
             trial=trial.trial,
@@ -292,18 +279,21 @@ def _run(
             status=recording.status,
             ended_at=recording.ended_at,
             rows=rows,
-            chunks={signal.name: pack(signal, recording[signal.name], count) for signal in SIGNALS},
+            chunks={
+                signal.name: compress_signal(signal, getattr(recording, signal.name), count)
+                for signal in SIGNALS
+            },
         )
 
     waiting = iter(trials)
-    running: set[Future[tuple[Trial, Record]]] = set()
+    running: set[Future[tuple[ScheduledTrial, TrialRecord]]] = set()
     pool = ThreadPoolExecutor(threads, thread_name_prefix="rehearse")
     try:
         while True:
-            # A few more than there are threads, so that none waits for the disk, and no more: what is
-            # finished and not yet kept takes memory.
+            # Twice as many as threads, so that none waits for the disk; not more, because finished trials
+            # that are not yet written take memory.
             while len(running) < 2 * threads and (trial := next(waiting, None)) is not None:
-                running.add(pool.submit(one, trial))
+                running.add(pool.submit(run_trial, trial))
             if not running:
                 return
             ended, running = wait(running, return_when=FIRST_COMPLETED)

@@ -1,41 +1,25 @@
-"""Which trials a protocol has, under which labels and seeds, and in which order they are run."""
+"""The trials of an experiment with their seeds, in the order in which they are run."""
 
 from __future__ import annotations
 
 import hashlib
-import math
-import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-import numpy as np
+from telespring._core import Experiment, trial_seed
 
-from telespring import _core
-from telespring._types import FloatArray
-
-if TYPE_CHECKING:
-    from telespring._core import Experiment
-
-__all__ = [
-    "Trial",
-    "sample_count",
-    "sample_times",
-    "schedule",
-    "tick_count",
-    "tick_stride",
-]
+__all__ = ["ScheduledTrial", "schedule_trials"]
 
 
 @dataclass(frozen=True)
-class Trial:
-    """One trial of a protocol.
+class ScheduledTrial:
+    """One trial of an experiment.
 
     Attributes
     ----------
     condition, trial
         Its place in the dataset, from 0.
     seed
-        From which everything random in it is drawn.
+        The seed of all its random numbers.
     order
         Its place in the order of running, from 0.
     """
@@ -46,23 +30,11 @@ class Trial:
     order: int
 
 
-def schedule(experiment: Experiment) -> list[Trial]:
-    """List all trials of a protocol in the order of running.
+def schedule_trials(experiment: Experiment) -> list[ScheduledTrial]:
+    """List all trials in the order of running: condition by condition, or shuffled by the seed.
 
-    Parameters
-    ----------
-    experiment
-        The study's protocol.
-
-    Returns
-    -------
-    list of Trial
-        Condition after condition, or shuffled by the protocol's seed.
-
-    Notes
-    -----
-    Shuffled trials are sorted by a hash of seed, condition and trial, so that the order depends on
-    no generator whose stream another version of a library could change.
+    Shuffled trials are sorted by a hash of seed, condition and trial, so that the order does not depend on
+    the random generator of a library.
     """
     places = [
         (condition, trial)
@@ -70,36 +42,12 @@ def schedule(experiment: Experiment) -> list[Trial]:
         for trial in range(experiment.trials)
     ]
     if experiment.order == "shuffled":
-        places.sort(key=lambda place: _lot(experiment.seed, *place))
+        places.sort(key=lambda place: _shuffling_hash(experiment.seed, *place))
     return [
-        Trial(condition, trial, _core.trial_seed(experiment.seed, condition, trial), order)
+        ScheduledTrial(condition, trial, trial_seed(experiment.seed, condition, trial), order)
         for order, (condition, trial) in enumerate(places)
     ]
 
 
-def _lot(seed: int, condition: int, trial: int) -> bytes:
+def _shuffling_hash(seed: int, condition: int, trial: int) -> bytes:
     return hashlib.blake2b(f"order {seed} {condition} {trial}".encode(), digest_size=16).digest()
-
-
-def tick_count(experiment: Experiment) -> int:
-    """Return how many periods of the controllers a trial has."""
-    # 0.29 s at 1 kHz has 290, though the quotient rounds to 289.999...
-    exact = experiment.duration / experiment.sample_period
-    return math.floor(exact * (1.0 + 4.0 * sys.float_info.epsilon))
-
-
-def tick_stride(experiment: Experiment) -> int:
-    """Return every how many ticks of the controllers a row is kept."""
-    return round(1.0 / (experiment.record_rate * experiment.sample_period))
-
-
-def sample_count(experiment: Experiment) -> int:
-    """Return how many rows are kept of a completed trial, the first at t = 0."""
-    return tick_count(experiment) // tick_stride(experiment) + 1
-
-
-def sample_times(experiment: Experiment) -> FloatArray:
-    """Return when the rows are kept, s: at ticks of the controllers."""
-    ticks = tick_stride(experiment) * np.arange(sample_count(experiment), dtype=np.float64)
-    # A division by the rate gives 0.35 s at 1 kHz as it is written.
-    return ticks / (1.0 / experiment.sample_period)

@@ -1,88 +1,117 @@
-"""The folder of a rehearsal: what is in it, whose it is, and what of it is finished."""
+"""The folder of a rehearsal: its lock, its finished trials, and in the end its dataset."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from telespring._errors import InvalidInput
 from telespring._files import write_whole
-from telespring.rehearsal.identity import Identity
-from telespring.rehearsal.schedule import Trial
-from telespring.rehearsal.trial_file import Record, keep, kept
+from telespring.rehearsal.identity import RehearsalIdentity
+from telespring.rehearsal.schedule import ScheduledTrial
+from telespring.rehearsal.trial_file import TrialRecord, read_trial_file, write_trial_file
 
-__all__ = ["RehearsalFolder"]
+__all__ = ["LOCK_FILE", "RehearsalStore", "lock_folder"]
+
+#: The locked file in the folder. It stays: without it two processes could lock two files of this name.
+LOCK_FILE = ".rehearsal.lock"
 
 
-class RehearsalFolder:
-    """A folder with the finished trials of one rehearsal, or with its dataset.
+@contextmanager
+def lock_folder(folder: Path) -> Iterator[None]:
+    """Hold a folder until the block ends or this process dies, even by SIGKILL.
+
+    Raises
+    ------
+    InvalidInput
+        Where another process holds it.
+    OSError
+        Where the folder cannot be written.
+    """
+    from filelock import FileLock, Timeout
+
+    path = folder / LOCK_FILE
+    lock = FileLock(path, blocking=False, preserve_lock_file=True, on_acquired=_write_process_id)
+    try:
+        lock.acquire()
+    except Timeout:
+        owner = ""
+        with suppress(OSError):  # a locked file cannot be read on every system
+            owner = path.read_text(encoding="utf-8", errors="replace").strip()
+        raise InvalidInput(
+            "out",
+            str(folder),
+            "one rehearsal at a time may work in a folder, and "
+            + (f"process {owner}" if owner else "another process")
+            + " is at work in this one",
+            "Wait until it has ended, or choose another folder.",
+        ) from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _write_process_id(descriptor: int) -> None:
+    os.ftruncate(descriptor, 0)
+    os.write(descriptor, f"{os.getpid()}\n".encode())
+
+
+class RehearsalStore:
+    """The finished trials of one rehearsal in a folder, or its dataset.
 
     Parameters
     ----------
     path
         The folder; it need not exist.
     identity
-        Of the rehearsal that it is for.
+        Identity of the rehearsal.
 
     Attributes
     ----------
     path : pathlib.Path
         The folder.
     dataset : pathlib.Path
-        Where the dataset stands once all trials are finished; whole or absent.
+        The dataset, once all trials are finished; complete or absent.
     """
 
-    def __init__(self, path: Path, identity: Identity) -> None:
+    def __init__(self, path: Path, identity: RehearsalIdentity) -> None:
         self.path = path
         self.dataset = path / "rehearsal.nc"
         self._identity = identity
-        self._plan = path / "rehearsal.json"
+        self._identity_file = path / "rehearsal.json"
         self._trials = path / "trials"
 
-    def make(self) -> None:
-        """Make the folder where it is missing.
-
-        Raises
-        ------
-        InvalidInput
-            Where a file stands in its place.
-        OSError
-            Where it cannot be made.
-        """
+    def create_folder(self) -> None:
+        """Create the folder where it is missing; InvalidInput where a file stands in its place."""
         try:
             self.path.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
             raise InvalidInput(
-                "out", str(self.path), "a folder is needed, and a file stands there", "Name a folder."
+                "out", str(self.path), "a folder is needed, and this is a file", "Choose a folder."
             ) from None
 
-    def complete(self) -> bool:
-        """Tell whether this rehearsal's dataset is there.
-
-        Raises
-        ------
-        InvalidInput
-            Where a dataset of another rehearsal, or something else, stands in its place.
-        """
+    def is_complete(self) -> bool:
+        """Check whether the dataset of this rehearsal exists; InvalidInput where it is that of another."""
         if not self.dataset.exists():
             return False
-        self._own(_identity_in(self.dataset))
+        self._require_same(_read_dataset_identity(self.dataset))
         return True
 
-    def foreign(self) -> bool:
-        """Tell whether another rehearsal is in the folder, or something else of a rehearsal's names."""
+    def holds_other_rehearsal(self) -> bool:
+        """Check whether the folder holds another rehearsal, or other files with a rehearsal's names."""
         try:
-            self.complete()
-            self._refuse_other_trials()
+            self.is_complete()
+            self._require_same_trials()
         except InvalidInput:
             return True
         return False
 
     def begin(self) -> None:
-        """Make the folder this rehearsal's own, and clear away what a killed process left half-written.
+        """Claim the folder for this rehearsal, and remove what a killed process left half-written.
 
         Raises
         ------
@@ -91,46 +120,46 @@ class RehearsalFolder:
         OSError
             Where it cannot be written.
         """
-        self._refuse_other_trials()
-        # A plan of which nothing was finished binds nobody: an agent that failed at once may be mended.
+        self._require_same_trials()
+        # An identity without finished trials may be replaced: the agent that failed at once may be corrected.
         if not any(self._trials.glob("*.trial")):
-            write_whole(self._plan, self._identity.to_json())
+            write_whole(self._identity_file, self._identity.to_json())
         self._trials.mkdir(exist_ok=True)
         self._remove_unfinished()
 
-    def empty(self) -> None:
-        """Remove whatever rehearsal is in the folder, and nothing else."""
+    def remove_rehearsal(self) -> None:
+        """Remove the rehearsal in the folder, whichever it is, and nothing else."""
         self.dataset.unlink(missing_ok=True)
-        self.tidy()
+        self.remove_trials()
 
-    def tidy(self) -> None:
-        """Remove the trials' own files: the dataset has them."""
+    def remove_trials(self) -> None:
+        """Remove the files of the trials, which the dataset contains."""
         if self._trials.is_dir():
             for file in self._trials.glob("*.trial"):
                 file.unlink()
         self._remove_unfinished()
-        with suppress(OSError):  # something of somebody else's is in it
+        with suppress(OSError):  # the folder contains other files
             self._trials.rmdir()
-        # Last, so that trials without a plan, whose nobody knows, are never left.
-        self._plan.unlink(missing_ok=True)
+        # Last, so that no trials are left without their identity.
+        self._identity_file.unlink(missing_ok=True)
 
-    def record(self, trial: Trial) -> Record | None:
-        """Return a finished trial, or None where it is missing, torn or not of this rehearsal."""
-        found = kept(self._file(trial))
-        if found is None or found.fingerprint != self._identity.fingerprint:
+    def read_trial(self, trial: ScheduledTrial) -> TrialRecord | None:
+        """Read a finished trial; None where it is missing, corrupt or of another rehearsal."""
+        record = read_trial_file(self._trial_file(trial))
+        if record is None or record.fingerprint != self._identity.fingerprint:
             return None
-        return found if (found.condition, found.trial) == (trial.condition, trial.trial) else None
+        return record if (record.condition, record.trial) == (trial.condition, trial.trial) else None
 
-    def finished(self, trials: Iterable[Trial]) -> list[Trial]:
-        """Return those of the trials that are finished and sound."""
-        return [trial for trial in trials if self.record(trial) is not None]
+    def finished_trials(self, trials: Iterable[ScheduledTrial]) -> list[ScheduledTrial]:
+        """List the trials that are finished and readable."""
+        return [trial for trial in trials if self.read_trial(trial) is not None]
 
-    def keep(self, trial: Trial, record: Record) -> None:
+    def write_trial(self, trial: ScheduledTrial, record: TrialRecord) -> None:
         """Keep a finished trial."""
-        keep(self._file(trial), record)
+        write_trial_file(self._trial_file(trial), record)
 
-    def settle(self) -> None:
-        """Wait until the disk knows the names of the files in the folder, where the system can."""
+    def flush_folder(self) -> None:
+        """Wait until the names of the files in the folder are on the disk, where the system can do that."""
         if sys.platform != "win32":
             handle = os.open(self.path, os.O_RDONLY)
             try:
@@ -138,33 +167,34 @@ class RehearsalFolder:
             finally:
                 os.close(handle)
 
-    def _file(self, trial: Trial) -> Path:
+    def _trial_file(self, trial: ScheduledTrial) -> Path:
         return self._trials / f"{trial.condition}-{trial.trial}.trial"
 
-    def _refuse_other_trials(self) -> None:
-        if self._plan.exists():
+    def _require_same_trials(self) -> None:
+        if self._identity_file.exists():
             try:
-                found = Identity.from_json(self._plan.read_text(encoding="utf-8"))
+                identity = RehearsalIdentity.from_json(self._identity_file.read_text(encoding="utf-8"))
             except ValueError:
-                found = None
-            if found is None or any(self._trials.glob("*.trial")):
-                self._own(found)
+                identity = None
+            if identity is None or any(self._trials.glob("*.trial")):
+                self._require_same(identity)
 
-    def _own(self, found: Identity | None) -> None:
-        if found is None:
+    def _require_same(self, identity: RehearsalIdentity | None) -> None:
+        """Refuse the folder of another rehearsal; None is a file that is not a rehearsal's."""
+        if identity is None:
             raise InvalidInput(
                 "out",
                 str(self.path),
-                "this folder holds files of a rehearsal's names which are none",
-                "Name another folder, or start anew with --fresh (fresh=True), which removes them.",
+                "this folder has files with the names of a rehearsal which are none",
+                "Choose another folder, or start over with --fresh (fresh=True), which removes them.",
             )
-        difference = self._identity.difference(found)
+        difference = self._identity.describe_difference(identity)
         if difference is not None:
             raise InvalidInput(
                 "out",
                 str(self.path),
                 f"this folder holds {difference}",
-                "Name another folder, or start anew with --fresh (fresh=True), which removes what is there.",
+                "Choose another folder, or start over with --fresh (fresh=True), which removes that one.",
             )
 
     def _remove_unfinished(self) -> None:
@@ -173,13 +203,13 @@ class RehearsalFolder:
                 file.unlink(missing_ok=True)
 
 
-def _identity_in(dataset: Path) -> Identity | None:
-    """Read whose dataset a file is; None where it is not a rehearsal's."""
+def _read_dataset_identity(dataset: Path) -> RehearsalIdentity | None:
+    """Read the identity of a dataset; None where the file is not a rehearsal's dataset."""
     import h5netcdf
 
     try:
         with h5netcdf.File(dataset, "r") as file:
-            return Identity.from_attributes(file.attrs)
+            return RehearsalIdentity.from_attributes(file.attrs)
     except PermissionError:
         raise
     except (OSError, KeyError, ValueError):

@@ -1,41 +1,64 @@
-"""Where the target of a study's task goes."""
+"""The path of an experiment's target, of a figure eight or of a target written in Python."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from telespring._core import Experiment
 from telespring._types import FloatArray
+from telespring.rehearsal.user_code import load_user_code
+from telespring.study.target import figure_eight_path
 
-if TYPE_CHECKING:
-    from telespring._core import Experiment
+__all__ = ["target_path", "user_target_path"]
 
-__all__ = ["path_of_program"]
+#: Steps of one period of the figure eight: in each it moves by less than 1 % of its size.
+_STEPS = 720
+#: Points of the path of a target written in Python, about.
+_POINTS = 4000
 
 
-def path_of_program(experiment: Experiment, modules: Path | None) -> FloatArray:
-    """Follow a target in Python through a whole trial.
+def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArray:
+    """Compute the path of the target: one period of the figure eight, or a whole trial of a Python target.
 
     Parameters
     ----------
     experiment
-        A protocol whose task is a program.
+        The experiment of a study.
     modules
-        Where it is looked up first: the folder of the study's file.
+        Folder of the study file, where the module of a Python target is looked up first.
 
     Returns
     -------
-    ndarray, (tick, 2)
-        Its place at every tick of the controllers, m.
+    ndarray, (point, 2)
+        Consecutive positions, m.
 
     Raises
     ------
     telespring.InvalidInput
-        Where it is not found or returns what is no target.
-    """
-    from telespring.rehearsal.schedule import tick_count
-    from telespring.rehearsal.user_code import programs_of
+        Where a Python target is missing or its positions are invalid.
 
-    found = programs_of(experiment, modules).positions(tick_count(experiment), experiment.sample_period)
-    assert found is not None
-    return found
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> abs(target_path(ts.Study.paper().experiment)).max(axis=0).round(6).tolist()
+    [0.05, 0.1]
+    """
+    if experiment.task.kind != "python":
+        return figure_eight_path(experiment, _STEPS)[0]
+    path = user_target_path(experiment, modules)
+    return path[:: max(1, len(path) // _POINTS)]
+
+
+def user_target_path(experiment: Experiment, modules: Path | None) -> FloatArray:
+    """Compute the positions of a Python target at every tick of a trial, m, (tick, 2).
+
+    Raises
+    ------
+    telespring.InvalidInput
+        Where the target is missing or its positions are invalid.
+    """
+    positions = load_user_code(experiment, modules).target_positions(
+        experiment.tick_count, experiment.sample_period
+    )
+    assert positions is not None  # the task is a Python target
+    return positions

@@ -1,4 +1,4 @@
-"""Finished trials as files that are whole or not trusted."""
+"""Files of finished trials: complete or absent, and checked by a digest when read."""
 
 from __future__ import annotations
 
@@ -8,30 +8,30 @@ import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-__all__ = ["Record", "keep", "kept"]
+__all__ = ["TrialRecord", "read_trial_file", "write_trial_file"]
 
 _MAGIC = b"telespring trial 1\n"
 _DIGEST = 32
 
 
 @dataclass(frozen=True)
-class Record:
+class TrialRecord:
     """One finished trial.
 
     Attributes
     ----------
     fingerprint
-        Of the rehearsal it belongs to.
+        Of the rehearsal to which it belongs.
     condition, trial, seed
         Which trial it is.
     status
         How it ended, one of `telespring.rehearsal.encoding.STATUSES`.
     ended_at
-        Where it ended early, s; None where it was completed.
+        Time of an early end, s; None where it was completed.
     rows
-        How many rows of its signals hold values.
+        Rows of its signals that hold values.
     chunks
-        Its signals, as `telespring.rehearsal.encoding.pack` makes them.
+        Its signals, compressed by `telespring.rehearsal.encoding.compress_signal`.
     """
 
     fingerprint: str
@@ -44,11 +44,11 @@ class Record:
     chunks: dict[str, bytes]
 
 
-def keep(path: Path, record: Record) -> None:
-    """Write a trial so that its file is whole or absent when this process is killed.
+def write_trial_file(path: Path, record: TrialRecord) -> None:
+    """Write a trial so that its file is complete or absent if this process is killed.
 
-    After a power cut a file may be torn all the same: it is not flushed to the disk, which would cost more
-    than the trial. `kept` finds that out.
+    The file is not flushed to the disk, which would take longer than the trial, so that a power cut may
+    corrupt it. `read_trial_file` detects that.
 
     Raises
     ------
@@ -56,34 +56,34 @@ def keep(path: Path, record: Record) -> None:
         Where it cannot be written; its `filename` is `path`.
     """
     head = asdict(record) | {"chunks": {name: len(chunk) for name, chunk in record.chunks.items()}}
-    first = json.dumps(head).encode()
-    content = b"".join([len(first).to_bytes(8, "little"), first, *record.chunks.values()])
-    beside = path.with_name(f".unfinished-{path.name}")
+    header = json.dumps(head).encode()
+    content = b"".join([len(header).to_bytes(8, "little"), header, *record.chunks.values()])
+    temporary = path.with_name(f".unfinished-{path.name}")
     try:
-        beside.write_bytes(_MAGIC + _digest(content) + content)
-        beside.replace(path)
-    except BaseException as trouble:
-        beside.unlink(missing_ok=True)
-        if isinstance(trouble, OSError) and trouble.errno:
-            raise OSError(trouble.errno, os.strerror(trouble.errno), str(path)) from trouble
+        temporary.write_bytes(_MAGIC + _digest(content) + content)
+        temporary.replace(path)
+    except BaseException as error:
+        temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno:
+            raise OSError(error.errno, os.strerror(error.errno), str(path)) from error
         raise
 
 
-def kept(path: Path) -> Record | None:
-    """Read a trial, or return None where its file is absent, torn or none of ours.
+def read_trial_file(path: Path) -> TrialRecord | None:
+    """Read a trial; None where its file is absent, corrupt or something else.
 
     Raises
     ------
     OSError
-        Where the file is there and cannot be read.
+        Where the file exists and cannot be read.
     """
     try:
-        text = path.read_bytes()
+        data = path.read_bytes()
     except FileNotFoundError:
         return None
     start = len(_MAGIC) + _DIGEST
-    content = text[start:]
-    if text[: len(_MAGIC)] != _MAGIC or text[len(_MAGIC) : start] != _digest(content):
+    content = data[start:]
+    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : start] != _digest(content):
         return None
     end = 8 + int.from_bytes(content[:8], "little")
     head = json.loads(content[8:end])
@@ -91,7 +91,7 @@ def kept(path: Path) -> Record | None:
     for name, length in head["chunks"].items():
         chunks[name] = content[end : end + length]
         end += length
-    return Record(**(head | {"chunks": chunks}))
+    return TrialRecord(**(head | {"chunks": chunks}))
 
 
 def _digest(content: bytes) -> bytes:

@@ -60,7 +60,7 @@ fn axis_count_from_lists(reader: &Reader<'_>, section: &str) -> Result<Option<us
 }
 
 /// Reads one robot with the given number of axes.
-fn read_robot(
+pub(super) fn read_robot(
     reader: &Reader<'_>,
     section: &str,
     count: usize,

@@ -5,9 +5,10 @@ use toml::{Table, Value};
 use super::laboratory::{self, AgentChoice, Setup, Task};
 use super::reader::Reader;
 use super::replace::unwritable;
+use super::robot::read_robot;
 use super::source::Source;
 use crate::error::Result;
-use crate::rig::Arm;
+use crate::rig::{Arm, Handle};
 
 impl AgentChoice {
     /// Reads an agent from the keys of [agent1]; without a kind it is a skilled one.
@@ -52,6 +53,20 @@ impl Task {
     /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `task.amplitude`.
     pub fn from_table(table: &Table) -> Result<Self> {
         read_section("task", "task", table, |reader| laboratory::read_task(reader, Setup::paper().task))
+    }
+}
+
+impl Handle {
+    /// Reads the handle of a planar robot from the keys of [robot1].
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `handle.coulomb`.
+    pub fn from_table(table: &Table) -> Result<Self> {
+        let (robot, section) =
+            read_section("robot1", "handle", table, |reader| read_robot(reader, "robot1", 2, None))?;
+        let pair = |values: &[f64]| [values[0], values[1]];
+        Ok(Self { mass: pair(robot.mass()), damping: pair(robot.damping()), coulomb: pair(&section.coulomb) })
     }
 }
 

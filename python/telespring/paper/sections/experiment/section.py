@@ -22,14 +22,14 @@ def find_experiment(scene: Scene) -> Found:
     """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
     from telespring.analysis.results import compare_conditions
     from telespring.analysis.trials import Trials
-    from telespring.rehearsal.run import forget
+    from telespring.rehearsal.run import remove_rehearsal
     from telespring.show.drawings import draw_errors, draw_trajectories
 
     experiment = scene.study.experiment
     if experiment is None:
         if scene.rehearsal is not None:
             # no page beside another study's trials
-            forget(scene.rehearsal)
+            remove_rehearsal(scene.rehearsal)
         return Found()
     trials = Trials.from_dataset(_rehearsed(scene))
     analysed = compare_conditions(trials)

@@ -8,7 +8,8 @@ from typing import Any
 
 from telespring.model import Experiment
 from telespring.paper.scene import Found, Scene
-from telespring.rehearsal.preflight import laboratory_settings, warnings_of
+from telespring.rehearsal.preflight import preflight_warnings
+from telespring.show.screens.rehearsal import preflight_sentence
 
 __all__ = ["find_laboratory"]
 
@@ -41,9 +42,9 @@ def find_laboratory(scene: Scene) -> Found:
     experiment = scene.study.experiment
     if experiment is None:
         return Found()
-    settings = laboratory_settings(scene.study)
+    settings = experiment.settings.to_dict()
     rows: list[dict[str, Any]] = []
-    for i, friction in enumerate(settings["coulomb"], start=1):
+    for i, friction in enumerate(scene.study.coulomb.tolist(), start=1):
         if any(friction):
             rows += [
                 _row(f"robot {i}", f"Coulomb friction, {axis}", each, "N")
@@ -83,7 +84,9 @@ def find_laboratory(scene: Scene) -> Found:
             "laboratory": {
                 "parameters": rows,
                 "spots": _spots(experiment),
-                "warnings": warnings_of(scene.study, scene.modules),
+                "warnings": [
+                    preflight_sentence(warning) for warning in preflight_warnings(scene.study, scene.modules)
+                ],
                 "robots": [scene.robot_name(i) for i in (0, 1)],
                 "arms": [arm["kind"] for arm in experiment.arms],
                 "agents": [agent["kind"] for agent in experiment.agents],

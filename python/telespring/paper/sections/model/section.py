@@ -6,7 +6,7 @@ from typing import Literal
 
 from telespring.model import Experiment
 from telespring.paper.scene import Found, Scene
-from telespring.rehearsal.preflight import target_path
+from telespring.rehearsal.target import target_path
 from telespring.show import figures
 
 __all__ = ["find_schematics"]

@@ -19,8 +19,9 @@ from telespring.paper.sections.experiment.section import find_experiment
 from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.paper.sections.model.section import find_schematics
 from telespring.paper.sections.robots.section import find_allowed
-from telespring.rehearsal.preflight import target_path, warnings_of
-from telespring.study.editing import with_values
+from telespring.rehearsal.preflight import preflight_warnings
+from telespring.rehearsal.target import target_path
+from telespring.show.screens.rehearsal import preflight_sentence
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "examples").glob("*.toml"))
 
@@ -37,8 +38,12 @@ def read(name: str) -> ts.Study:
     return ts.Study.read(next(path for path in EXAMPLES if path.stem == name))
 
 
+def warnings_of(study: ts.Study) -> list[str]:
+    return [preflight_sentence(warning) for warning in preflight_warnings(study)]
+
+
 def brief(study: ts.Study) -> ts.Study:
-    return with_values(study, {"protocol": BRIEF})
+    return study.replace(protocol=BRIEF)
 
 
 def section(found: Analysis, anchor: str) -> str:
@@ -75,7 +80,7 @@ def test_law_all_that_is_simulated_is_listed() -> None:
         ("network", "probability that a packet is lost", 0.02),
     ):
         assert listed[part, name] == value
-    damped = with_values(ts.Study.paper(), {"coupling": {"damping": 2.0}})
+    damped = ts.Study.paper().replace(coupling={"damping": 2.0})
     [row] = [
         each
         for each in analyse(damped, parts=LABORATORY[:-1]).numbers["laboratory"]["parameters"]
@@ -104,7 +109,7 @@ def test_law_a_study_of_ones_own_shows_its_own_laboratory() -> None:
 
 def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:
     def of_the_paper(values: dict[str, dict[str, object]]) -> bool:
-        return Scene.of(with_values(ts.Study.paper(), values)).of_the_papers_experiment
+        return Scene.of(ts.Study.paper().replace(**values)).of_the_papers_experiment
 
     # other trials, and arms that the paper may have had, are still it
     assert of_the_paper({"protocol": {"trials": 3}, "arm1": {"kind": "lumped", "mass": 0.5}})
@@ -127,23 +132,23 @@ def test_ref_the_targets_path_is_what_the_trials_follow() -> None:
 
 def test_ref_what_will_spoil_the_trials_is_foreseen() -> None:
     assert warnings_of(ts.Study.paper()) == []
-    lost = with_values(ts.Study.paper(), {"laboratory": {"loss": 1.0, "jitter": 30.0}})
+    lost = ts.Study.paper().replace(laboratory={"loss": 1.0, "jitter": 30.0})
     jitter, loss = warnings_of(lost)
     assert "jitter = 30 s is no shorter than a trial of 29.111 s" in jitter
     assert "no packet ever arrives" in loss
     # 450 mm below the centre and 120 mm above it, an arm of 600 mm has 30 mm left
     assert warnings_of(read("two-link")) == []
-    near = with_values(read("two-link"), {"arm2": {"base": [0.0, -0.47]}})
+    near = read("two-link").replace(arm2={"base": [0.0, -0.47]})
     [warning] = warnings_of(near)
     assert "arm2: the target comes within 10 mm of its full reach of 600 mm, at (0, 120) mm" in warning
-    far = with_values(read("two-link"), {"arm1": {"base": [0.0, -0.5]}})
+    far = read("two-link").replace(arm1={"base": [0.0, -0.5]})
     assert "arm1: the target goes 20 mm beyond its full reach" in warnings_of(far)[0]
-    folded = with_values(read("two-link"), {"arm1": {"link_length": [0.55, 0.2]}})
+    folded = read("two-link").replace(arm1={"link_length": [0.55, 0.2]})
     assert "arm1: the target goes 20 mm inside of its shortest reach of 350 mm" in warnings_of(folded)[0]
 
 
 def test_law_rehearse_names_arm_condition_and_time(tmp_path: Path) -> None:
-    study = with_values(brief(read("two-link")), {"arm2": {"base": [0.0, -0.5]}})
+    study = brief(read("two-link")).replace(arm2={"base": [0.0, -0.5]})
     (tmp_path / "far.toml").write_text(study.to_toml(), encoding="utf-8")
     run = CliRunner(env={"COLUMNS": "200", "NO_COLOR": "1"}).invoke(
         app, ["rehearse", str(tmp_path / "far.toml"), "--out", str(tmp_path / "out"), "--workers", "1"]

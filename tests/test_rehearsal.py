@@ -23,8 +23,8 @@ import telespring as ts
 from telespring import _core, cli
 from telespring.rehearsal import run_protocol, trial_file
 from telespring.rehearsal.encoding import SIGNALS
-from telespring.rehearsal.lock import LOCK, locked
-from telespring.rehearsal.schedule import schedule
+from telespring.rehearsal.schedule import schedule_trials
+from telespring.rehearsal.store import LOCK_FILE, lock_folder
 from telespring.study.conditions import condition_labels
 
 # Short trials of the paper's robots; 1500 N/m over 0.1 s is so unstable that it diverges within 2 s.
@@ -68,7 +68,7 @@ def loaded(folder: Path) -> xr.Dataset:
 
 
 def left_in(folder: Path) -> list[str]:
-    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name != LOCK)
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name != LOCK_FILE)
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +172,7 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
         killed += 1
         at_work += any(disturbed.rglob("*.trial"))
         # never an unfinished trial under a finished one's name
-        assert all(trial_file.kept(file) is not None for file in disturbed.rglob("*.trial"))
+        assert all(trial_file.read_trial_file(file) is not None for file in disturbed.rglob("*.trial"))
     else:
         pytest.fail("it never came through")
     assert at_work, f"of {killed} kills none met a rehearsal with finished trials: this shows nothing"
@@ -185,8 +185,8 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
     [
         "telespring.rehearsal.store.write_whole",
         "telespring.rehearsal.dataset._declare_signals",
-        "telespring.rehearsal.store.RehearsalFolder.settle",
-        "telespring.rehearsal.store.RehearsalFolder.tidy",
+        "telespring.rehearsal.store.RehearsalStore.flush_folder",
+        "telespring.rehearsal.store.RehearsalStore.remove_trials",
     ],
 )
 def test_law_killed_at_a_delicate_moment_it_ends_with_the_same_dataset(
@@ -211,7 +211,7 @@ def _started(study: Path, out: Path) -> subprocess.Popen[bytes]:
     process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
     def at_work() -> bool:
-        lock = out / LOCK
+        lock = out / LOCK_FILE
         return lock.exists() and lock.read_text() == f"{process.pid}\n"
 
     _wait_for(lambda: at_work() or process.poll() is not None)
@@ -246,7 +246,7 @@ def begun(short: ts.Study, tmp_path: Path) -> Path:
 def test_law_what_is_finished_is_not_run_again(short: ts.Study, undisturbed: xr.Dataset, begun: Path) -> None:
     told: list[int] = []
     outcome = run_protocol(short, begun, lambda done, _: told.append(done))
-    assert (outcome.found, outcome.trials) == (4, 9)
+    assert (outcome.resumed, outcome.trials) == (4, 9)
     assert told == [4, 5, 6, 7, 8, 9]
     assert loaded(begun).identical(undisturbed)
 
@@ -274,7 +274,7 @@ def test_law_a_damaged_trial_is_run_again(
             ts.rehearse(other, elsewhere, interrupted_after(9), workers=1)
         text = bytearray((elsewhere / "trials" / file.name).read_bytes())
     file.write_bytes(text)
-    assert run_protocol(short, begun).found == 3
+    assert run_protocol(short, begun).resumed == 3
     assert loaded(begun).identical(undisturbed)
 
 
@@ -292,7 +292,7 @@ def test_law_trials_left_beside_a_finished_dataset_go_away(short: ts.Study, begu
     (begun / "trials").mkdir()
     for path, text in before.items():
         path.write_bytes(text)
-    assert run_protocol(short, begun).found == 9
+    assert run_protocol(short, begun).resumed == 9
     assert left_in(begun) == ["rehearsal.nc"]
 
 
@@ -333,8 +333,8 @@ def test_law_a_file_of_the_datasets_name_that_is_none_is_refused(short: ts.Study
 
 def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study, tmp_path: Path) -> None:
     code = (
-        "import sys, time, pathlib; from telespring.rehearsal.lock import locked\n"
-        "with locked(pathlib.Path(sys.argv[1])):\n    print('locked', flush=True); time.sleep(60)"
+        "import sys, time, pathlib; from telespring.rehearsal.store import lock_folder\n"
+        "with lock_folder(pathlib.Path(sys.argv[1])):\n    print('locked', flush=True); time.sleep(60)"
     )
     owner = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE)
     try:
@@ -349,9 +349,9 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
 
 
 def test_law_two_threads_of_one_process_cannot_both_hold_a_folder(tmp_path: Path) -> None:
-    with locked(tmp_path), pytest.raises(ts.InvalidInput, match="at work"), locked(tmp_path):
+    with lock_folder(tmp_path), pytest.raises(ts.InvalidInput, match="at work"), lock_folder(tmp_path):
         pass
-    with locked(tmp_path):
+    with lock_folder(tmp_path):
         pass
 
 
@@ -386,7 +386,7 @@ def test_law_a_trial_that_ends_early_is_a_result(undisturbed: xr.Dataset, tmp_pa
 def test_law_every_trial_has_one_place_in_the_order_of_running(order: str, sorted_alike: bool) -> None:
     experiment = ts.Study.from_toml(study_text(trials=20).replace("shuffled", order)).experiment
     assert experiment is not None
-    trials = schedule(experiment)
+    trials = schedule_trials(experiment)
     assert [trial.order for trial in trials] == list(range(60))
     places = [(trial.condition, trial.trial) for trial in trials]
     assert sorted(places) == [(c, t) for c in range(3) for t in range(20)]
@@ -422,7 +422,7 @@ def test_law_the_command_says_where_the_dataset_is_and_then_that_it_is_complete(
     assert str(out / "rehearsal.nc") in first.stdout.replace("\n", "")
     again = command(study, "--out", out)
     assert again.exit_code == 0
-    assert "complete already" in again.stdout
+    assert "already complete" in again.stdout
 
 
 def test_law_a_robot_from_a_file_of_its_own_takes_part(tmp_path: Path) -> None:
@@ -439,17 +439,17 @@ def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study, out = written(tmp_path, study_text()), tmp_path / "out"
-    keep = trial_file.keep
+    write = trial_file.write_trial_file
 
-    def interrupted(path: Path, record: trial_file.Record) -> None:
+    def interrupted(path: Path, record: trial_file.TrialRecord) -> None:
         if len(list(path.parent.glob("*.trial"))) == 3:
             signal.raise_signal(signal.SIGINT)
-        keep(path, record)
+        write(path, record)
 
-    monkeypatch.setattr("telespring.rehearsal.store.keep", interrupted)
+    monkeypatch.setattr("telespring.rehearsal.store.write_trial_file", interrupted)
     stopped = command(study, "--out", out)
     assert stopped.exit_code == 130
-    assert "3 of 9 trials are kept; the same command goes on with the others." in stopped.output
+    assert "3 of 9 trials are kept; run the same command again to resume." in stopped.output
     monkeypatch.undo()
     done = command(study, "--out", out)
     assert done.exit_code == 0
@@ -619,7 +619,7 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
         ),
         (SPRING.format(name="Leaving", options="{}"), "agent1.class", r"raised SystemExit: 0 .* at t = 0 s"),
         (SPRING.format(name="Refusing", options="{}"), "agent1.class", "accept seed by name, .* SystemExit"),
-        (TARGET.format(name="leaving"), "task.function", "must not raise, .* SystemExit: 0"),
+        (TARGET.format(name="leaving"), "task.function", "must not raise exceptions, .* SystemExit: 0"),
         (SPRING.format(name="Wrong", options="{}"), "agent1.class", "two finite numbers .* at t = 0 s"),
         (
             SPRING.format(name="Spring", options="{weight = 1.0}"),
@@ -631,7 +631,7 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
         (
             SPRING.format(name="x", options="{}").replace("mine", "nowhere"),
             "agent1.class",
-            "beside the study file .* or where Python looks",
+            "beside the study file .* or on Python's module path",
         ),
         (TARGET.format(name="millimetres"), "task.function", "within 10 m, .* millimetres"),
         (TARGET.format(name="jumping"), "task.function", "at 100 m/s at t = 0.5 s"),
@@ -675,7 +675,7 @@ class Moody(Spring):
         ts.rehearse(study, tmp_path / "out")
     assert "Finished trials are kept" in refused.value.remedy
     (tmp_path / "mood").unlink()
-    assert run_protocol(study, tmp_path / "out").found >= 4
+    assert run_protocol(study, tmp_path / "out").resumed >= 4
 
 
 def test_law_trials_of_two_versions_of_a_program_are_not_mixed(

@@ -1,0 +1,140 @@
+"""What `telespring rehearse` prints: warnings, progress, and how the trials ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.markup import escape
+from rich.text import Text
+
+from telespring.rehearsal.preflight import JitterWarning, LossWarning, PreflightWarning
+from telespring.show.screens.arms import describe_arm_stability, describe_verdict
+
+if TYPE_CHECKING:
+    from telespring.decision.arm_stability import ArmStability
+    from telespring.rehearsal import RehearsalOutcome
+    from telespring.rehearsal.summary import ConditionSummary, RehearsalSummary
+
+__all__ = [
+    "conditions_screen",
+    "outcome_screen",
+    "preflight_screen",
+    "preflight_sentence",
+    "progress_bar",
+    "resume_sentence",
+]
+
+
+def preflight_sentence(warning: PreflightWarning) -> str:
+    """Put a warning before a rehearsal into words.
+
+    Examples
+    --------
+    >>> from telespring.rehearsal.preflight import LossWarning
+    >>> preflight_sentence(LossWarning())
+    'laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began.'
+    """
+    if isinstance(warning, JitterWarning):
+        return (
+            f"laboratory.jitter = {warning.jitter:g} s is no shorter than a trial of "
+            f"{warning.duration:g} s: most packets arrive after its end."
+        )
+    if isinstance(warning, LossWarning):
+        return "laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began."
+    is_far = warning.limit == "farthest"
+    limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside of")
+    room = 1e3 * warning.room
+    course = f"comes within {room:.0f} mm of" if room >= 0.0 else f"goes {-room:.0f} mm {past}"
+    x, y = (f"{1e3 * coordinate + 0.0:.0f}" for coordinate in warning.position)
+    reach = f"{limit} of {1e3 * warning.reach:.0f} mm"
+    return (
+        f"arm{warning.arm}: the target {course} its {reach}, at ({x}, {y}) mm. "
+        f"A hand that is pushed farther ends the trial as out of reach."
+    )
+
+
+def preflight_screen(console: Console, warnings: Iterable[PreflightWarning]) -> None:
+    """Print the warnings before a rehearsal."""
+    for warning in warnings:
+        console.print(Text.assemble(("Warning: ", "yellow"), preflight_sentence(warning)))
+
+
+@contextmanager
+def progress_bar(console: Console) -> Iterator[Callable[[int, int], None]]:
+    """Show a bar of finished trials; the block calls what it receives with their number and that of all."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    with Progress(
+        TextColumn("trials"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("trials", total=None)
+        yield lambda finished, trials: bar.update(task, completed=finished, total=trials)
+
+
+def resume_sentence(finished: int, trials: int) -> str:
+    """State what an interrupted rehearsal has kept."""
+    if not finished:
+        return "No trial is finished yet."
+    return f"{finished} of {trials} trials are kept; run the same command again to resume."
+
+
+def outcome_screen(
+    console: Console, outcome: RehearsalOutcome, summary: RehearsalSummary, seconds: float
+) -> None:
+    """Print the size of a rehearsal, how long it took (s), and how many trials ended early."""
+    console.print(f"[bold]{escape(summary.name)}[/bold]")
+    count = len(summary.conditions)
+    size = f"{count} conditions × {outcome.trials // count} trials of {summary.duration:.4g} s"
+    if outcome.resumed == outcome.trials:
+        console.print(f"{size}, already complete", markup=False)
+    else:
+        resumed = f", after {outcome.resumed} that were kept" if outcome.resumed else ""
+        console.print(
+            f"{size}; {outcome.trials - outcome.resumed} run in {seconds:.1f} s{resumed}", markup=False
+        )
+    for status, ended in summary.count_early_ends().items():
+        console.print(f"  {ended} of {outcome.trials} ended early: {status}", markup=False)
+
+
+def conditions_screen(console: Console, summary: RehearsalSummary, stability: ArmStability) -> None:
+    """Print for each condition whether it is stable in the study's arms, and how its trials ended."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    table.add_column("condition", no_wrap=True)
+    table.add_column("in arms")
+    table.add_column("completed", justify="right", no_wrap=True)
+    table.add_column("ended early", no_wrap=True)
+    verdicts = iter(stability.conditions)
+    for condition in summary.conditions:
+        statement, style = "–", ""
+        if condition.condition.stiffness is not None:
+            statement = "unknown"
+            if stability.unavailable is None:
+                verdict = next(verdicts)
+                statement, style = describe_verdict(verdict), "" if verdict.stable else "red"
+        table.add_row(
+            condition.label,
+            Text(statement, style=style),
+            str(condition.completed),
+            _early_ends(condition) or "–",
+        )
+    console.print(table)
+    console.print(f"In arms: {describe_arm_stability(stability)}", markup=False)
+
+
+def _early_ends(condition: ConditionSummary) -> str:
+    reasons = []
+    for ends in condition.early_ends:
+        arm = f" of arm {ends.arm}" if ends.arm else ""
+        reasons.append(f"{ends.count} {ends.status}{arm}, the first at {ends.first:.3g} s")
+    return "; ".join(reasons)
