@@ -5,16 +5,21 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 
 from telespring._errors import CertificateWarning, InvalidInput
 from telespring.model import (
+    Agent,
+    Arm,
+    Condition,
     Coupling,
     DelaySystem,
     Dyad,
     DyadAxis,
     Experiment,
+    LaboratorySettings,
     Network,
     Operator,
     OperatorRange,
     Robot,
     Study,
+    Task,
     Uncertainty,
     hman,
 )
@@ -64,9 +69,12 @@ from telespring.theory.verdicts import (
 )
 
 __all__ = [
+    "Agent",
+    "Arm",
     "AxisTier",
     "AxisVerdict",
     "CertificateWarning",
+    "Condition",
     "Coupling",
     "Crossing",
     "DelayBudget",
@@ -79,6 +87,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "InvalidInput",
+    "LaboratorySettings",
     "Network",
     "Nyquist",
     "Operator",
@@ -96,6 +105,7 @@ __all__ = [
     "StiffnessAllowed",
     "StiffnessMargin",
     "Study",
+    "Task",
     "Trajectory",
     "Uncertainty",
     "Verdict",

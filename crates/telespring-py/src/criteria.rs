@@ -63,7 +63,8 @@ impl<'py> Subject<'py> {
             Self::Numbers(numbers) => {
                 let arguments: Vec<_> = numbers.into_iter().chain(others).collect();
                 over_arrays(py, &arguments, |row| {
-                    let [m1, b1, m2, b2, kh1, kh2, c] = [row[0], row[1], row[2], row[3], row[4], row[5], row[6]];
+                    let [m1, b1, m2, b2, kh1, kh2, c] =
+                        [row[0], row[1], row[2], row[3], row[4], row[5], row[6]];
                     let axis = telespring::DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?;
                     compute(&axis, tail(row))
                 })

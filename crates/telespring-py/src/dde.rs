@@ -1,7 +1,8 @@
 //! The adaptive solver with right-hand sides, delays and histories written in Python.
 
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use telespring::InvalidInput;
@@ -257,7 +258,8 @@ impl DelaySolution {
         evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
     ) -> Outcome<Bound<'py, PyAny>> {
         let py = times.py();
-        let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract().map_err(PyErr::from)?;
+        let times: PyReadonlyArrayDyn<'py, f64> =
+            as_numbers("times", times)?.extract().map_err(PyErr::from)?;
         let mut shape = times.shape().to_vec();
         let times: Vec<f64> = times.as_array().iter().copied().collect();
         shape.push(self.solution.dimension());

@@ -12,7 +12,9 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod model;
+mod participants;
 mod plant;
+mod recording;
 mod records;
 mod response;
 mod rig;
@@ -20,6 +22,7 @@ mod roots;
 mod simulation;
 mod spectrum;
 mod study;
+mod study_values;
 mod verdicts;
 
 use pyo3::prelude::*;
@@ -45,15 +48,19 @@ mod _core {
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
-    use crate::experiment::{Experiment, Uncertainty};
+    use crate::experiment::{Condition, Experiment, LaboratorySettings};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]
+    use crate::participants::{Agent, Arm, Task};
+    #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
+    use crate::recording::{HandleMotion, Recording, Recordings};
+    #[pymodule_export]
     use crate::response::{
-        FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
-        transfer_matrix,
+        FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid,
+        frequency_response, mobility_matrix, nyquist, open_loop, partner_response, transfer_matrix,
     };
     #[pymodule_export]
     use crate::rig::{Laboratory, trial_seed};
@@ -64,7 +71,7 @@ mod _core {
     #[pymodule_export]
     use crate::spectrum::Spectrum;
     #[pymodule_export]
-    use crate::study::{Coupling, Network, OperatorRange, Study};
+    use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
     #[pymodule_export]
     use crate::verdicts::{
         AxisTier, AxisVerdict, DelayBudget, OperatorPoint, PaperVerdict, Remedies, SampledSpectrum,
