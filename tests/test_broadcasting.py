@@ -182,8 +182,8 @@ def test_law_intervals_of_a_dyad_hold_on_all_its_axes() -> None:
 @pytest.mark.parametrize(
     ("call", "field", "remedy"),
     [
-        (lambda d: ts.critical_stiffness(d, kh1=3.0), "kh1", "Write critical_stiffness(dyad)."),
-        (lambda d: ts.maximum_delay(d["x"], 30.0, c=1.0), "c", "Write maximum_delay(dyad, k)."),
+        (lambda d: ts.critical_stiffness(d, kh1=3.0), "kh1", "Write critical_stiffness(dyad)."),  # type: ignore[call-overload]
+        (lambda d: ts.maximum_delay(d["x"], 30.0, c=1.0), "c", "Write maximum_delay(dyad, k)."),  # type: ignore[call-overload]
         (lambda d: ts.maximum_delay(d, 4.0, 1.0, 4.0, 30.0), "arguments", "Write maximum_delay(dyad, k)."),
         (lambda d: ts.maximum_delay(0.8, d, 1.0, 4.0, 30.0), "b1", "Convert it"),
         (lambda d: ts.crossings(d, 30.0), "dyad", "Choose an axis: crossings(dyad.axis(0), k)."),
