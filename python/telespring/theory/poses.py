@@ -1,4 +1,4 @@
-"""Stability of a dyad in jointed arms, pose by pose: such arms couple the axes, and change as they move."""
+"""Stability of a dyad in jointed arms, pose by pose: such arms couple the axes and vary with the pose."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MASSLESS: Arm = {"kind": "massless"}
 
 @dataclass(frozen=True, eq=False)
 class PoseStability:
-    """What a dyad's stability is in each pose of its arms.
+    """Stability of a dyad in each pose of its arms.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class PoseStability:
     spectral_abscissa : ndarray, (pose,)
         The largest real part of the characteristic roots but s = 0 in each pose, 1/s.
     uncoupled_abscissa : ndarray, (pose,)
-        The same with all that couples x and y left out: what treating the axes as independent would say.
+        The same without the coupling of x and y, as if the axes were independent.
     cross_inertia : ndarray, (pose, 2)
         For each robot, robot and arm together: |m_xy| over the geometric mean of m_xx and m_yy.
     complete : bool
@@ -81,16 +81,16 @@ def pose_stability(
     positions: ArrayLike,
     agent_stiffness: tuple[float, float] = (0.0, 0.0),
 ) -> PoseStability:
-    """Find the pose along a path in which the coupled robots with their arms are least stable.
+    """Compute the stability of the coupled robots with their arms in each pose along a path.
 
     Both handles are at the same position, where the agents' springs are at rest; torques are J(θ)ᵀ F, so
-    that an agent's stiffness at the handle is the same in every pose. Each pose is frozen: what the
-    motion from pose to pose adds is not in it, and the whole trial in the virtual laboratory shows that.
+    that an agent's stiffness at the handle is the same in every pose. Each pose is frozen; the effect of the
+    motion from pose to pose shows only in a trial in the virtual laboratory.
 
     Parameters
     ----------
     dyad : Dyad
-        The robots, of two axes, with further operators and a coupling damper where it has any.
+        Robots with two axes each, with operators and coupling damper.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle, as a study file writes it: `kind` "massless", "lumped" (`mass`,
         `damping`) or "two-link" (`base`, `link_length`, ...); None is the massless arm.
@@ -106,12 +106,12 @@ def pose_stability(
     Returns
     -------
     PoseStability
-        Every pose, the worst, and whether the axes may be treated as independent.
+        Every pose, the worst one, and whether the axes may be treated as independent.
 
     Raises
     ------
     InvalidInput
-        Where a value is out of its range, or a position out of the reach of an arm.
+        Where a value is out of its range, or a position out of an arm's reach.
 
     Examples
     --------
@@ -140,12 +140,12 @@ def pose_stability(
 
 
 def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: ArrayLike) -> FloatArray:
-    """Find how strongly the arms' inertia couples x and y in each pose.
+    """Compute how strongly the inertia of the arms couples x and y in each pose.
 
     Parameters
     ----------
     dyad : Dyad
-        As `pose_stability` has it, and so are the other parameters.
+        As in `pose_stability`, like the other parameters.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle.
     positions : array_like, (pose, 2)
@@ -159,7 +159,7 @@ def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: Ar
     Raises
     ------
     InvalidInput
-        As `pose_stability` does.
+        As in `pose_stability`.
 
     Examples
     --------
@@ -191,7 +191,7 @@ def pose_system(
     Parameters
     ----------
     dyad : Dyad
-        As `pose_stability` has it, and so are the other parameters.
+        As in `pose_stability`, like the other parameters.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle.
     stiffness : float
@@ -211,7 +211,7 @@ def pose_system(
     Raises
     ------
     InvalidInput
-        As `pose_stability` does.
+        As in `pose_stability`.
 
     Examples
     --------
@@ -261,7 +261,7 @@ def _side(
         raise InvalidInput(
             f"robot{robot + 1}",
             f"axes {dyad.axes}",
-            "an arm holds a robot of two axes, x and y",
+            "an arm needs a robot with two axes, x and y",
             "Give both robots two masses and two dampings.",
         )
     if not 0.0 <= agent_stiffness <= 1e7:
