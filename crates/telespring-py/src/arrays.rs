@@ -46,7 +46,7 @@ impl<'py> Numbers<'py> {
         {
             return Ok(Self::one(name, number));
         }
-        let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract().map_err(PyErr::from)?;
+        let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract()?;
         Ok(match array.ndim() {
             0 => Self::one(name, array.as_array()[IxDyn(&[])]),
             _ => Self { name, values: Values::Many(array) },

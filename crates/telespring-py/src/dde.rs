@@ -258,8 +258,7 @@ impl DelaySolution {
         evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
     ) -> Outcome<Bound<'py, PyAny>> {
         let py = times.py();
-        let times: PyReadonlyArrayDyn<'py, f64> =
-            as_numbers("times", times)?.extract().map_err(PyErr::from)?;
+        let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract()?;
         let mut shape = times.shape().to_vec();
         let times: Vec<f64> = times.as_array().iter().copied().collect();
         shape.push(self.solution.dimension());
