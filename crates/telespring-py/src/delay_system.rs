@@ -155,9 +155,9 @@ impl DelaySystem {
     /// >>> ts.DelaySystem([[-2.0]]).spectral_abscissa()
     /// -2.0
     fn spectral_abscissa(&self, py: Python<'_>) -> PyResult<f64> {
-        let found = py.detach(|| self.0.spectral_abscissa());
-        warn(py, "abscissa's", &found.certificate)?;
-        Ok(found.value)
+        let abscissa = py.detach(|| self.0.spectral_abscissa());
+        warn(py, "abscissa's", &abscissa.certificate)?;
+        Ok(abscissa.value)
     }
 
     /// The largest real part of the roots other than s = 0, 1/s.
@@ -180,9 +180,9 @@ impl DelaySystem {
     /// >>> system.spectral_abscissa(), system.spectral_abscissa_without_zero() < -0.1
     /// (0.0, True)
     fn spectral_abscissa_without_zero(&self, py: Python<'_>) -> PyResult<f64> {
-        let found = py.detach(|| self.0.spectral_abscissa_without_zero());
-        warn(py, "abscissa's", &found.certificate)?;
-        Ok(found.value)
+        let abscissa = py.detach(|| self.0.spectral_abscissa_without_zero());
+        warn(py, "abscissa's", &abscissa.certificate)?;
+        Ok(abscissa.value)
     }
 
     /// Multiplicity of the root s = 0, within rounding: 1 for two free robots, which can drift together.

@@ -121,8 +121,8 @@ def pose_stability(
     ...        "link_mass": [0.88, 0.40], "link_centre": [0.25, 0.16], "link_inertia": [0.010, 0.004]}
     >>> angle = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
     >>> path = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
-    >>> found = pose_stability(ts.hman(), (arm, arm), 71.2, 0.15, path)
-    >>> found.worst_abscissa > 0, found.axes_are_independent, found.complete
+    >>> stability = pose_stability(ts.hman(), (arm, arm), 71.2, 0.15, path)
+    >>> stability.worst_abscissa > 0, stability.axes_are_independent, stability.complete
     (True, False, True)
     """
     places = _places(positions)

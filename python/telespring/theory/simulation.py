@@ -174,9 +174,9 @@ def simulate_array(
         velocities,
     )
     time = np.arange(position.shape[2]) / rate
-    reached = [at for at in diverged if at is not None]
-    if reached:
-        time = time[time < min(reached)]
+    divergences = [at for at in diverged if at is not None]
+    if divergences:
+        time = time[time < min(divergences)]
     kept = slice(0, len(time))
     return Trajectory(
         time,
@@ -261,8 +261,8 @@ def simulate(
     """
     import xarray as xr
 
-    found = simulate_array(dyad, stiffness, delay, forces, duration, rate, history)
-    assert found.velocity is not None
+    trajectory = simulate_array(dyad, stiffness, delay, forces, duration, rate, history)
+    assert trajectory.velocity is not None
     signal, pair = ("time", "robot", "axis"), ("robot", "axis")
     forward, backward = np.broadcast_to(delay, 2).tolist()
     attributes: dict[str, Any] = {
@@ -271,18 +271,18 @@ def simulate(
         "delay_forward": forward,
         "delay_backward": backward,
     }
-    reached = [at for at in found.diverged_at if at is not None]
-    if reached:
-        attributes |= {"status": "diverged", "diverged_at": min(reached)}
+    divergences = [at for at in trajectory.diverged_at if at is not None]
+    if divergences:
+        attributes |= {"status": "diverged", "diverged_at": min(divergences)}
     return xr.Dataset(
         {
-            "position": (signal, found.position, {"units": "m"}),
-            "velocity": (signal, found.velocity, {"units": "m/s"}),
-            "force_error": (pair, found.force_error, {"units": "N"}),
-            "history_error": (pair, found.history_error, {"units": "m"}),
+            "position": (signal, trajectory.position, {"units": "m"}),
+            "velocity": (signal, trajectory.velocity, {"units": "m/s"}),
+            "force_error": (pair, trajectory.force_error, {"units": "N"}),
+            "history_error": (pair, trajectory.history_error, {"units": "m"}),
         },
         coords={
-            "time": ("time", found.time, {"units": "s"}),
+            "time": ("time", trajectory.time, {"units": "s"}),
             "robot": ("robot", [1, 2]),
             "axis": ("axis", dyad.axes),
         },
