@@ -1,4 +1,4 @@
-"""Stability of a dyad in jointed arms, pose by pose: such arms couple the axes and vary with the pose."""
+"""Stability of a dyad in jointed arms, pose by pose: such arms couple the axes, and change as they move."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MASSLESS: Arm = {"kind": "massless"}
 
 @dataclass(frozen=True, eq=False)
 class PoseStability:
-    """Stability of a dyad in each pose of its arms.
+    """What a dyad's stability is in each pose of its arms.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class PoseStability:
     spectral_abscissa : ndarray, (pose,)
         The largest real part of the characteristic roots but s = 0 in each pose, 1/s.
     uncoupled_abscissa : ndarray, (pose,)
-        The same without the coupling of x and y, as if the axes were independent.
+        The same with all that couples x and y left out: what treating the axes as independent would say.
     cross_inertia : ndarray, (pose, 2)
         For each robot, robot and arm together: |m_xy| over the geometric mean of m_xx and m_yy.
     complete : bool
@@ -81,16 +81,16 @@ def pose_stability(
     positions: ArrayLike,
     agent_stiffness: tuple[float, float] = (0.0, 0.0),
 ) -> PoseStability:
-    """Compute the stability of the coupled robots with their arms in each pose along a path.
+    """Find the pose along a path in which the coupled robots with their arms are least stable.
 
     Both handles are at the same position, where the agents' springs are at rest; torques are J(θ)ᵀ F, so
-    that an agent's stiffness at the handle is the same in every pose. Each pose is frozen; the effect of the
-    motion from pose to pose shows only in a trial in the virtual laboratory.
+    that an agent's stiffness at the handle is the same in every pose. Each pose is frozen: what the
+    motion from pose to pose adds is not in it, and the whole trial in the virtual laboratory shows that.
 
     Parameters
     ----------
     dyad : Dyad
-        Robots with two axes each, with operators and coupling damper.
+        The robots, of two axes, with further operators and a coupling damper where it has any.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle, as a study file writes it: `kind` "massless", "lumped" (`mass`,
         `damping`) or "two-link" (`base`, `link_length`, ...); None is the massless arm.
@@ -106,12 +106,12 @@ def pose_stability(
     Returns
     -------
     PoseStability
-        Every pose, the worst one, and whether the axes may be treated as independent.
+        Every pose, the worst, and whether the axes may be treated as independent.
 
     Raises
     ------
     InvalidInput
-        Where a value is out of its range, or a position out of an arm's reach.
+        Where a value is out of its range, or a position out of the reach of an arm.
 
     Examples
     --------
@@ -121,8 +121,8 @@ def pose_stability(
     ...        "link_mass": [0.88, 0.40], "link_centre": [0.25, 0.16], "link_inertia": [0.010, 0.004]}
     >>> angle = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
     >>> path = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
-    >>> stability = pose_stability(ts.hman(), (arm, arm), 71.2, 0.15, path)
-    >>> stability.worst_abscissa > 0, stability.axes_are_independent, stability.complete
+    >>> found = pose_stability(ts.hman(), (arm, arm), 71.2, 0.15, path)
+    >>> found.worst_abscissa > 0, found.axes_are_independent, found.complete
     (True, False, True)
     """
     places = _places(positions)
@@ -140,12 +140,12 @@ def pose_stability(
 
 
 def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: ArrayLike) -> FloatArray:
-    """Compute how strongly the inertia of the arms couples x and y in each pose.
+    """Find how strongly the arms' inertia couples x and y in each pose.
 
     Parameters
     ----------
     dyad : Dyad
-        As in `pose_stability`, like the other parameters.
+        As `pose_stability` has it, and so are the other parameters.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle.
     positions : array_like, (pose, 2)
@@ -159,7 +159,7 @@ def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: Ar
     Raises
     ------
     InvalidInput
-        As in `pose_stability`.
+        As `pose_stability` does.
 
     Examples
     --------
@@ -191,7 +191,7 @@ def pose_system(
     Parameters
     ----------
     dyad : Dyad
-        As in `pose_stability`, like the other parameters.
+        As `pose_stability` has it, and so are the other parameters.
     arms : (mapping or None, mapping or None)
         The arm in each robot's handle.
     stiffness : float
@@ -211,7 +211,7 @@ def pose_system(
     Raises
     ------
     InvalidInput
-        As in `pose_stability`.
+        As `pose_stability` does.
 
     Examples
     --------
@@ -261,7 +261,7 @@ def _side(
         raise InvalidInput(
             f"robot{robot + 1}",
             f"axes {dyad.axes}",
-            "an arm needs a robot with two axes, x and y",
+            "an arm holds a robot of two axes, x and y",
             "Give both robots two masses and two dampings.",
         )
     if not 0.0 <= agent_stiffness <= 1e7:
