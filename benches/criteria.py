@@ -13,6 +13,7 @@ from rustside import RustSide
 import telespring as ts
 
 EACH = "critical stiffness and maximum delay, each dyad"
+VERDICTS = "verdicts on the H-MANs, and one critical stiffness"
 SETS = {
     "two-decades": "masses and dampings over two decades",
     "hman-like": "like the H-MANs",
@@ -51,6 +52,29 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
     yield Row(EACH, "ours: Python maximum_delay, array", bulk, ours=True)
     single = effort.time(lambda: ts.maximum_delay(*x, k), 0.3)
     yield Row(EACH, "ours: Python maximum_delay, one call", single, ours=True)
+
+    if rust is not None:
+        yield Row(
+            VERDICTS, "ours: Rust verdicts", rust.timing("criteria/hman/verdicts"), ours=True, base=True
+        )
+        yield Row(
+            VERDICTS,
+            "ours: Rust critical stiffness, axis x",
+            rust.timing("criteria/hman/critical-stiffness"),
+            ours=True,
+        )
+    dyad = ts.hman()
+    error = _largest(
+        tier.stiffness_bound / reference.critical_stiffness(*HMAN[axis.name]) - 1
+        for axis in ts.verdicts(dyad, 71.2, 0.1).axes
+        for tier in axis.tiers
+        if tier.tier == "any constant delay" and tier.stiffness_bound is not None
+    )
+    verdicts = effort.time(lambda: ts.verdicts(dyad, 71.2, 0.1), 0.3)
+    yield Row(VERDICTS, "ours: Python verdicts", verdicts, error, ours=True)
+    single = effort.time(lambda: ts.critical_stiffness(*x), 0.3)
+    error = ts.critical_stiffness(*x) / reference.critical_stiffness(*x) - 1
+    yield Row(VERDICTS, "ours: Python critical_stiffness, one call", single, abs(error), ours=True)
 
     def one(name: str, call: Callable[[], float], note: str) -> Row:
         error = abs(call() / truth - 1)

@@ -116,3 +116,102 @@ def test_cross_the_map_the_count_and_the_intervals_say_the_same(
     row = ts.stability_map(*axis, 9.174736188, delay)[0]
     stable = ts.stable_delays(*axis, 9.174736188, 3.0)
     np.testing.assert_array_equal(row, [any(start <= d < end for start, end in stable) for d in delay])
+
+
+HELD = ts.Dyad(
+    ts.Robot([0.8, 1.1], [7.7, 10.1]),
+    ts.Robot([0.7, 1.3], [7.4, 9.3]),
+    operators=(ts.Operator(0.1, 0.5, 20.0), None),
+    coupling_damping=0.3,
+)
+DELAYS = np.array([0.05, 0.2, 0.4])
+
+
+@pytest.mark.parametrize("dyad", [ts.hman(), HELD])
+def test_cross_a_dyad_and_its_axes_say_what_the_seven_numbers_say(dyad: ts.Dyad) -> None:
+    k = np.array([20.0, 71.2, 150.0])
+    calls: list[tuple[Any, str, tuple[Any, ...], Any]] = [
+        (ts.critical_stiffness, "critical_stiffness", (), min),
+        (ts.maximum_delay, "maximum_delay", (71.2,), min),
+        (ts.maximum_delay, "maximum_delay", (k,), np.minimum),
+        (ts.maximum_stiffness, "maximum_stiffness", (0.1,), min),
+        (ts.maximum_stiffness, "maximum_stiffness", (DELAYS,), np.minimum),
+        (ts.minimum_damping, "minimum_damping", (71.2, 0.2), max),
+        (ts.minimum_damping, "minimum_damping", (k[:, None], DELAYS), np.maximum),
+        (ts.unstable_root_count, "unstable_root_count", (71.2, 0.3), lambda x, y: x + y),
+        (ts.unstable_root_count, "unstable_root_count", (k[:, None], DELAYS), np.add),
+        (ts.stability_map, "stability_map", (k, DELAYS), np.logical_and),
+    ]
+    for function, method, more, worst in calls:
+        by_axis = []
+        for name in dyad.axes:
+            axis = dyad[name]
+            numbers = function(*axis.parameters, *more, **axis.keywords)
+            for same in (function(axis, *more), getattr(axis, method)(*more)):
+                np.testing.assert_array_equal(same, numbers)
+                assert type(same) is type(numbers)
+            by_axis.append(numbers)
+        np.testing.assert_array_equal(function(dyad, *more), worst(*by_axis))
+    for name in dyad.axes:
+        axis = dyad[name]
+        assert ts.crossings(axis, 90.0) == axis.crossings(90.0)
+        assert ts.crossings(axis, 90.0) == ts.crossings(*axis.parameters, 90.0, **axis.keywords)
+        np.testing.assert_array_equal(axis.is_stable(71.2, DELAYS), axis.stability_map([71.2], DELAYS)[0])
+        assert axis.is_stable(71.2, 0.05) is True
+        assert axis.spectral_abscissa(71.2, 0.1) == ts.spectral_abscissa(dyad, 71.2, 0.1, axis=name)
+        np.testing.assert_array_equal(
+            axis.characteristic_roots(71.2, 0.1, 4), ts.characteristic_roots(dyad, 71.2, 0.1, 4, axis=name)
+        )
+
+
+def test_law_intervals_of_a_dyad_hold_on_all_its_axes() -> None:
+    dyad = ts.Dyad(
+        ts.Robot([0.97670822, 0.8334], [2.15372614, 7.7257]),
+        ts.Robot([0.30379312, 0.7776], [4.59594729, 7.4208]),
+    )
+    k = 9.174736188
+    first, second = ts.stable_delays(dyad["x"], k, 3.0)
+    assert ts.stable_delays(dyad["y"], k, 3.0) == [(0.0, 3.0)]
+    assert ts.stable_delays(dyad, k, 3.0) == [first, second]
+    assert ts.stable_delays(dyad, k=k, horizon=2.0) == [first, (second[0], 2.0)]
+    x, y = (ts.decay_stiffness(ts.hman()[name], 0.05, 1.0) for name in "xy")
+    [(low, high)] = ts.decay_stiffness(ts.hman(), 0.05, 1.0)
+    assert (low, high) == (max(x[0][0], y[0][0]), min(x[0][1], y[0][1]))
+
+
+@pytest.mark.parametrize(
+    ("call", "field", "remedy"),
+    [
+        (lambda d: ts.critical_stiffness(d, kh1=3.0), "kh1", "Write critical_stiffness(dyad)."),  # type: ignore[call-overload]
+        (lambda d: ts.maximum_delay(d["x"], 30.0, c=1.0), "c", "Write maximum_delay(dyad, k)."),  # type: ignore[call-overload]
+        (lambda d: ts.maximum_delay(d, 4.0, 1.0, 4.0, 30.0), "arguments", "Write maximum_delay(dyad, k)."),
+        (lambda d: ts.maximum_delay(0.8, d, 1.0, 4.0, 30.0), "b1", "Convert it"),
+        (lambda d: ts.crossings(d, 30.0), "dyad", "Choose an axis: crossings(dyad.axis(0), k)."),
+        (lambda d: ts.maximum_delay(d, [30.0, -1.0]), "k[1]", "Check the sign"),
+        (lambda d: d.axis("q"), "axis", "Choose one of them"),
+        (lambda d: d["x"].maximum_delay("stiff"), "k", "Convert it"),
+        (lambda d: d["x"].stability_map([30.0], [[0.1]]), "delay", "Flatten it"),
+        (lambda _: ts.DyadAxis(1.0, -4.0, 1.0, 4.0), "b1", "Check the sign"),
+    ],
+)
+def test_ref_numbers_and_a_dyad_are_not_mixed(hman: ts.Dyad, call: Any, field: str, remedy: str) -> None:
+    with pytest.raises(ts.InvalidInput) as refused:
+        call(hman)
+    assert refused.value.field == field
+    assert remedy in refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: ts.maximum_delay(1.0, 4.0), "missing: m2, b2, k"),  # type: ignore[call-overload]
+        (lambda: ts.maximum_delay(ts.hman()), "missing: k"),  # type: ignore[call-overload]
+        (lambda: ts.critical_stiffness(ts.Study.paper()), "takes a Dyad, a DyadAxis or the numbers"),  # type: ignore[call-overload]
+        (lambda: ts.critical_stiffness(1, 1, 1, 1, kh=1), "unexpected keyword argument 'kh'"),  # type: ignore[call-overload]
+        (lambda: ts.critical_stiffness(1, 1, 1, 1, m1=1), "multiple values for argument 'm1'"),  # type: ignore[call-overload]
+        (lambda: ts.crossings(1, 1, 1, 1, 1, 1), "at most 5 positional"),  # type: ignore[call-overload]
+    ],
+)
+def test_ref_calls_that_do_not_fit_are_type_errors(call: Any, said: str) -> None:
+    with pytest.raises(TypeError, match=re.escape(said)):
+        call()

@@ -43,20 +43,15 @@ class InvalidInput(ValueError):
         self.allowed = allowed
         self.remedy = remedy
 
-    @property
-    def is_missing(self) -> bool:
-        """Whether the value is missing."""
-        return not self.value
+    def __str__(self) -> str:
+        return f"{self.statement} {self.remedy}"
 
     @property
     def statement(self) -> str:
         """The first sentence of the message: what is wrong, without the remedy."""
-        if not self.is_missing:
+        if self.value:
             return f"{self.field} = {self.value}: {self.allowed}."
         return f"Missing {self.field} ({self.allowed})." if self.allowed else f"Missing {self.field}."
-
-    def __str__(self) -> str:
-        return f"{self.statement} {self.remedy}"
 
     def at(self, field: str) -> Self:
         """Return the same refusal for another field."""

@@ -3,8 +3,9 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use telespring::DyadAxis;
+use telespring::verdicts::{Network, verdicts};
 use telespring::criteria::{critical_stiffness, crossings, maximum_delay, paper_critical_stiffness};
+use telespring::{Delay, DyadAxis, hman};
 
 use crate::Bench;
 use crate::timing::Uniform;
@@ -68,5 +69,13 @@ pub fn run(bench: &mut Bench) -> Result<(), Box<dyn Error>> {
             .collect();
         bench.note(&format!("criteria/{set}/sample"), sample);
     }
+    let (dyad, network) = (hman(), Network::constant(Delay::each_way(0.1)?));
+    let axis = dyad.axis(0)?;
+    bench.time("criteria/hman/critical-stiffness", 1, 1.0, || {
+        black_box(critical_stiffness(black_box(&axis)));
+    });
+    bench.time("criteria/hman/verdicts", 1, 1.0, || {
+        let _ = black_box(verdicts(black_box(&dyad), None, 71.2, &network));
+    });
     Ok(())
 }

@@ -1,5 +1,4 @@
-//! Arguments of the wrong kind: refused by their name like values out of range, not by a type error
-//! that knows no name.
+//! Arguments as Python passes them. One of the wrong type is refused by its name, like a value out of range.
 
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -11,11 +10,11 @@ use telespring::{Delay, InvalidInput};
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
 
-/// What was given, or how Python writes it where it is of another kind.
+/// An argument, or its representation where it has another type.
 pub enum Argument<T> {
-    /// Of the wanted kind.
+    /// Of the expected type.
     Given(T),
-    /// Of another.
+    /// Of another type, as Python writes it.
     Other(String),
 }
 
@@ -27,7 +26,7 @@ impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
     }
 }
 
-/// As Python writes it, cut to a length that fits a message.
+/// The representation of a Python object, shortened to fit a message.
 pub fn written(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "an object".to_owned(), |text| text.to_string());
     match text.char_indices().nth(57) {
@@ -49,21 +48,21 @@ impl<T> Argument<T> {
 pub type Number = Argument<f64>;
 
 impl Number {
-    /// The number, or a refusal of this name.
+    /// The number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<f64> {
         Ok(self.or_refuse(field, "a real number is needed", "Give one number.")?)
     }
 }
 
 impl Argument<Option<f64>> {
-    /// The number or `None`, or a refusal of this name.
+    /// The number or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<f64>> {
         Ok(self.or_refuse(field, "a real number or None is needed", "Give one number, or None.")?)
     }
 }
 
 impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
-    /// The pair or `None`, or a refusal of this name.
+    /// The pair or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<[Option<Py<PyAny>>; 2]>> {
         let allowed = "a pair is needed, for each robot a program or None";
         Ok(self.or_refuse(field, allowed, "Write it such as (agent, None).")?)
@@ -71,7 +70,7 @@ impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
 }
 
 impl Argument<u64> {
-    /// The whole number, or a refusal of this name.
+    /// The whole number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<u64> {
         let allowed = format!("a whole number from 0 to {} is needed", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give an int in this range.")?)
@@ -79,14 +78,14 @@ impl Argument<u64> {
 }
 
 impl Argument<Vec<f64>> {
-    /// The numbers, or a refusal of this name.
+    /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<f64>> {
         Ok(self.or_refuse(field, "a row of real numbers is needed", "Give a flat array of floats.")?)
     }
 }
 
 impl Argument<Vec<u64>> {
-    /// The whole numbers, or a refusal of this name.
+    /// The whole numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<u64>> {
         let allowed = format!("a row of whole numbers from 0 to {} is needed", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give a flat array of integers.")?)
@@ -94,14 +93,14 @@ impl Argument<Vec<u64>> {
 }
 
 impl Argument<[f64; 2]> {
-    /// The numbers, or a refusal of this name.
+    /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<[f64; 2]> {
         Ok(self.or_refuse(field, "two real numbers, along x and y, are needed", "Give a pair of floats.")?)
     }
 }
 
 impl Argument<PerAxis> {
-    /// The numbers, or a refusal of this name.
+    /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<PerAxis> {
         let allowed = "a number, or one number per axis, is needed";
         Ok(self.or_refuse(field, allowed, "Give a number or a list of numbers.")?)
@@ -162,11 +161,11 @@ impl PerAxis {
     }
 }
 
-/// How many roots are wanted.
+/// The requested number of roots.
 pub type Count = Argument<usize>;
 
 impl Count {
-    /// The number, its range being checked by what it is passed to.
+    /// The number of roots; the core checks its range.
     pub fn check(self) -> telespring::Result<usize> {
         let allowed = format!("the number of roots must be a whole number from 1 to {MAX_ROOTS}");
         self.or_refuse("count", allowed, "Give an int.")
@@ -186,7 +185,7 @@ pub enum AxisKind {
 pub type AxisChoice = Argument<AxisKind>;
 
 impl AxisChoice {
-    /// The first axis: what is meant where none is named.
+    /// The first axis, the default.
     pub const FIRST: Self = Self::Given(AxisKind::Index(0));
 
     /// The index of that axis of the dyad.
@@ -219,7 +218,7 @@ impl AxisChoice {
 pub enum DelayChoice {
     /// The same each way.
     EachWay(f64),
-    /// From robot 1 to robot 2, and back; a row of any length until it is checked.
+    /// Forward and backward, and the representation; `check` checks the length.
     Row(Vec<f64>, String),
     /// Neither a number nor a row of numbers.
     Other(String),
@@ -238,7 +237,7 @@ impl FromPyObject<'_, '_> for DelayChoice {
 }
 
 impl DelayChoice {
-    /// Checked.
+    /// The delay, checked.
     pub fn check(&self) -> telespring::Result<Delay> {
         let text = match self {
             Self::EachWay(delay) => return Delay::each_way(*delay),
@@ -257,7 +256,7 @@ impl DelayChoice {
     }
 }
 
-/// Any array_like of rows (x, y), refused by its name.
+/// Reads any array_like of rows (x, y).
 pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
     let array = as_numbers(name, value)?;
     if let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>()

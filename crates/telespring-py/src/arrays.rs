@@ -46,7 +46,7 @@ impl<'py> Numbers<'py> {
         {
             return Ok(Self::one(name, number));
         }
-        let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract().map_err(PyErr::from)?;
+        let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract()?;
         Ok(match array.ndim() {
             0 => Self::one(name, array.as_array()[IxDyn(&[])]),
             _ => Self { name, values: Values::Many(array) },
@@ -57,7 +57,9 @@ impl<'py> Numbers<'py> {
     pub fn single(&self) -> Result<f64> {
         match &self.values {
             Values::One(value) => Ok(*value),
-            Values::Many(array) if array.len() == 1 => Ok(array.as_array().iter().next().copied().unwrap_or(0.0)),
+            Values::Many(array) if array.len() == 1 => {
+                Ok(array.as_array().iter().next().copied().unwrap_or(0.0))
+            }
             Values::Many(array) => Err(InvalidInput::new(
                 self.name,
                 format!("an array of shape {}", tuple(array.shape())),
@@ -128,11 +130,15 @@ fn element(arguments: &[Numbers<'_>], field: &str, shape: &[usize], index: usize
         return None;
     }
     let mut rest = index;
-    let mut place: Vec<usize> = shape.iter().rev().map(|&length| {
-        let at = rest % length;
-        rest /= length;
-        at
-    }).collect();
+    let mut place: Vec<usize> = shape
+        .iter()
+        .rev()
+        .map(|&length| {
+            let at = rest % length;
+            rest /= length;
+            at
+        })
+        .collect();
     place.reverse();
     let own_place = place[shape.len() - own.len()..].iter().zip(own);
     let text: Vec<_> = own_place.map(|(&at, &length)| if length == 1 { 0 } else { at }.to_string()).collect();

@@ -105,8 +105,7 @@ pub fn minimum_damping(axis: &telespring::DyadAxis, k: f64, delay: f64) -> Resul
 
 /// How many roots lie in the right half-plane.
 pub fn unstable_root_count(axis: &telespring::DyadAxis, k: f64, delay: f64) -> Result<i64> {
-    criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
-        .map(i64::from)
+    criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?).map(i64::from)
 }
 
 /// Rows of a stability map that one thread takes at a time.
@@ -127,8 +126,10 @@ pub fn stability_map<'py>(
         }
         let mut stable = vec![true; shape[0] * shape[1]];
         for axis in axes {
-            let rows: Vec<Vec<bool>> =
-                k.par_chunks(ROWS).map(|k| criteria::stability_map(axis, k, &delay)).collect::<Result<_>>()?;
+            let rows: Vec<Vec<bool>> = k
+                .par_chunks(ROWS)
+                .map(|k| criteria::stability_map(axis, k, &delay))
+                .collect::<Result<_>>()?;
             for (all, here) in stable.iter_mut().zip(rows.into_iter().flatten()) {
                 *all &= here;
             }
@@ -245,7 +246,9 @@ impl DyadAxis {
 
     /// Stiffness below which every stiffness is stable at this delay, N/m; see `telespring.maximum_stiffness`.
     fn maximum_stiffness<'py>(&self, delay: &Bound<'py, PyAny>) -> Outcome<Bound<'py, PyAny>> {
-        over_arrays(delay.py(), &[Numbers::read("delay", delay)?], |row| maximum_stiffness(&self.axis, row[0]))
+        over_arrays(delay.py(), &[Numbers::read("delay", delay)?], |row| {
+            maximum_stiffness(&self.axis, row[0])
+        })
     }
 
     /// Smallest damping, added to both robots, above which every larger one is stable, N·s/m; see
@@ -332,7 +335,13 @@ impl DyadAxis {
 
     /// The rightmost characteristic roots with their certificate; see `telespring.certified_roots`.
     #[pyo3(signature = (k, delay, count=Count::Given(8)), text_signature = "($self, k, delay, count=8)")]
-    fn certified_roots(&self, py: Python<'_>, k: Number, delay: DelayChoice, count: Count) -> Outcome<Spectrum> {
+    fn certified_roots(
+        &self,
+        py: Python<'_>,
+        k: Number,
+        delay: DelayChoice,
+        count: Count,
+    ) -> Outcome<Spectrum> {
         let (k, delay, count) = (k.named("k")?, delay.check()?, count.check()?);
         let roots = py.detach(|| spectrum::characteristic_roots(&self.axis, k, &delay, count))?;
         Ok(Spectrum::of(py, roots))

@@ -63,7 +63,8 @@ impl<'py> Subject<'py> {
             Self::Numbers(numbers) => {
                 let arguments: Vec<_> = numbers.into_iter().chain(others).collect();
                 over_arrays(py, &arguments, |row| {
-                    let [m1, b1, m2, b2, kh1, kh2, c] = [row[0], row[1], row[2], row[3], row[4], row[5], row[6]];
+                    let [m1, b1, m2, b2, kh1, kh2, c] =
+                        [row[0], row[1], row[2], row[3], row[4], row[5], row[6]];
                     let axis = telespring::DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?;
                     compute(&axis, tail(row))
                 })
@@ -114,7 +115,7 @@ fn bind<'py, const N: usize>(
             _ if subject.is_some() => return Err(mixed("arguments", args.as_any()).into()),
             _ => {
                 let text = format!("{function}() takes at most {} positional arguments", 4 + N);
-                return Err(PyErr::from(PyTypeError::new_err(text)).into());
+                return Err(PyTypeError::new_err(text).into());
             }
         }
     }
@@ -129,12 +130,12 @@ fn bind<'py, const N: usize>(
             (None, Some(place)) => &mut others[place],
             (None, None) => {
                 let text = format!("{function}() got an unexpected keyword argument '{name}'");
-                return Err(PyErr::from(PyTypeError::new_err(text)).into());
+                return Err(PyTypeError::new_err(text).into());
             }
         };
         if slot.replace(value).is_some() {
             let text = format!("{function}() got multiple values for argument '{name}'");
-            return Err(PyErr::from(PyTypeError::new_err(text)).into());
+            return Err(PyTypeError::new_err(text).into());
         }
     }
     let missing: Vec<&str> = NUMBERS[..4]
@@ -149,7 +150,7 @@ fn bind<'py, const N: usize>(
             "{function}() takes a Dyad, a DyadAxis or the numbers m1, b1, m2, b2; missing: {}",
             missing.join(", ")
         );
-        return Err(PyErr::from(PyTypeError::new_err(text)).into());
+        return Err(PyTypeError::new_err(text).into());
     }
     if let Some(subject) = subject {
         return Ok((subject, others));
@@ -403,9 +404,8 @@ pub fn unstable_root_count<'py>(
 /// Examples
 /// --------
 /// >>> import telespring as ts
-/// >>> ts.stability_map(ts.hman(), [30.0, 71.2], [0.1, 0.2])
-/// array([[ True,  True],
-///        [ True, False]])
+/// >>> ts.stability_map(ts.hman(), [30.0, 71.2], [0.1, 0.2]).tolist()
+/// [[True, True], [True, False]]
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
        text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]

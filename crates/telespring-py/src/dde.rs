@@ -1,7 +1,8 @@
 //! The adaptive solver with right-hand sides, delays and histories written in Python.
 
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use telespring::InvalidInput;
@@ -11,7 +12,7 @@ use crate::arguments::PerAxis;
 use crate::arrays::as_numbers;
 use crate::errors::{Failure, Outcome};
 
-/// A delay as Python gives it: a number, or a function with how many arguments it takes.
+/// A delay as Python passes it: a number, or a function and whether it takes the state.
 #[derive(FromPyObject)]
 pub enum DelayValue {
     /// Constant, s.
@@ -20,7 +21,7 @@ pub enum DelayValue {
     Function(Py<PyAny>, bool),
 }
 
-/// Tolerances and limits as Python gives them.
+/// Tolerances and limits as Python passes them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct OptionValues {
@@ -58,7 +59,7 @@ impl From<OptionValues> for Options {
     }
 }
 
-/// Copies what the user's function returned into `out`.
+/// Copies the return value of the user's function into `out`.
 fn read_into(returned: &Bound<'_, PyAny>, field: &str, out: &mut [f64]) -> PyResult<()> {
     if let Ok(array) = returned.extract::<PyReadonlyArray1<'_, f64>>()
         && let Ok(values) = array.as_slice()
@@ -107,7 +108,7 @@ pub struct DelaySolution {
     y: Py<PyArray2<f64>>,
 }
 
-/// Solves y' = rhs(t, y, delayed) over `span`; what the user's functions raise comes out as it is.
+/// Solves y' = rhs(t, y, delayed) over `span`; exceptions of the user's functions pass through unchanged.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn solve_dde(
@@ -257,7 +258,7 @@ impl DelaySolution {
         evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
     ) -> Outcome<Bound<'py, PyAny>> {
         let py = times.py();
-        let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract().map_err(PyErr::from)?;
+        let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract()?;
         let mut shape = times.shape().to_vec();
         let times: Vec<f64> = times.as_array().iter().copied().collect();
         shape.push(self.solution.dimension());

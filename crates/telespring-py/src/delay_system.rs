@@ -13,8 +13,8 @@ use crate::spectrum::{Spectrum, warn};
 
 /// x′(t) = A0 x(t) + Σ Aj x(t - τj): a linear system with several constant delays.
 ///
-/// What a dyad lowers to, and what three or more partners would. Terms of one delay are added up,
-/// those of delay 0 to A0; the rest is sorted by delay.
+/// The general form of a dyad, and of three or more partners. Terms with the same delay are summed, those
+/// without delay are added to A0; the others are sorted by delay.
 ///
 /// Parameters
 /// ----------
@@ -26,8 +26,8 @@ use crate::spectrum::{Spectrum, warn};
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a matrix is not square or of another size than A0, an entry is not a number or beyond
-///     1e12 in size, or a delay is not in 0 to 100 s.
+///     Where a matrix is not square or differs in size from A0, an entry is not a number or exceeds
+///     1e12, or a delay is not in 0 to 100 s.
 ///
 /// Examples
 /// --------
@@ -41,7 +41,7 @@ pub struct DelaySystem(pub telespring::delay_system::DelaySystem);
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
-/// Any array_like as a matrix, refused by its name.
+/// Reads any array_like as a matrix.
 fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
     let array = as_numbers(name, value)?;
     let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>() else {
@@ -112,8 +112,8 @@ impl DelaySystem {
     /// Warns
     /// -----
     /// CertificateWarning
-    ///     Where the argument principle does not confirm that no root was missed; `certified_roots`
-    ///     returns the same as a status.
+    ///     Where the argument principle does not confirm that no root was missed; `certified_roots` reports
+    ///     the same without a warning.
     ///
     /// References
     /// ----------
@@ -155,9 +155,9 @@ impl DelaySystem {
     /// >>> ts.DelaySystem([[-2.0]]).spectral_abscissa()
     /// -2.0
     fn spectral_abscissa(&self, py: Python<'_>) -> PyResult<f64> {
-        let found = py.detach(|| self.0.spectral_abscissa());
-        warn(py, "abscissa's", &found.certificate)?;
-        Ok(found.value)
+        let abscissa = py.detach(|| self.0.spectral_abscissa());
+        warn(py, "abscissa's", &abscissa.certificate)?;
+        Ok(abscissa.value)
     }
 
     /// The largest real part of the roots other than s = 0, 1/s.
@@ -165,8 +165,8 @@ impl DelaySystem {
     /// Returns
     /// -------
     /// float
-    ///     The spectral abscissa; below zero every motion dies out but those that `roots_at_zero`
-    ///     counts. Minus infinity where s = 0 is the only root.
+    ///     The spectral abscissa; below zero every motion decays except those that `roots_at_zero` counts.
+    ///     Minus infinity where s = 0 is the only root.
     ///
     /// Warns
     /// -----
@@ -180,18 +180,18 @@ impl DelaySystem {
     /// >>> system.spectral_abscissa(), system.spectral_abscissa_without_zero() < -0.1
     /// (0.0, True)
     fn spectral_abscissa_without_zero(&self, py: Python<'_>) -> PyResult<f64> {
-        let found = py.detach(|| self.0.spectral_abscissa_without_zero());
-        warn(py, "abscissa's", &found.certificate)?;
-        Ok(found.value)
+        let abscissa = py.detach(|| self.0.spectral_abscissa_without_zero());
+        warn(py, "abscissa's", &abscissa.certificate)?;
+        Ok(abscissa.value)
     }
 
-    /// How often s = 0 is a root, to rounding: 1 for two free robots, carried off together.
+    /// Multiplicity of the root s = 0, within rounding: 1 for two free robots, which can drift together.
     #[getter]
     fn roots_at_zero(&self) -> usize {
         self.0.roots_at_zero()
     }
 
-    /// The rightmost characteristic roots with their certificate as a record.
+    /// The rightmost characteristic roots together with their certificate.
     ///
     /// Parameters
     /// ----------
@@ -201,8 +201,8 @@ impl DelaySystem {
     /// Returns
     /// -------
     /// Spectrum
-    ///     A certificate that failed is said there, not warned of; `rigid_body` is always False, as
-    ///     a root at s = 0 stays in the list.
+    ///     A failed certificate is reported in it; there is no warning. `rigid_body` is always False, as a root
+    ///     at s = 0 stays in the list.
     ///
     /// Raises
     /// ------
@@ -212,8 +212,8 @@ impl DelaySystem {
     /// Examples
     /// --------
     /// >>> import telespring as ts
-    /// >>> found = ts.hman().delay_system(71.2, (0.1, 0.2)).certified_roots(5)
-    /// >>> found.complete, bool(abs(found.roots).min() == 0.0)
+    /// >>> spectrum = ts.hman().delay_system(71.2, (0.1, 0.2)).certified_roots(5)
+    /// >>> spectrum.complete, bool(abs(spectrum.roots).min() == 0.0)
     /// (True, True)
     #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
     fn certified_roots(&self, py: Python<'_>, count: Count) -> Outcome<Spectrum> {

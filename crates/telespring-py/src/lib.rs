@@ -59,8 +59,8 @@ mod _core {
     use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
     use crate::response::{
-        FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
-        transfer_matrix,
+        FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid,
+        frequency_response, mobility_matrix, nyquist, open_loop, partner_response, transfer_matrix,
     };
     #[pymodule_export]
     use crate::rig::{Laboratory, trial_seed};

@@ -1,4 +1,4 @@
-//! Robot, Operator and Dyad as Python sees them: frozen, comparable, picklable.
+//! Robots, operators and dyads as Python classes.
 
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -19,7 +19,7 @@ use crate::errors::Outcome;
 /// damping : float or sequence of float
 ///     Viscous damping, N·s/m, one per axis.
 /// axes : sequence of str, optional
-///     The axes' names; x, y, z, axis4, … where none are given.
+///     Names of the axes; x, y, z, axis4, … by default.
 ///
 /// Raises
 /// ------
@@ -76,14 +76,14 @@ impl Robot {
     }
 }
 
-/// Names as Python writes a list of them.
+/// A list of names as Python writes it.
 fn names(axes: &[String]) -> String {
     let quoted: Vec<_> =
         axes.iter().map(|name| format!("'{}'", name.replace('\\', "\\\\").replace('\'', "\\'"))).collect();
     format!("[{}]", quoted.join(", "))
 }
 
-/// What holds a robot's handle: a hand, an arm, another robot. All zero is a free handle.
+/// The operator at a robot's handle: a hand, an arm, another robot. All zero is a free handle.
 ///
 /// Parameters
 /// ----------
@@ -94,7 +94,7 @@ fn names(axes: &[String]) -> String {
 /// stiffness : float or sequence of float
 ///     Stiffness to the ground, N/m.
 ///
-/// A single number holds for every axis of the dyad it is used in.
+/// A single number applies to every axis of the dyad.
 ///
 /// Raises
 /// ------
@@ -170,19 +170,19 @@ impl Operator {
         Ok(operator)
     }
 
-    /// Mass that moves with the handle, kg; one value where a single number was given.
+    /// Mass that moves with the handle, kg; one value for a single number.
     #[getter]
     fn mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, &self.mass)
     }
 
-    /// Viscous damping to the ground, N·s/m; one value where a single number was given.
+    /// Viscous damping to the ground, N·s/m; one value for a single number.
     #[getter]
     fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, &self.damping)
     }
 
-    /// Stiffness to the ground, N/m; one value where a single number was given.
+    /// Stiffness to the ground, N/m; one value for a single number.
     #[getter]
     fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, &self.stiffness)
@@ -205,14 +205,14 @@ impl Operator {
     }
 }
 
-/// Two robots, what holds them, and the damper beside the virtual spring.
+/// Two robots, their operators, and the damper beside the virtual spring.
 ///
 /// Parameters
 /// ----------
 /// robot1, robot2 : Robot
 ///     Two robots with the same axes.
 /// operators : pair of Operator or None, optional
-///     What holds each handle; None is a free handle, for one or for both.
+///     The operator at each handle; None is a free handle, for one or for both.
 /// coupling_damping : float, optional
 ///     A damper beside the virtual spring, through the same delay, N·s/m.
 ///
@@ -288,7 +288,7 @@ impl Dyad {
 
     /// One axis as a delay system with the states x1, v1, x2, v2 (m, m/s).
     ///
-    /// Robot 1 feels its partner as it was one backward delay ago, robot 2 one forward delay ago.
+    /// Robot 1 feels its partner's state of one backward delay ago, robot 2 that of one forward delay ago.
     ///
     /// Parameters
     /// ----------
@@ -302,7 +302,7 @@ impl Dyad {
     /// Returns
     /// -------
     /// DelaySystem
-    ///     Where both handles are free s = 0 is among its roots.
+    ///     With two free handles s = 0 is one of its roots.
     ///
     /// Raises
     /// ------

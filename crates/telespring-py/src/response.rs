@@ -13,7 +13,7 @@ use crate::records::{Array, record};
 
 type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
 
-/// The diagonal by its name.
+/// The convention for the diagonal, by its name.
 #[derive(FromPyObject)]
 pub struct ConventionName(String);
 
@@ -32,7 +32,7 @@ impl ConventionName {
     }
 }
 
-/// What every function here starts from: one axis, its spring (N/m) and its delays.
+/// One axis of a dyad with its spring (N/m) and its delays: the arguments common to all functions here.
 #[derive(FromPyObject)]
 pub struct Loop<'py> {
     #[pyo3(item(0))]
@@ -60,7 +60,7 @@ fn blocks<'py, T: numpy::Element + Copy>(
     values.into_iter().flatten().flatten().collect::<Vec<T>>().into_pyarray(py).reshape(shape)
 }
 
-/// Matrices at each complex s (1/s): of positions, m/N, or where `mobility`, of velocities.
+/// Evaluates a matrix at each complex s, 1/s.
 fn matrices<'py>(
     py: Python<'py>,
     of: Loop<'py>,

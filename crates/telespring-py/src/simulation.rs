@@ -1,4 +1,4 @@
-//! The exact linear simulation, all axes of a dyad into one block of memory.
+//! Exact linear simulation of all axes of a dyad, into one block of memory.
 
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -11,7 +11,7 @@ use crate::arguments::{DelayChoice, Number};
 use crate::errors::Outcome;
 use crate::model::Dyad;
 
-/// One sine as Python gives it.
+/// One sine as Python passes it.
 #[derive(FromPyObject)]
 pub struct SineValue {
     amplitude: f64,
@@ -25,7 +25,7 @@ impl From<&SineValue> for Sine {
     }
 }
 
-/// A force as Python gives it, told apart by the fields it has.
+/// A force as Python passes it; its fields tell which kind it is.
 #[derive(FromPyObject)]
 pub enum ForceValue {
     /// A constant, N.
@@ -54,7 +54,7 @@ pub enum ForceValue {
     Function(Py<PyAny>),
 }
 
-/// A position before t = 0 as Python gives it.
+/// A position before t = 0 as Python passes it.
 #[derive(FromPyObject)]
 pub enum HistoryValue {
     /// At rest there, m.
@@ -72,7 +72,7 @@ pub enum HistoryValue {
     Function(Py<PyAny>),
 }
 
-/// Lowers a Python function; what it raises comes out unchanged.
+/// Converts a Python function; its exceptions pass through unchanged.
 fn sampled_function<T>(
     py: Python<'_>,
     function: &Py<PyAny>,
@@ -130,7 +130,7 @@ fn hold_of(name: &str) -> telespring::Result<Hold> {
 
 impl HistoryValue {
     fn lower(&self, py: Python<'_>, delay: &Delay) -> Outcome<History> {
-        // the partner looks back by one delay; without any, only the value and slope at 0 are needed
+        // the partner needs one delay of history; without delay only value and slope at 0
         let span = delay.round_trip().max(1e-3);
         Ok(match self {
             Self::Rest(position) => History::rest(*position)?,
@@ -145,7 +145,7 @@ impl HistoryValue {
     }
 }
 
-/// For each axis what both robots have, with the place named where one is refused.
+/// Converts the values of both robots, axis by axis; a refusal names robot and axis.
 fn lowered<V, T>(
     name: &str,
     axes: usize,
@@ -172,8 +172,8 @@ fn lowered<V, T>(
 type Block<'py> = Bound<'py, PyArray3<f64>>;
 type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Vec<[f64; 2]>, Vec<[f64; 2]>);
 
-/// Positions and velocities as blocks (robot, axis, time), and per axis when it diverged and how far
-/// functions were approximated.
+/// Simulates a dyad: positions and velocities as blocks (robot, axis, time), and per axis the time of divergence
+/// and the error of approximated functions.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn simulate<'py>(
@@ -234,7 +234,7 @@ pub fn simulate<'py>(
     ))
 }
 
-/// The core knows one axis only: `forces[robot]` becomes `forces[robot][axis]`.
+/// Adds the axis to a refusal of the core, which works on one axis: `forces[robot]` becomes `forces[robot][axis]`.
 fn on_axis(mut refusal: InvalidInput, axis: usize) -> InvalidInput {
     if let Some(robot) = refusal.field.strip_prefix("forces[")
         && let Some((robot, rest)) = robot.split_once(']')

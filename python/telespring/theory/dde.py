@@ -22,7 +22,7 @@ Delay: TypeAlias = float | Callable[[float], float] | Callable[[float, FloatArra
 
 
 def _takes_state(function: Callable[..., Any], field: str) -> bool:
-    """Tell τ(t, y) from τ(t) by what can be passed."""
+    """Whether a delay is a function of t and y rather than of t alone."""
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
@@ -82,32 +82,31 @@ def solve_dde(
         The local error of component i is held below ``atol[i] + rtol[i] * abs(y[i])``; rtol is at
         least 1e-13.
     initial : array_like, optional
-        y at the start, where it differs from the history's end.
+        y at the start, where it differs from the end of the history.
     breakpoints : iterable of float or (float, int)
         Times at which the history, the right-hand side or a delay is not smooth, each alone (a
         switch, order 1) or with the lowest derivative of y that may jump there (0 is y itself,
         before the start only). Steps end on them exactly.
     max_steps : int
-        Steps, kept or not, after which to give up.
+        Largest number of steps, rejected ones included.
     initial_step, max_step : float, optional
         First and longest step.
 
     Returns
     -------
     DelaySolution
-        Dense output with the status of the computation; a computation that ended early is a status,
-        not an exception.
+        Dense output and the status of the computation; early termination is a status, not an exception.
 
     Raises
     ------
     InvalidInput
         Where an argument is out of its range.
     Exception
-        What `rhs`, `history` or a delay raises comes out unchanged.
+        Exceptions of `rhs`, `history` or a delay pass through unchanged.
 
     See Also
     --------
-    simulate : the linear dyad at constant delay, exact and far faster.
+    simulate : the linear dyad at constant delay, exact and much faster.
 
     Notes
     -----

@@ -117,8 +117,8 @@ def pose_stability(
     --------
     >>> import numpy as np, telespring as ts
     >>> from telespring.theory.poses import pose_stability
-    >>> arm = {"kind": "two-link", "base": [0.0, -0.45], "link_length": 0.325, "link_mass": [0.88, 0.40],
-    ...        "link_centre": [0.25, 0.16], "link_inertia": [0.010, 0.004]}
+    >>> arm = {"kind": "two-link", "base": [0.0, -0.45], "elbow": "right", "link_length": 0.325,
+    ...        "link_mass": [0.88, 0.40], "link_centre": [0.25, 0.16], "link_inertia": [0.010, 0.004]}
     >>> angle = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
     >>> path = np.column_stack([0.05 * np.sin(2 * angle), 0.1 * np.sin(angle)])
     >>> found = pose_stability(ts.hman(), (arm, arm), 71.2, 0.15, path)

@@ -1,8 +1,8 @@
 """Frequency response of one axis: transfer matrix, magnitude and phase, and the Nyquist locus.
 
-Everything is written in P_i(s) = m_i s² + (b_i + c) s + k + kh_i, the delays of both directions and
+Everything is expressed in P_i(s) = m_i s² + (b_i + c) s + k + kh_i, the delays of both directions and
 chi(s) = P1 P2 - (k + c s)² exp(-T s), T the round trip. Phases are continuous in frequency and start
-from ω → 0, whatever frequencies are asked for.
+from ω → 0, for any choice of frequencies.
 """
 
 from __future__ import annotations
@@ -76,12 +76,12 @@ def transfer_matrix(
     delay : float or (float, float)
         One-way delay, s, or the pair (forward, backward).
     s : array_like of complex
-        Where to take it, 1/s.
+        Points of the complex plane, 1/s.
     axis : int or str
         The axis by its index or its name.
     convention : {"exact", "paper"}
-        X1/F1 = P2/chi and X2/F2 = P1/chi as the equations of motion have it, or Eq. 2 of [1]_ as
-        printed, the diagonal swapped.
+        X1/F1 = P2/chi and X2/F2 = P1/chi according to the equations of motion, or Eq. 2 of [1]_ as
+        printed, with the diagonal swapped.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def mobility_matrix(
     delay : float or (float, float)
         One-way delay, s, or the pair (forward, backward).
     s : array_like of complex
-        Where to take it, 1/s.
+        Points of the complex plane, 1/s.
     axis : int or str
         The axis by its index or its name.
 
@@ -180,7 +180,7 @@ def frequency_response(
     axis : int or str
         The axis by its index or its name.
     convention : {"exact", "paper"}
-        The diagonal as the equations of motion have it, or as Eq. 2 of [1]_ prints it.
+        The diagonal according to the equations of motion, or as printed in Eq. 2 of [1]_.
 
     Returns
     -------
@@ -200,8 +200,8 @@ def frequency_response(
     Examples
     --------
     >>> import telespring as ts
-    >>> found = ts.frequency_response(ts.hman(), 71.2, 0.1, [1e-6, 5.0])
-    >>> found.value.shape, round(float(found.phase[0, 0, 0]), 5)
+    >>> response = ts.frequency_response(ts.hman(), 71.2, 0.1, [1e-6, 5.0])
+    >>> response.value.shape, round(float(response.phase[0, 0, 0]), 5)
     ((2, 2, 2), -1.5708)
     """
     of = (dyad, stiffness, delay, axis)
@@ -217,8 +217,8 @@ def open_loop(
 ) -> ResponseCurve:
     """Open loop L = -(k + c s)² exp(-T s)/(P1 P2) over angular frequencies.
 
-    It is what `nyquist` draws and what Fig. 3 of [1]_ means, whose caption lacks a factor
-    k exp(-δ s). Its phase starts at +π; the critical phase is -π.
+    The locus of `nyquist` and of Fig. 3 of [1]_, whose caption lacks a factor k exp(-δ s). Its phase
+    starts at +π; the critical phase is -π.
 
     Parameters
     ----------
@@ -265,10 +265,10 @@ def partner_response(
     axis: int | str = 0,
     robot: int = 0,
 ) -> ResponseCurve:
-    """How one robot follows its partner: X_i/X_j = (k + c s) exp(-s δ)/P_i, δ the delay towards it.
+    """Response of one robot to its partner: X_i/X_j = (k + c s) exp(-s δ)/P_i, δ the delay towards it.
 
-    Magnitude ratio and phase shift as in Fig. 4 of [1]_. For identical robots it squares to -L, so
-    that it rises above 1 exactly where the stiffness exceeds b²/(2m).
+    Magnitude ratio and phase shift as in Fig. 4 of [1]_. For identical robots its square is -L, so
+    that it exceeds 1 exactly where the stiffness exceeds b²/(2m).
 
     Parameters
     ----------
@@ -322,7 +322,7 @@ def frequency_grid(
     resolution: float = 0.1,
     limit: int = 100_000,
 ) -> FrequencyGrid:
-    """Angular frequencies on which every curve here is smooth from point to point.
+    """Angular frequencies dense enough that every response is smooth from point to point.
 
     Between neighbours no factor of the responses changes by more than about `resolution`, so that no
     resonance, however narrow, falls between two points.
@@ -342,7 +342,7 @@ def frequency_grid(
     resolution : float
         Largest relative change between neighbours, and largest turn of the round trip, rad; 1e-3 to 1.
     limit : int
-        Most points.
+        Largest number of points.
 
     Returns
     -------
@@ -367,9 +367,9 @@ def frequency_grid(
 def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> Nyquist:
     """Nyquist locus, its encirclements of -1 and the margins.
 
-    With free handles the locus starts at -1 whatever the parameters, so that a plain count is
-    undefined; here the rigid-body root is divided out and the count is proven by following the
-    argument of the characteristic function, not read off the points drawn.
+    With free handles the locus starts at -1 for all parameters, so that counting encirclements directly is
+    undefined. Here the rigid-body root is divided out, and the count is proven by following the argument of
+    the characteristic function instead of the plotted points.
 
     Parameters
     ----------
@@ -385,7 +385,7 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     Returns
     -------
     Nyquist
-        The locus, the count, the margins and how the count ended.
+        Locus, count, margins, and the status of the count.
 
     Raises
     ------
@@ -395,8 +395,8 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     Examples
     --------
     >>> import telespring as ts
-    >>> found = ts.nyquist(ts.hman(), 71.231976, 0.15)
-    >>> found.stable, round(0.15 + found.delay_margin.value, 6)
+    >>> nyquist = ts.nyquist(ts.hman(), 71.231976, 0.15)
+    >>> nyquist.stable, round(0.15 + nyquist.delay_margin.value, 6)
     (True, 0.167186)
     >>> ts.nyquist(ts.hman(), 71.231976, 0.18).encirclements
     2

@@ -1,4 +1,4 @@
-"""The ideal continuous dyad in time, at constant delay, exact for the linear model."""
+"""Simulation of the ideal continuous dyad at constant delay, exact for the linear model."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Sine:
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """A signal sampled at t = i/rate, i = 0, 1, ...; after the last sample its value is held.
+    """A signal sampled at t = i/rate, i = 0, 1, ...; the last value is held.
 
     Parameters
     ----------
@@ -98,12 +98,12 @@ class Trajectory(NamedTuple):
     time : ndarray
         s.
     position, velocity : ndarray
-        m and m/s, (time, robot, axis); velocity is None where it was not asked for.
+        m and m/s, (time, robot, axis); velocity is None unless requested.
     diverged_at : tuple of float or None
-        Per axis the time, s, at which a position passed 1e12 m, or None. All arrays end before the
-        first of these.
+        Per axis the time, s, at which a position exceeded 1e12 m, or None. All arrays end before the first
+        of these.
     force_error, history_error : ndarray
-        How far functions of time were approximated, N and m, (robot, axis); 0 for all else.
+        Approximation error of functions of time, N and m, (robot, axis); 0 for all others.
     """
 
     time: FloatArray
@@ -125,12 +125,12 @@ def simulate_array(
     *,
     velocities: bool = True,
 ) -> Trajectory:
-    """Simulate the dyad and return bare arrays; `simulate` has the same with labels and units.
+    """Simulate the dyad and return plain arrays; `simulate` returns the same with labels and units.
 
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -140,11 +140,11 @@ def simulate_array(
     duration : float
         s.
     rate : float
-        Outputs per second, Hz; it does not touch the accuracy.
+        Outputs per second, Hz; accuracy does not depend on it.
     history : nested sequence, optional
         ``history[robot][axis]``, as in `simulate`.
     velocities : bool
-        Whether velocities are wanted too.
+        Whether to return velocities too.
 
     Returns
     -------
@@ -174,9 +174,9 @@ def simulate_array(
         velocities,
     )
     time = np.arange(position.shape[2]) / rate
-    reached = [at for at in diverged if at is not None]
-    if reached:
-        time = time[time < min(reached)]
+    divergences = [at for at in diverged if at is not None]
+    if divergences:
+        time = time[time < min(divergences)]
     kept = slice(0, len(time))
     return Trajectory(
         time,
@@ -214,7 +214,7 @@ def simulate(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -226,7 +226,7 @@ def simulate(
     duration : float
         s.
     rate : float
-        Outputs per second, Hz; it does not touch the accuracy.
+        Outputs per second, Hz; accuracy does not depend on it.
     history : nested sequence, optional
         ``history[robot][axis]``, m, for t <= 0: a number (at rest there), a pair (position, velocity)
         (at rest until it starts with that velocity), or a function of time. At rest at 0 where absent.
@@ -261,8 +261,8 @@ def simulate(
     """
     import xarray as xr
 
-    found = simulate_array(dyad, stiffness, delay, forces, duration, rate, history)
-    assert found.velocity is not None
+    trajectory = simulate_array(dyad, stiffness, delay, forces, duration, rate, history)
+    assert trajectory.velocity is not None
     signal, pair = ("time", "robot", "axis"), ("robot", "axis")
     forward, backward = np.broadcast_to(delay, 2).tolist()
     attributes: dict[str, Any] = {
@@ -271,18 +271,18 @@ def simulate(
         "delay_forward": forward,
         "delay_backward": backward,
     }
-    reached = [at for at in found.diverged_at if at is not None]
-    if reached:
-        attributes |= {"status": "diverged", "diverged_at": min(reached)}
+    divergences = [at for at in trajectory.diverged_at if at is not None]
+    if divergences:
+        attributes |= {"status": "diverged", "diverged_at": min(divergences)}
     return xr.Dataset(
         {
-            "position": (signal, found.position, {"units": "m"}),
-            "velocity": (signal, found.velocity, {"units": "m/s"}),
-            "force_error": (pair, found.force_error, {"units": "N"}),
-            "history_error": (pair, found.history_error, {"units": "m"}),
+            "position": (signal, trajectory.position, {"units": "m"}),
+            "velocity": (signal, trajectory.velocity, {"units": "m/s"}),
+            "force_error": (pair, trajectory.force_error, {"units": "N"}),
+            "history_error": (pair, trajectory.history_error, {"units": "m"}),
         },
         coords={
-            "time": ("time", found.time, {"units": "s"}),
+            "time": ("time", trajectory.time, {"units": "s"}),
             "robot": ("robot", [1, 2]),
             "axis": ("axis", dyad.axes),
         },
