@@ -448,7 +448,7 @@ def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> N
     text = " ".join(screen.split())
     assert "STABLE AXIS BY AXIS ONLY" in text
     assert "Warning: The axes of robot 1 are NOT independent" in text
-    assert "probability of stability is not given" in text
+    assert "no probability of stability is given" in text
     assert "stable with probability" not in text
 
 
