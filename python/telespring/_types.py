@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Literal, TypeAlias, TypedDict
+from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from telespring._core import Dyad
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -28,8 +25,6 @@ SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
 # one-way, s: the same each way, or forward and backward, a row of two
 Delay: TypeAlias = float | Sequence[float] | FloatArray
-# what a response is of: the dyad, the stiffness (N/m), the delay, the axis
-Loop: TypeAlias = "tuple[Dyad, float, Delay, int | str]"
 # a number, or a function and whether it takes the state beside the time
 DelayValue: TypeAlias = float | tuple[Callable[..., float], bool]
 

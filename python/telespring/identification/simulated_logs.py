@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from telespring import _core
+import telespring._core as core
 from telespring._types import FloatArray
 from telespring.identification.excitation import Excitation, paper_excitation
 from telespring.model import Dyad, Study, hman
@@ -196,7 +196,7 @@ def _simulate_two_axes(
             run["handle_force"][:, robot],
             run["agent_force"][:, robot],
             np.diag(driven.dyad.robots[robot].mass),
-            _core.arm_operator(driven.experiment.arms[robot], positions)[0],
+            core.arm_operator(driven.experiment.arms[robot], positions)[0],
         )
     # The first tick, at which the servo starts abruptly, has no force before it.
     return SimulatedLog(

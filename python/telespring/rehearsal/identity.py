@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from telespring import _core
+import telespring._core as core
 
 __all__ = ["SCHEMA", "RehearsalIdentity", "core_version"]
 
@@ -24,8 +24,8 @@ def core_version() -> str:
 
     The hash is computed on demand because it reads the whole core.
     """
-    built = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
-    return f"{_core.__version__}+{built[:12]}"
+    built = hashlib.sha256(Path(core.__file__).read_bytes()).hexdigest()
+    return f"{core.__version__}+{built[:12]}"
 
 
 @dataclass(frozen=True)

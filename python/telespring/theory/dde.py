@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from telespring import _core
+import telespring._core as core
 from telespring._arrays import as_number, as_numbers, written
 from telespring._core import DelaySolution
 from telespring._errors import InvalidInput
@@ -151,7 +151,7 @@ def solve_dde(
     }
     beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
     try:
-        return _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+        return core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
     except InvalidInput as refused:
         if refused.field != "span":
             raise

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from telespring import _core
+import telespring._core as core
 from telespring._arrays import as_vector
 from telespring._core import FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve
 from telespring._errors import InvalidInput
@@ -109,7 +109,7 @@ def transfer_matrix(
     True
     """
     of = (dyad, stiffness, delay, axis)
-    return _over_plane(s, lambda points: _core.transfer_matrix(of, points, convention))
+    return _over_plane(s, lambda points: core.transfer_matrix(of, points, convention))
 
 
 def mobility_matrix(
@@ -154,7 +154,7 @@ def mobility_matrix(
     True
     """
     of = (dyad, stiffness, delay, axis)
-    return _over_plane(s, lambda points: _core.mobility_matrix(of, points))
+    return _over_plane(s, lambda points: core.mobility_matrix(of, points))
 
 
 def frequency_response(
@@ -205,7 +205,7 @@ def frequency_response(
     ((2, 2, 2), -1.5708)
     """
     of = (dyad, stiffness, delay, axis)
-    return _core.frequency_response(of, as_vector("frequency", frequency), convention)
+    return core.frequency_response(of, as_vector("frequency", frequency), convention)
 
 
 def open_loop(
@@ -254,7 +254,7 @@ def open_loop(
     >>> float(ts.open_loop(ts.hman(), 71.2, 0.167, 0.0).value[0].real)  # free handles
     -1.0
     """
-    return _core.open_loop((dyad, stiffness, delay, axis), as_vector("frequency", frequency))
+    return core.open_loop((dyad, stiffness, delay, axis), as_vector("frequency", frequency))
 
 
 def partner_response(
@@ -309,7 +309,7 @@ def partner_response(
     (1.0, True)
     """
     of = (dyad, stiffness, delay, axis)
-    return _core.partner_response(of, robot, as_vector("frequency", frequency))
+    return core.partner_response(of, robot, as_vector("frequency", frequency))
 
 
 def frequency_grid(
@@ -361,7 +361,7 @@ def frequency_grid(
     >>> grid.status, float(grid.frequency[0]), float(grid.frequency[-1])
     ('resolved', 0.1, 100.0)
     """
-    return _core.frequency_grid((dyad, stiffness, delay, axis), low, high, resolution, limit)
+    return core.frequency_grid((dyad, stiffness, delay, axis), low, high, resolution, limit)
 
 
 def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> Nyquist:
@@ -401,4 +401,4 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     >>> ts.nyquist(ts.hman(), 71.231976, 0.18).encirclements
     2
     """
-    return _core.nyquist((dyad, stiffness, delay, axis))
+    return core.nyquist((dyad, stiffness, delay, axis))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from telespring import _core
+import telespring._core as core
 from telespring._arrays import as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import Delay, FloatArray
@@ -163,7 +163,7 @@ def simulate_array(
     >>> ts.simulate_array(ts.hman(), 71.2, 0.167, push, 10.0).position.shape
     (10001, 2, 2)
     """
-    position, velocity, diverged, force_error, history_error = _core.simulate(
+    position, velocity, diverged, force_error, history_error = core.simulate(
         dyad,
         stiffness,
         delay,

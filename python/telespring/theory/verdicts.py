@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from telespring import _core
+import telespring._core as core
 from telespring._core import (
     AxisTier,
     AxisVerdict,
@@ -115,5 +115,5 @@ def verdicts(
     >>> ts.verdicts(ts.hman(), 30.0, 0.1).to_dict()["paper"]["maximum_delay"] is None  # any delay
     True
     """
-    network = _core.Network(delay, jitter, max_gap, sample_period, computing_time)
-    return _core.verdicts(dyad, stiffness, network, operator_range)
+    network = core.Network(delay, jitter, max_gap, sample_period, computing_time)
+    return core.verdicts(dyad, stiffness, network, operator_range)
