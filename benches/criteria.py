@@ -74,7 +74,15 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
     yield Row(VERDICTS, "ours: Python verdicts", verdicts, error, ours=True)
     single = effort.time(lambda: ts.critical_stiffness(*x), 0.3)
     error = ts.critical_stiffness(*x) / reference.critical_stiffness(*x) - 1
-    yield Row(VERDICTS, "ours: Python critical_stiffness, one call", single, abs(error), ours=True)
+    yield Row(
+        VERDICTS,
+        "ours: Python critical_stiffness, one call",
+        single,
+        abs(error),
+        ours=True,
+        target_seconds=5e-6,
+        target_error=1e-12,
+    )
 
     def one(name: str, call: Callable[[], float], note: str) -> Row:
         error = abs(call() / truth - 1)
