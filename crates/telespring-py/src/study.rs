@@ -380,7 +380,7 @@ impl Study {
     /// --------
     /// >>> import telespring as ts
     /// >>> try:
-    /// ...     ts.Study.from_toml("[robot1]\\nmass = 1")
+    /// ...     ts.Study.from_toml("[robot1]\nmass = 1")
     /// ... except ts.InvalidInput as refused:
     /// ...     print(refused.field)
     /// robot1.damping
@@ -449,7 +449,7 @@ impl Study {
     /// (140.0, 5)
     /// >>> study.replace(coupling={"stiffness": -1.0})
     /// Traceback (most recent call last):
-    /// telespring._errors.InvalidInput: coupling.stiffness = -1.0: a coupling stiffness must be ...
+    /// telespring._errors.InvalidInput: coupling.stiffness = -1: a coupling stiffness must be ...
     #[pyo3(signature = (**sections))]
     fn replace(&self, py: Python<'_>, sections: Option<&Bound<'_, PyDict>>) -> Outcome<Self> {
         let Some(sections) = sections else { return Ok(self.clone()) };

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from telespring._errors import InvalidInput
 from telespring.model import Dyad, Robot
-from telespring.theory.axis import Axis
+from telespring.theory.axis import Axis, free_axis
 
 __all__ = ["MAP_POINTS", "MAP_WIDTH", "Reference", "classify", "reference_of", "refuse_what_cannot_be_drawn"]
 
@@ -64,9 +64,9 @@ def reference_of(axes: list[Axis]) -> Reference:
 def classify(axis: Axis, stiffness: float, delay: float) -> str:
     """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
     for crossing in axis.crossings(stiffness):
-        spacing = math.pi / crossing["frequency"]
-        turns = round((delay - crossing["delay"]) / spacing)
-        if turns >= 0 and abs(delay - crossing["delay"] - turns * spacing) <= 1e-9 * delay:
+        spacing = math.pi / crossing.frequency
+        turns = round((delay - crossing.delay) / spacing)
+        if turns >= 0 and abs(delay - crossing.delay - turns * spacing) <= 1e-9 * delay:
             return "marginal"
     return "stable" if axis.is_stable(stiffness, delay) else "unstable"
 
@@ -145,7 +145,7 @@ def _reference_stiffness(axes: list[Axis]) -> tuple[float, str]:
     critical = {axis.name: axis.critical_stiffness() for axis in axes}
     name = min(critical, key=lambda each: critical[each])
     if math.isinf(critical[name]):
-        return min(axis.critical_stiffness("paper") for axis in axes), name
+        return min(free_axis(*axis.parameters).critical_stiffness("paper") for axis in axes), name
     return critical[name], name
 
 

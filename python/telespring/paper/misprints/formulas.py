@@ -57,7 +57,7 @@ def sign_in_equation_9(base: Axis) -> Misprint:
     k = 4.0
     frequency = math.sqrt((2 * 1.0 * k - 2.0**2) / 1.0**2)
     k_base = 2 * base.critical_stiffness()
-    at_base = base.crossings(k_base)[0]["frequency"]
+    at_base = base.crossings(k_base)[0].frequency
     return Misprint(
         key="equation-9",
         where="Eq. 9",

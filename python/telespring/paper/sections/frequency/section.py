@@ -89,7 +89,7 @@ def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, f
     found = axis.crossings(stiffness)
     if not found:
         return None
-    frequency = max(each["frequency"] for each in found)
+    frequency = max(crossing.frequency for crossing in found)
     mass, damping = axis.masses[0], axis.dampings[0]
     if frequency < 1e-3 * math.sqrt(stiffness / mass):
         # At the critical stiffness itself the crossing sits at rest; rounding may lift it off zero.

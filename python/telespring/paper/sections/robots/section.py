@@ -9,7 +9,7 @@ from telespring.paper import as_printed
 from telespring.paper.reference import Reference
 from telespring.paper.scene import Found, Scene
 from telespring.paper.sections.summary.allowed import summarise
-from telespring.theory.axis import Axis, finite_or_none
+from telespring.theory.axis import Axis, finite_or_none, free_axis
 
 __all__ = ["find_allowed", "find_reference"]
 
@@ -46,7 +46,7 @@ def _study_numbers(study: Study, axes: list[Axis]) -> dict[str, Any]:
                 "axis": axis.name,
                 "mass": list(axis.masses),
                 "damping": list(axis.dampings),
-                "operator_stiffness": list(axis.ground_stiffnesses),
+                "operator_stiffness": list(axis.ground_stiffness),
                 "coupling_damping": axis.coupling_damping,
             }
             for axis in axes
@@ -74,7 +74,7 @@ def _axis_numbers(axis: Axis, base: Reference) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness()),
-        "critical_stiffness_paper": axis.critical_stiffness("paper"),
+        "critical_stiffness_paper": free_axis(*axis.parameters).critical_stiffness("paper"),
         "maximum_delay": [
             {
                 "factor": factor,
