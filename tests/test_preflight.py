@@ -130,7 +130,7 @@ def test_ref_the_targets_path_is_what_the_trials_follow() -> None:
     assert np.hypot(*path.T) == pytest.approx(0.08, abs=1e-12)
 
 
-def test_ref_what_will_spoil_the_trials_is_foreseen() -> None:
+def test_ref_what_will_spoil_the_trials_has_a_warning() -> None:
     assert warnings_of(ts.Study.paper()) == []
     lost = ts.Study.paper().replace(laboratory={"loss": 1.0, "jitter": 30.0})
     jitter, loss = warnings_of(lost)

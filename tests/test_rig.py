@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 from typing import Any
@@ -25,8 +26,8 @@ got = _core.Laboratory.paper().run_many(
     [np.nan, 17.8, 142.4] * 3, np.repeat([0.0, 0.0836, 0.3344], 3),
     [_core.trial_seed(1, 0, i) for i in range(n)], 1.5, 100.0)
 digest = hashlib.sha256()
-for name, values in sorted(got.to_dict().items()):
-    digest.update(np.ascontiguousarray(values).tobytes())
+for name in sorted(got.to_dict()):
+    digest.update(np.ascontiguousarray(getattr(got, name)).tobytes())
 print(digest.hexdigest())
 """
 
@@ -51,7 +52,7 @@ def test_law_many_trials_are_the_single_ones() -> None:
     seed = [_core.trial_seed(3, 0, trial) for trial in range(3)]
     many = LABORATORY.run_many(stiffness, delay, seed, 30.0, 50.0)
     assert many.position.shape == (3, 1501, 2, 2)
-    assert many.status == ["completed", "completed", "diverged"]
+    assert many.status == ("completed", "completed", "diverged")
     for trial in range(3):
         one = LABORATORY.run(
             None if np.isnan(stiffness[trial]) else stiffness[trial], delay[trial], seed[trial], 30.0, 50.0
@@ -65,6 +66,18 @@ def test_law_many_trials_are_the_single_ones() -> None:
         np.testing.assert_array_equal(many.ended_at[trial], ended_at)
     assert many.ended_at[2] > 0.0
     assert rows < 1501
+
+
+def test_law_recordings_are_values() -> None:
+    one = LABORATORY.run(71.2, 0.05, 1, 0.1, 100.0)
+    moved = _core.simulate_handle({"mass": 1.0, "damping": 1.0}, {}, [[1, 0]], [[0, 0]], 1e-3, [0, 0])
+    for recorded in (one, moved):
+        assert pickle.loads(pickle.dumps(recorded)) == recorded
+        assert recorded.to_dict()["status"] == "completed"
+        with pytest.raises(AttributeError):
+            recorded.status = "diverged"  # type: ignore[misc]
+    assert one == LABORATORY.run(71.2, 0.05, 1, 0.1, 100.0)
+    assert one != LABORATORY.run(71.2, 0.05, 2, 0.1, 100.0)
 
 
 def test_law_the_number_of_threads_changes_no_bit() -> None:

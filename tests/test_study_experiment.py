@@ -192,10 +192,10 @@ def test_law_a_condition_is_a_pair() -> None:
     stiffness, delay = condition
     assert (stiffness, delay) == (condition.stiffness, condition.delay) == condition
     assert hash(condition) == hash((35.6, 0.1))
-    assert condition != ts.Condition(None)
+    assert condition != ts.Condition(None, 0.0)
     assert condition != (35.6, 0.2)
     assert len(condition) == 2
-    assert ts.Condition(None).to_dict() == {"stiffness": None, "delay": 0.0}
+    assert ts.Condition(None, 0.0).to_dict() == {"stiffness": None, "delay": 0.0}
 
 
 def test_law_a_study_knows_whether_it_names_what_holds_the_handles(root: Path) -> None:

@@ -1,188 +1,58 @@
 //! The experiment of a study as Python sees it: its trials, who takes part, and the laboratory.
 
 use numpy::{IntoPyArray, PyArray1};
-use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyTuple;
 use telespring::rig::{Protocol, Schedule};
 
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
+use crate::records::record;
 use crate::rig::Laboratory;
 
-/// A condition of an experiment: a spring and a delay, or no spring.
-///
-/// It unpacks and compares as the pair (stiffness, delay).
-///
-/// Parameters
-/// ----------
-/// stiffness : float or None
-///     Stiffness of the virtual spring, N/m; None is the unconnected mode.
-/// delay : float
-///     One-way delay, each way, s.
-///
-/// Examples
-/// --------
-/// >>> import telespring as ts
-/// >>> unconnected, first, *_ = ts.Study.paper().experiment.conditions
-/// >>> unconnected
-/// Condition(stiffness=None, delay=0.0)
-/// >>> stiffness, delay = first
-/// >>> round(stiffness, 1), delay
-/// (17.8, 0.0)
-#[pyclass(frozen, module = "telespring")]
-#[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
-    stiffness: Option<f64>,
-    delay: f64,
-}
-
-type ConditionPair = (Option<f64>, f64);
-
-#[pymethods]
-impl Condition {
-    #[new]
-    #[pyo3(signature = (stiffness, delay=0.0))]
-    fn new(stiffness: Option<f64>, delay: f64) -> Self {
-        Self { stiffness, delay }
-    }
-
-    /// Stiffness of the virtual spring, N/m; None in the unconnected mode.
-    #[getter]
-    fn stiffness(&self) -> Option<f64> {
-        self.stiffness
-    }
-
-    /// One-way delay, each way, s.
-    #[getter]
-    fn delay(&self) -> f64 {
-        self.delay
-    }
-
-    /// Both attributes by their names.
+record! {
+    /// A condition of an experiment: a spring and a delay, or no spring.
     ///
-    /// Returns
-    /// -------
-    /// dict
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        dict.set_item("stiffness", self.stiffness)?;
-        dict.set_item("delay", self.delay)?;
-        Ok(dict)
-    }
-
-    fn pair(&self) -> ConditionPair {
-        (self.stiffness, self.delay)
-    }
-
-    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.pair().into_pyobject(py)?.call_method0("__iter__")
-    }
-
-    fn __len__(&self) -> usize {
-        2
-    }
-
-    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
-        match index {
-            0 | -2 => Ok(self.stiffness.into_pyobject(py)?),
-            1 | -1 => Ok(self.delay.into_pyobject(py)?.into_any()),
-            _ => Err(PyIndexError::new_err("a condition is a pair")),
-        }
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        match other.cast::<Self>() {
-            Ok(other) => self == other.get(),
-            Err(_) => {
-                other.is_instance_of::<PyTuple>() && other.extract().is_ok_and(|other| self.pair() == other)
-            }
-        }
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.pair().into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        let stiffness = self.stiffness.map_or_else(|| "None".to_owned(), |value| format!("{value:?}"));
-        format!("Condition(stiffness={stiffness}, delay={:?})", self.delay)
-    }
-
-    fn __getnewargs__(&self) -> ConditionPair {
-        self.pair()
-    }
-}
-
-/// Imperfections of the controllers and the network of a virtual laboratory; the defaults have none.
-///
-/// Parameters
-/// ----------
-/// computing_tick : bool
-///     Whether a force acts one sample period after the sample it was computed from.
-/// actuator_lag : float
-///     Time constant of the robots' actuators, s.
-/// encoder_resolution : float
-///     Step to which measured positions are rounded, m; 0 is none.
-/// jitter : float
-///     Largest delay of a packet beyond that of the condition, s.
-/// loss : float
-///     Probability that a packet is lost.
-///
-/// Examples
-/// --------
-/// >>> import telespring as ts
-/// >>> ts.Study.paper().experiment.settings == ts.LaboratorySettings()
-/// True
-#[pyclass(frozen, eq, get_all, module = "telespring")]
-#[derive(Debug, Clone, PartialEq)]
-pub struct LaboratorySettings {
-    /// Whether a force acts one sample period after the sample it was computed from.
-    computing_tick: bool,
-    /// Time constant of the robots' actuators, s.
-    actuator_lag: f64,
-    /// Step to which measured positions are rounded, m; 0 is none.
-    encoder_resolution: f64,
-    /// Largest delay of a packet beyond that of the condition, s.
-    jitter: f64,
-    /// Probability that a packet is lost.
-    loss: f64,
-}
-
-#[pymethods]
-impl LaboratorySettings {
-    #[new]
-    #[pyo3(signature = (computing_tick=false, actuator_lag=0.0, encoder_resolution=0.0, jitter=0.0, loss=0.0))]
-    fn new(computing_tick: bool, actuator_lag: f64, encoder_resolution: f64, jitter: f64, loss: f64) -> Self {
-        Self { computing_tick, actuator_lag, encoder_resolution, jitter, loss }
-    }
-
-    /// The attributes by their names, which are those of the section `[laboratory]` of a study file.
+    /// It unpacks and compares as the pair (stiffness, delay).
     ///
-    /// Returns
-    /// -------
-    /// dict
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        dict.set_item("computing_tick", self.computing_tick)?;
-        dict.set_item("actuator_lag", self.actuator_lag)?;
-        dict.set_item("encoder_resolution", self.encoder_resolution)?;
-        dict.set_item("jitter", self.jitter)?;
-        dict.set_item("loss", self.loss)?;
-        Ok(dict)
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> unconnected, first, *_ = ts.Study.paper().experiment.conditions
+    /// >>> unconnected
+    /// Condition(stiffness=None, delay=0.0)
+    /// >>> stiffness, delay = first
+    /// >>> round(stiffness, 1), delay
+    /// (17.8, 0.0)
+    Condition as tuple {
+        /// Stiffness of the virtual spring, N/m; None in the unconnected mode.
+        stiffness: Option<f64>,
+        /// One-way delay, each way, s.
+        delay: f64,
     }
+}
 
-    fn __repr__(&self) -> String {
-        let Self { computing_tick, actuator_lag, encoder_resolution, jitter, loss } = self;
-        let tick = if *computing_tick { "True" } else { "False" };
-        format!(
-            "LaboratorySettings(computing_tick={tick}, actuator_lag={actuator_lag:?}, \
-             encoder_resolution={encoder_resolution:?}, jitter={jitter:?}, loss={loss:?})"
-        )
-    }
-
-    fn __getnewargs__(&self) -> (bool, f64, f64, f64, f64) {
-        (self.computing_tick, self.actuator_lag, self.encoder_resolution, self.jitter, self.loss)
+record! {
+    /// Imperfections of the controllers and the network of a virtual laboratory.
+    ///
+    /// The attributes are keys of the section `[laboratory]` of a study file.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> ts.Study.paper().experiment.settings.loss
+    /// 0.0
+    LaboratorySettings {
+        /// Whether a force acts one sample period after the sample it was computed from.
+        computing_tick: bool,
+        /// Time constant of the robots' actuators, s; 0 is none.
+        actuator_lag: f64,
+        /// Step to which measured positions are rounded, m; 0 is none.
+        encoder_resolution: f64,
+        /// Largest delay of a packet beyond that of the condition, s.
+        jitter: f64,
+        /// Probability that a packet is lost.
+        loss: f64,
     }
 }
 

@@ -98,6 +98,10 @@ mod _core {
         ] {
             module.getattr(name)?.setattr("__module__", "telespring")?;
         }
+        // classes that the package does not list: pickles must find them
+        for name in ["HandleMotion", "Recording", "Recordings", "RobotRecord"] {
+            module.getattr(name)?.setattr("__module__", "telespring._core")?;
+        }
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! One robot in one arm under given forces, and the mass and damping that its handle feels of the arm.
 
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{IntoPyArray, Ix2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use telespring::InvalidInput;
@@ -12,6 +12,7 @@ use crate::arguments::{Argument, Number, rows, written};
 use crate::errors::Outcome;
 use crate::participants::Arm;
 use crate::recording::HandleMotion;
+use crate::records::Array;
 use crate::study_values::to_table;
 
 /// A mapping of the keys that a robot has in a study file.
@@ -58,9 +59,9 @@ fn pair(name: &str, given: Argument<[f64; 2]>, quantity: Quantity) -> Outcome<[f
     Ok(values)
 }
 
-fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Py<PyArray2<f64>>> {
+fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Array<f64, Ix2>> {
     let shape = [values.len(), 2];
-    Ok(values.into_flattened().into_pyarray(py).reshape(shape)?.unbind())
+    Ok(values.into_flattened().into_pyarray(py).reshape(shape)?.into())
 }
 
 /// The signals of one simulated motion.
@@ -115,7 +116,7 @@ pub fn simulate_handle(
         velocity: columns(py, record.velocity)?,
         handle_force: columns(py, record.handle_force)?,
         torque: has_joints.then(|| columns(py, record.torque)).transpose()?,
-        status,
+        status: status.to_owned(),
         ended_at,
     })
 }

@@ -167,19 +167,19 @@ impl Laboratory {
         let rows = outcome.rows;
         let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
-            Ok(flat.into_pyarray(py).reshape([rows, 2, 2])?.unbind())
+            Ok(flat.into_pyarray(py).reshape([rows, 2, 2])?.into())
         };
         let (status, ended_at) = ended(&outcome);
         Ok(Recording {
-            time: times(py, &schedule, rows, laboratory.controller.sample_period).unbind(),
-            target: target.into_flattened().into_pyarray(py).reshape([rows, 2])?.unbind(),
+            time: times(py, &schedule, rows, laboratory.controller.sample_period).into(),
+            target: target.into_flattened().into_pyarray(py).reshape([rows, 2])?.into(),
             position: signal(position)?,
             velocity: signal(velocity)?,
             coupling_force: signal(coupling_force)?,
             agent_force: signal(agent_force)?,
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
-            status,
+            status: status.to_owned(),
             ended_at,
         })
     }
@@ -297,14 +297,15 @@ impl Laboratory {
         })??;
         let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
-            Ok(flat.into_pyarray(py).reshape([trials, rows, 2, 2])?.unbind())
+            Ok(flat.into_pyarray(py).reshape([trials, rows, 2, 2])?.into())
         };
         let [position, velocity, coupling_force, agent_force, handle_force, aim] = blocks;
         let (status, ended_at): (Vec<_>, Vec<_>) = outcomes.iter().map(ended).unzip();
+        let status = status.into_iter().map(str::to_owned).collect();
         let ended_at: Vec<_> = ended_at.into_iter().map(|time| time.unwrap_or(f64::NAN)).collect();
         Ok(Recordings {
-            time: times(py, &schedule, rows, laboratory.controller.sample_period).unbind(),
-            target: targets.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.unbind(),
+            time: times(py, &schedule, rows, laboratory.controller.sample_period).into(),
+            target: targets.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.into(),
             position: signal(position)?,
             velocity: signal(velocity)?,
             coupling_force: signal(coupling_force)?,
@@ -312,7 +313,7 @@ impl Laboratory {
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
             status,
-            ended_at: ended_at.into_pyarray(py).unbind(),
+            ended_at: ended_at.into_pyarray(py).into(),
         })
     }
 }

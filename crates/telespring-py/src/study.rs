@@ -2,7 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyDict, PyString, PyType};
 use telespring::study::RobotFile;
 use telespring::verdicts;
 use telespring::{InvalidInput, quantity};
@@ -11,6 +11,7 @@ use crate::arguments::{DelayChoice, Number, written};
 use crate::errors::Outcome;
 use crate::experiment::Experiment;
 use crate::model::{Dyad, Operator};
+use crate::records::record;
 use crate::study_values::replacements;
 
 /// The coupling of the robots: a virtual spring and a damper beside it.
@@ -380,7 +381,7 @@ impl Study {
     /// --------
     /// >>> import telespring as ts
     /// >>> try:
-    /// ...     ts.Study.from_toml("[robot1]\\nmass = 1")
+    /// ...     ts.Study.from_toml("[robot1]\nmass = 1")
     /// ... except ts.InvalidInput as refused:
     /// ...     print(refused.field)
     /// robot1.damping
@@ -606,44 +607,13 @@ impl Study {
     }
 }
 
-/// What identification recorded in a robot file beside the robot's parameters.
-///
-/// Examples
-/// --------
-/// >>> from telespring.study.robot_file import RobotRecord
-/// >>> RobotRecord(independent=False, warnings=("The axes are not independent.",))
-/// RobotRecord(independent=False, warnings=('The axes are not independent.',))
-#[pyclass(frozen, eq, module = "telespring.study.robot_file")]
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RobotRecord(telespring::study::RobotRecord);
-
-#[pymethods]
-impl RobotRecord {
-    #[new]
-    #[pyo3(signature = (independent=None, warnings=Vec::new()), text_signature = "(independent=None, warnings=())")]
-    fn new(independent: Option<bool>, warnings: Vec<String>) -> Self {
-        Self(telespring::study::RobotRecord { independent, warnings })
-    }
-
-    /// Whether the axes are free of inertial coupling; None where that is unknown.
-    #[getter]
-    fn independent(&self) -> Option<bool> {
-        self.0.independent
-    }
-
-    /// Reservations about the estimates, as sentences.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, &self.0.warnings)
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let independent = self.0.independent.into_pyobject(py)?.repr()?;
-        Ok(format!("RobotRecord(independent={independent}, warnings={})", self.warnings(py)?.repr()?))
-    }
-
-    fn __getnewargs__(&self) -> (Option<bool>, Vec<String>) {
-        (self.0.independent, self.0.warnings.clone())
+record! {
+    /// What identification recorded in a robot file beside the robot's parameters.
+    RobotRecord(telespring::study::RobotRecord) {
+        /// Whether the axes are free of inertial coupling; None where that is unknown.
+        independent,
+        /// Reservations about the estimates, as sentences.
+        warnings,
     }
 }
 
