@@ -27,6 +27,7 @@ MOVED_MODULES = {
 
 #: Names that were renamed: the old full name, and the new one as "module:name".
 RENAMED = {
+    "telespring.experiment.Outcome": "telespring.rehearsal:RehearsalOutcome",
     "telespring.analysis.target_of": "telespring.study.target:target_positions",
     "telespring.analysis.take_trials": "telespring.analysis.trials:Trials.from_dataset",
 }
