@@ -10,7 +10,21 @@ from telespring._errors import InvalidInput
 from telespring.model import Dyad, Robot
 from telespring.theory.axis import Axis
 
-__all__ = ["MAP_POINTS", "MAP_WIDTH", "Reference", "classify", "reference_of", "refuse_what_cannot_be_drawn"]
+__all__ = [
+    "FACTORS",
+    "FACTOR_LABELS",
+    "MAP_POINTS",
+    "MAP_WIDTH",
+    "Reference",
+    "classify",
+    "label_setting",
+    "reference_of",
+    "refuse_what_cannot_be_drawn",
+]
+
+#: Multiples of K at which the paper draws its figures, and how these and those of Δ are written.
+FACTORS = (0.5, 1.0, 2.0, 4.0)
+FACTOR_LABELS = {0.0: "0", 0.5: "0.5", 1.0: "", 2.0: "2", 4.0: "4"}
 
 #: The map is drawn over this many stiffnesses up to this multiple of K, the largest that is used.
 MAP_POINTS = 600
@@ -59,6 +73,12 @@ def reference_of(axes: list[Axis]) -> Reference:
     delay_axis = min(delays, key=lambda name: delays[name])
     delay = delays[delay_axis]
     return Reference(stiffness, delay if math.isfinite(delay) else 0.1, stiffness_axis, delay_axis)
+
+
+def label_setting(stiffness_factor: float, delay_factor: float) -> str:
+    """Write a stiffness and a delay as multiples of K and Δ, as in "k = 2K, δ = 0.5Δ"."""
+    delay = f"δ = {FACTOR_LABELS[delay_factor]}{'Δ' if delay_factor else ''}"
+    return f"k = {FACTOR_LABELS[stiffness_factor]}K, {delay}"
 
 
 def classify(axis: Axis, stiffness: float, delay: float) -> str:

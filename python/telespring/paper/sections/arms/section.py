@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from telespring.decision.arms import InArms, stability_in_arms
 from telespring.model import Operator
 from telespring.paper.as_printed import EXPERIMENT_STIFFNESSES
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Section
 from telespring.paper.sections.arms.boundary import boundary_in_arms, draw
 from telespring.show import figures
 from telespring.theory.axis import axes_of
@@ -16,21 +17,21 @@ if TYPE_CHECKING:
     from telespring.decision.arms import ConditionInArms, Poses
     from telespring.decision.handles import Holding
 
-__all__ = ["find_arms"]
+__all__ = ["SECTION", "find_arms"]
 
 Condition = tuple[float, float]
 
 
-def find_arms(scene: Scene) -> Found:
+def find_arms(scene: Scene) -> Findings:
     """Judge the experiment's conditions with free handles and held by the study's arms and agents."""
     experiment = scene.study.experiment
     if experiment is None:
-        return Found()
+        return Findings()
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
     found = stability_in_arms(scene.study, connected, scene.modules)
     if found.holding is None:
         why = f"Not known: {found.unknown}."
-        return Found(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})
+        return Findings(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})
     numbers = {"known": True, "depends_on_pose": found.poses is not None, **_holding(found.holding)}
     if found.poses is None:
         # For its robots also the two largest stiffnesses as the paper prints them, rounded.
@@ -38,7 +39,16 @@ def find_arms(scene: Scene) -> Found:
         more, drawing = _boundary(found.holding, connected, printed)
     else:
         more, drawing = _along_the_path(found, found.holding, found.poses)
-    return Found(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
+    return Findings(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
+
+
+SECTION = Section(
+    name="arms",
+    anchor="arms",
+    title="How arms move the stability boundary",
+    step="stability in arms",
+    find=find_arms,
+)
 
 
 def _holding(holding: Holding) -> dict[str, Any]:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Section
 from telespring.show import figures
 
-__all__ = ["find_calibration"]
+__all__ = ["SECTION", "find_calibration"]
 
 
-def find_calibration(scene: Scene) -> Found:
+def find_calibration(scene: Scene) -> Findings:
     """Fit and predict, for the paper's own experiment only: nobody published a table of another."""
     from telespring.paper.calibration import calibrate, draw_cells, draw_pairs, draw_profiles
 
     if scene.study.experiment is None or not scene.of_the_papers_experiment:
-        return Found()
+        return Findings()
     found = calibrate(scene.study)
-    return Found(
+    return Findings(
         numbers={"calibration": found.numbers()},
         drawings={
             "calibration": figures.to_svg(
@@ -38,3 +39,12 @@ def find_calibration(scene: Scene) -> Found:
             ),
         },
     )
+
+
+SECTION = Section(
+    name="calibration",
+    anchor="calibration",
+    title="Estimating the real arms from Table I",
+    step="fit of the real arms",
+    find=find_calibration,
+)

@@ -7,7 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections.experiment.reported import reported
 from telespring.paper.table_1 import TABLE_I
 from telespring.show import figures
@@ -15,10 +16,10 @@ from telespring.show import figures
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["find_experiment"]
+__all__ = ["SECTION", "find_experiment"]
 
 
-def find_experiment(scene: Scene) -> Found:
+def find_experiment(scene: Scene) -> Findings:
     """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
     from telespring.analysis.measures import measure_trials
     from telespring.analysis.results import analyse_taken
@@ -31,7 +32,7 @@ def find_experiment(scene: Scene) -> Found:
         if scene.rehearsal is not None:
             # no page beside another study's trials
             forget(scene.rehearsal)
-        return Found()
+        return Findings()
     trials = take_trials(_rehearsed(scene))
     analysed = analyse_taken(trials, measure_trials(trials))
     rows = analysed["table1"]
@@ -52,7 +53,7 @@ def find_experiment(scene: Scene) -> Found:
     published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
     for row in rows:
         row["printed"] = _printed(published.get(row["condition"]))
-    return Found(
+    return Findings(
         numbers={
             "table1": rows,
             "experiment": {
@@ -76,6 +77,21 @@ def find_experiment(scene: Scene) -> Found:
         },
         drawings=drawings,
     )
+
+
+SECTION = Section(
+    name="experiment",
+    anchor="experiment",
+    title="The experiment",
+    step="Figs. 7 and 8, Table I",
+    find=find_experiment,
+    holds=(
+        Place("Fig. 7", "figure-trajectories"),
+        Place("Fig. 8", "figure-tracking"),
+        Place("Table I", "table1"),
+    ),
+    mentions=("calibration",),
+)
 
 
 def _rehearsed(scene: Scene) -> xarray.Dataset:

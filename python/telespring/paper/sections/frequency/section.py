@@ -7,17 +7,17 @@ import math
 import numpy as np
 
 from telespring.model import Dyad, Robot
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import FACTORS, WORDS
+from telespring.paper.reference import FACTOR_LABELS, FACTORS, classify
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 from telespring.theory.axis import Axis, free_axis
 from telespring.theory.response import partner_response
 
-__all__ = ["find_frequency"]
+__all__ = ["SECTION", "find_frequency"]
 
 
-def find_frequency(scene: Scene) -> Found:
+def find_frequency(scene: Scene) -> Findings:
     """Draw what one robot does per motion of the other, one parameter varied at a time."""
     base = scene.alike_reference
     mass, damping = scene.alike_axis.masses[0], scene.alike_axis.dampings[0]
@@ -38,7 +38,7 @@ def find_frequency(scene: Scene) -> Found:
             curve = partner_response(pair, value["k"], value["δ"], frequency)
             magnitude = np.asarray(curve.magnitude)
             crossing = _gain_crossing(axis, value["k"], value["δ"])
-            label = f"{WORDS[factor]}{names[symbol]}" if factor else "0"
+            label = f"{FACTOR_LABELS[factor]}{names[symbol]}" if factor else "0"
             curves.append(
                 figures.FrequencyCurve(
                     label=label,
@@ -73,7 +73,7 @@ def find_frequency(scene: Scene) -> Found:
         "phase. A dot marks where the "
         "magnitude falls through one; the dyad is stable where the phase there is above −180 degree.",
     )
-    return Found(
+    return Findings(
         numbers={
             "frequency_response": {
                 "nominal": {"K": base.stiffness, "Delta": base.delay, "M": mass, "B": damping},
@@ -82,6 +82,16 @@ def find_frequency(scene: Scene) -> Found:
         },
         drawings={"frequency": svg},
     )
+
+
+SECTION = Section(
+    name="frequency",
+    anchor="figure4",
+    title="Frequency response",
+    step="Fig. 4, frequency response",
+    find=find_frequency,
+    holds=(Place("Fig. 4", "figure-frequency"),),
+)
 
 
 def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, float] | None:

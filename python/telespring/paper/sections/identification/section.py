@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 
-__all__ = ["find_identification"]
+__all__ = ["SECTION", "find_identification"]
 
 
-def find_identification(scene: Scene) -> Found:
+def find_identification(scene: Scene) -> Findings:
     """Drive the study's bare robots with the paper's excitation and estimate them from noisy logs."""
     from telespring.paper.sections.identification.numbers import study_identification
     from telespring.show.figures.identification import excitation_figure, regression_figure, residual_figure
@@ -36,4 +37,15 @@ def find_identification(scene: Scene) -> Found:
             f"What the model leaves of the force, {name}",
             "A row per axis: over time, over velocity, and the autocorrelation.",
         )
-    return Found(numbers={"identification": found.numbers}, drawings=drawings)
+    return Findings(numbers={"identification": found.numbers}, drawings=drawings)
+
+
+SECTION = Section(
+    name="identification",
+    anchor="identification",
+    title="Identification",
+    step="Figs. 9 and 10, identification",
+    find=find_identification,
+    holds=(Place("Fig. 9", "figure-excitation"), Place("Fig. 10", "figure-regression")),
+    mentions=("laboratory",),
+)

@@ -7,9 +7,10 @@ import math
 from typing import Any
 
 from telespring.paper import as_printed
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 
-__all__ = ["find_number_sets", "number_set", "roots_of_robots_alike"]
+__all__ = ["SECTION", "find_number_sets", "number_set", "roots_of_robots_alike"]
 
 #: η₂ and the roots vanish at a boundary of the table up to rounding of some terms of size one.
 _ROUNDING = 1e-13
@@ -66,7 +67,7 @@ def number_set(value: complex, size: float) -> str:
     return "R+" if value.real > 0 else "R-"
 
 
-def find_number_sets(scene: Scene) -> Found:
+def find_number_sets(scene: Scene) -> Findings:
     """Compute Table II on two robots alike, beside the printed one."""
     mass, damping = scene.alike_axis.masses[0], scene.alike_axis.dampings[0]
     critical = damping**2 / (2 * mass)
@@ -92,7 +93,7 @@ def find_number_sets(scene: Scene) -> Found:
         }
         for (above, below, stiffness), printed in zip(settings, as_printed.TABLE_II, strict=True)
     ]
-    return Found(
+    return Findings(
         numbers={
             "table2": {
                 "mass": mass,
@@ -103,6 +104,18 @@ def find_number_sets(scene: Scene) -> Found:
             }
         }
     )
+
+
+SECTION = Section(
+    name="number_sets",
+    anchor="table2",
+    title="Roots of two identical robots",
+    step="Table II",
+    find=find_number_sets,
+    holds=(Place("Table II", "number-sets"),),
+    mentions=("misprints",),
+    computed_after="robots",
+)
 
 
 _SETS = ("eta1_set", "eta2_set", "xi1_set", "xi2_set", "xi3_set")

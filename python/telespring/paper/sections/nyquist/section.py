@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import setting_in_words
+from telespring.paper.reference import classify, label_setting
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 from telespring.theory.response import nyquist
 from telespring.theory.spectrum import spectral_abscissa
 
-__all__ = ["find_nyquist"]
+__all__ = ["SECTION", "find_nyquist"]
 
 
-def find_nyquist(scene: Scene) -> Found:
+def find_nyquist(scene: Scene) -> Findings:
     """Draw nine loci of two robots alike and count what they encircle."""
     ideal, axis, base = scene.alike, scene.alike_axis, scene.alike_reference
     grid, rows = [], []
@@ -34,7 +34,7 @@ def find_nyquist(scene: Scene) -> Found:
             }[verdict]
             drawn.append(
                 figures.NyquistPanel(
-                    setting=setting_in_words(stiffness_factor, delay_factor),
+                    setting=label_setting(stiffness_factor, delay_factor),
                     locus=np.asarray(found.locus),
                     verdict=verdict,
                     note=note,
@@ -62,4 +62,15 @@ def find_nyquist(scene: Scene) -> Found:
         "at −1, the rigid-body "
         "root. " + " ".join(f"({row['panel']}) {row['verdict']}." for row in rows),
     )
-    return Found(numbers={"nyquist": {"panels": rows}}, drawings={"nyquist": svg})
+    return Findings(numbers={"nyquist": {"panels": rows}}, drawings={"nyquist": svg})
+
+
+SECTION = Section(
+    name="nyquist",
+    anchor="figure3",
+    title="Nyquist loci",
+    step="Fig. 3, Nyquist loci",
+    find=find_nyquist,
+    holds=(Place("Fig. 3", "figure-nyquist"),),
+    mentions=("robots",),
+)

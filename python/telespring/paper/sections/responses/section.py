@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import FACTORS, setting_in_words
+from telespring.paper.reference import FACTORS, classify, label_setting
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 from telespring.theory.simulation import simulate
 from telespring.theory.spectrum import spectral_abscissa
 
-__all__ = ["find_responses"]
+__all__ = ["SECTION", "find_responses"]
 
 
-def find_responses(scene: Scene) -> Found:
+def find_responses(scene: Scene) -> Findings:
     """Simulate opposite steps of force over sixteen stiffnesses and delays."""
     dyad, axes, base = scene.dyad, scene.axes, scene.reference
     # Long enough for the marginal case of Fig. 5(h) to show that it neither grows nor dies.
@@ -37,7 +37,7 @@ def find_responses(scene: Scene) -> Found:
             verdicts = [classify(axis, stiffness, delay) for axis in axes]
             drawn.append(
                 figures.ResponsePanel(
-                    letter, setting_in_words(stiffness_factor, delay_factor), time, position, verdicts
+                    letter, label_setting(stiffness_factor, delay_factor), time, position, verdicts
                 )
             )
             for axis, verdict in zip(axes, verdicts, strict=True):
@@ -71,7 +71,18 @@ def find_responses(scene: Scene) -> Found:
             for row in rows
         ),
     )
-    return Found(
+    return Findings(
         numbers={"responses": {"duration": duration, "force": 1.0, "panels": rows}},
         drawings={"responses": svg},
     )
+
+
+SECTION = Section(
+    name="responses",
+    anchor="figure5",
+    title="Responses in time",
+    step="Fig. 5, responses",
+    find=find_responses,
+    holds=(Place("Fig. 5", "figure-responses"),),
+    mentions=("robots",),
+)
