@@ -155,7 +155,7 @@ def critical_stiffness(
     ----------
     .. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
        Delayed Haptic Dyadic Interactions Mediated by Robots", Eq. 5; what it misses:
-       references/du2025.toml.
+       telespring/references/du2025.toml.
 
     Examples
     --------

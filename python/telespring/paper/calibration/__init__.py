@@ -6,7 +6,7 @@ from telespring.paper.calibration.fit import Fit, PairMap, Profile
 from telespring.paper.calibration.least_squares import LeastSquares
 from telespring.paper.calibration.run import Calibration, calibrate
 from telespring.paper.calibration.unknowns import UNKNOWNS, VARIANTS, Unknown
-from telespring.paper.table_1 import TABLE_I, PublishedRow
+from telespring.paper.published import TABLE_I, PublishedRow
 
 __all__ = [
     "TABLE_I",

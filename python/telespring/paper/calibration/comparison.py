@@ -11,7 +11,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 from telespring.analysis import compare_pairs
-from telespring.paper.table_1 import PublishedRow
+from telespring.paper.published import PublishedRow
 from telespring.theory.axis import finite_or_none
 
 __all__ = ["Prediction", "Score", "null_prediction", "predict", "score"]

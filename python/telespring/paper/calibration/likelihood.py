@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.paper.table_1 import TRIALS, PublishedRow
+from telespring.paper.published import TRIALS, PublishedRow
 
 __all__ = ["Likelihood", "threshold"]
 

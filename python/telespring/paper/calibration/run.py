@@ -19,7 +19,7 @@ from telespring.paper.calibration.likelihood import Likelihood
 from telespring.paper.calibration.statements import statements
 from telespring.paper.calibration.surrogate import CAP, Surrogate
 from telespring.paper.calibration.unknowns import HIGH, VARIANTS
-from telespring.paper.table_1 import TABLE_I, TRIALS, PublishedRow
+from telespring.paper.published import TABLE_I, TRIALS, PublishedRow
 from telespring.theory.axis import finite_or_none
 
 __all__ = ["Calibration", "SurrogateError", "calibrate"]

@@ -12,7 +12,7 @@ from telespring.paper.calibration.fit import Fit
 from telespring.paper.calibration.least_squares import LeastSquares
 from telespring.paper.calibration.likelihood import Likelihood
 from telespring.paper.calibration.unknowns import UNKNOWNS
-from telespring.paper.table_1 import PublishedRow
+from telespring.paper.published import PublishedRow
 
 __all__ = ["signed", "statements"]
 

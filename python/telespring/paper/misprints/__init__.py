@@ -7,7 +7,7 @@ Every number is computed when the study runs: what is printed by the formulas in
 from __future__ import annotations
 
 from telespring.model import hman
-from telespring.paper import as_printed
+from telespring.paper import published
 from telespring.paper.misprints import experiment, formulas, statements
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.paper.misprints.statements import RETURNING, held_partner_growth
@@ -21,12 +21,8 @@ def misprints() -> list[Misprint]:
     dyad = hman()
     axes = axes_of(dyad)
     reference = min(axis.critical_stiffness() for axis in axes)
-    base = free_axis(
-        as_printed.TABLE_III.base_mass,
-        as_printed.TABLE_III.base_damping,
-        as_printed.TABLE_III.base_mass,
-        as_printed.TABLE_III.base_damping,
-    )
+    base_robot = published.TABLE_III.base_mass, published.TABLE_III.base_damping
+    base = free_axis(*base_robot, *base_robot)
     return [
         formulas.diagonal_of_equation_2(axes[1], 2 * reference),
         statements.rigid_body_root(dyad, axes[0], 2 * reference),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from telespring.model import hman
-from telespring.paper import as_printed
+from telespring.paper import published
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.theory.axis import Axis, free_axis
 from telespring.theory.spectrum import spectral_abscissa
@@ -41,7 +41,7 @@ def numbers_of_the_robots(axes: list[Axis]) -> Misprint:
 
 def reference_delay(axes: list[Axis]) -> Misprint:
     """Show which delays K gives, rounded and not, beside those printed and used."""
-    table = as_printed.TABLE_III
+    table = published.TABLE_III
     k = min(axis.critical_stiffness() for axis in axes)
     unrounded = min(float(axis.maximum_delay(2 * k)) for axis in axes)
     rounded = min(float(axis.maximum_delay(2 * table.reference_stiffness)) for axis in axes)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from telespring.decision.arms import InArms, stability_in_arms
 from telespring.model import Operator
-from telespring.paper.as_printed import EXPERIMENT_STIFFNESSES
+from telespring.paper.published import EXPERIMENT_STIFFNESSES
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.paper.sections.arms.boundary import boundary_in_arms, draw

@@ -7,10 +7,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from telespring.paper.published import BASELINE_MEDIAN, TABLE_I
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
-from telespring.paper.sections.experiment.reported import reported
-from telespring.paper.table_1 import TABLE_I
+from telespring.paper.sections.experiment.reported import compare_reported_tests
 from telespring.show import figures
 
 if TYPE_CHECKING:
@@ -68,9 +68,8 @@ def find_experiment(scene: Scene) -> Findings:
                 },
                 "finished": sum(row["trials"] - row["ended_early"] for row in rows),
                 "ended_early": sum(row["ended_early"] for row in rows),
-                "reported": reported(analysed) if published else [],
-                # Fig. 8, caption
-                "printed_baseline_median": 0.03875 if published else None,
+                "reported": compare_reported_tests(analysed) if published else [],
+                "printed_baseline_median": BASELINE_MEDIAN if published else None,
                 **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
                 "conditions": [_without_trials(each) for each in analysed["conditions"]],
             },

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from telespring.decision.decide import decide
-from telespring.paper import as_printed
+from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
@@ -40,8 +40,8 @@ def find_map(scene: Scene) -> Findings:
         bounded = (stiffness, product / stiffness)
     conditions = [
         (k, delay)
-        for k in (as_printed.EXPERIMENT_STIFFNESSES if scene.of_the_paper else ())
-        for delay in as_printed.EXPERIMENT_DELAYS
+        for k in (EXPERIMENT_STIFFNESSES if scene.of_the_paper else ())
+        for delay in EXPERIMENT_DELAYS
     ]
     svg = figures.to_svg(
         figures.tier_map(

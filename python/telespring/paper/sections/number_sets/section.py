@@ -6,7 +6,7 @@ import cmath
 import math
 from typing import Any
 
-from telespring.paper import as_printed
+from telespring.paper.published import TABLE_II
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 
@@ -91,7 +91,7 @@ def find_number_sets(scene: Scene) -> Findings:
             **_row(mass, damping, stiffness),
             "printed": dict(zip(_SETS, printed, strict=True)),
         }
-        for (above, below, stiffness), printed in zip(settings, as_printed.TABLE_II, strict=True)
+        for (above, below, stiffness), printed in zip(settings, TABLE_II, strict=True)
     ]
     return Findings(
         numbers={
