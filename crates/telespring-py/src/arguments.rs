@@ -5,7 +5,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::convert::Infallible;
-use telespring::spectrum::MOST_ROOTS;
+use telespring::spectrum::MAX_ROOTS;
 use telespring::{Delay, DyadAxis, InvalidInput};
 
 use crate::errors::Outcome;
@@ -114,7 +114,7 @@ pub type Count = Argument<usize>;
 impl Count {
     /// The number, its range being checked by what it is passed to.
     pub fn check(self) -> telespring::Result<usize> {
-        let allowed = format!("the number of roots must be a whole number from 1 to {MOST_ROOTS}");
+        let allowed = format!("the number of roots must be a whole number from 1 to {MAX_ROOTS}");
         self.or_refuse("count", allowed, "Give an int.")
     }
 }

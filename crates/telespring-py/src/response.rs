@@ -222,7 +222,7 @@ pub fn nyquist<'py>(py: Python<'py>, of: Loop<'py>) -> Outcome<Nyquist<'py>> {
     let (axis, stiffness, delay) = of.check()?;
     let found = py.detach(|| response::nyquist(&axis, stiffness, &delay))?;
     let pair = |margin: Margin| (margin.value, margin.frequency);
-    let stable = found.stable();
+    let stable = found.is_stable();
     let (status, root_on_axis) = match found.status {
         NyquistStatus::Counted => ("counted", None),
         NyquistStatus::OnTheAxis { frequency } => ("on the axis", Some(frequency)),

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 use telespring::rig::{
-    self, Agent, Coupling, Ending, Record, Recording, Row, Schedule, Seen, Status, Target, Trial,
+    self, Agent, ConnectedMode, Observation, Record, Recording, Row, Schedule, Status, Target, Trial,
+    TrialOutcome,
 };
 use telespring::{Delay, InvalidInput, quantity};
 
@@ -138,7 +139,7 @@ impl Laboratory {
             {
                 return Err(no_program(side, written(agent.bind(py))).into());
             }
-            if agent.is_some() && !matches!(laboratory.sides[side].agent, Agent::External) {
+            if agent.is_some() && !matches!(laboratory.stations[side].agent, Agent::External) {
                 return Err(unwanted(side).into());
             }
         }
@@ -146,7 +147,7 @@ impl Laboratory {
             laboratory.check()?;
             let mut programs = agents
                 .each_ref()
-                .map(|agent| agent.as_ref().map(|program| move |seen: &Seen| call(program, seen)));
+                .map(|agent| agent.as_ref().map(|program| move |seen: &Observation| call(program, seen)));
             let callbacks = programs
                 .each_mut()
                 .map(|program| program.as_mut().map(|program| program as rig::Callback<'_, Failure>));
@@ -158,13 +159,13 @@ impl Laboratory {
                 .map_err(Failure::Python)
             };
             Trial { laboratory: &laboratory, coupling, seed, schedule }
-                .record_watched::<Failure>(callbacks, &mut looked)
+                .record_interruptible::<Failure>(callbacks, &mut looked)
         })?;
-        let Recording { ending, target, position, velocity, coupling_force, agent_force, handle_force, aim } =
+        let Recording { outcome, target, position, velocity, coupling_force, agent_force, handle_force, aim } =
             recording;
         let result = PyDict::new(py);
-        result.set_item("time", times(py, &schedule, ending.rows, laboratory.controller.sample_period))?;
-        let rows = ending.rows;
+        result.set_item("time", times(py, &schedule, outcome.rows, laboratory.controller.sample_period))?;
+        let rows = outcome.rows;
         result.set_item("target", target.into_flattened().into_pyarray(py).reshape([rows, 2])?)?;
         for (name, values) in [
             ("position", position),
@@ -177,7 +178,7 @@ impl Laboratory {
             let flat = values.into_flattened().into_flattened();
             result.set_item(name, flat.into_pyarray(py).reshape([rows, 2, 2])?)?;
         }
-        let (status, ended_at) = ended(&ending);
+        let (status, ended_at) = ended(&outcome);
         result.set_item("status", status)?;
         result.set_item("ended_at", ended_at)?;
         Ok(result)
@@ -258,7 +259,7 @@ impl Laboratory {
         check_rows(rows, trials)?;
         let mut targets = vec![[f64::NAN; 2]; trials * rows];
         let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
-        let endings = unless_interrupted(py, |interrupted| -> Outcome<Vec<Ending>> {
+        let outcomes = unless_interrupted(py, |interrupted| -> Outcome<Vec<TrialOutcome>> {
             laboratory.check()?;
             let looked = || match interrupted.load(Ordering::Relaxed) {
                 // never seen: the signal's own exception is raised instead
@@ -266,7 +267,7 @@ impl Laboratory {
                 false => Ok(()),
             };
             let [position, velocity, coupling_force, agent_force, handle_force, aim] = &mut blocks;
-            let endings: Vec<_> = (
+            let outcomes: Vec<_> = (
                 jobs.par_iter(),
                 targets.par_chunks_mut(rows),
                 position.par_chunks_mut(rows),
@@ -280,14 +281,14 @@ impl Laboratory {
                 .map(|(job, target, position, velocity, coupling_force, agent_force, handle_force, aim)| {
                     let mut record =
                         Record { target, position, velocity, coupling_force, agent_force, handle_force, aim };
-                    job.run_watched::<InvalidInput>([None, None], &mut record, &mut { looked })
+                    job.run_interruptible::<InvalidInput>([None, None], &mut record, &mut { looked })
                 })
                 .collect();
-            endings
+            outcomes
                 .into_iter()
                 .enumerate()
-                .map(|(index, ending)| {
-                    ending.map_err(|mut refusal| {
+                .map(|(index, outcome)| {
+                    outcome.map_err(|mut refusal| {
                         refusal.allowed = format!("{} (trial {index})", refusal.allowed);
                         refusal
                     })
@@ -304,7 +305,7 @@ impl Laboratory {
             let flat = block.into_flattened().into_flattened();
             result.set_item(name, flat.into_pyarray(py).reshape([trials, rows, 2, 2])?)?;
         }
-        let (status, ended_at): (Vec<_>, Vec<_>) = endings.iter().map(ended).unzip();
+        let (status, ended_at): (Vec<_>, Vec<_>) = outcomes.iter().map(ended).unzip();
         result.set_item("status", status)?;
         result.set_item("ended_at", ended_at.into_pyarray(py))?;
         Ok(result)
@@ -362,8 +363,8 @@ fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) ->
     })
 }
 
-fn coupling(stiffness: Option<f64>, delay: Delay, damping: f64) -> Option<Coupling> {
-    stiffness.map(|stiffness| Coupling { stiffness, damping, delay })
+fn coupling(stiffness: Option<f64>, delay: Delay, damping: f64) -> Option<ConnectedMode> {
+    stiffness.map(|stiffness| ConnectedMode { stiffness, damping, delay })
 }
 
 fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target> {
@@ -413,7 +414,7 @@ fn unwanted(side: usize) -> InvalidInput {
 }
 
 /// What the program answers, or what it raised.
-fn call(program: &Program, seen: &Seen) -> Outcome<[f64; 2]> {
+fn call(program: &Program, seen: &Observation) -> Outcome<[f64; 2]> {
     Python::attach(|py| {
         let vector = |values: [f64; 2]| PyArray1::from_slice(py, &values);
         let arguments = (seen.time, vector(seen.position), vector(seen.velocity), vector(seen.target));
@@ -442,8 +443,8 @@ fn times<'py>(
 }
 
 /// The status by its name, and when the trial ended early, s.
-fn ended(ending: &Ending) -> (&'static str, f64) {
-    match ending.status {
+fn ended(outcome: &TrialOutcome) -> (&'static str, f64) {
+    match outcome.status {
         Status::Diverged { at } => ("diverged", at),
         Status::OutOfReach { at } => ("out of reach", at),
         Status::TooStiff { at } => ("too stiff", at),

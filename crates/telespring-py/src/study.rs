@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use telespring::criteria::verdicts;
+use telespring::verdicts;
 use telespring::{InvalidInput, quantity};
 
 use crate::arguments::{DelayChoice, Number};

@@ -1,8 +1,8 @@
 //! The four verdicts, as dictionaries that Python turns into its records.
 
 use pyo3::prelude::*;
-use telespring::criteria::verdicts as core;
-use telespring::criteria::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
+use telespring::verdicts as core;
+use telespring::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
 
 use crate::arguments::Number;
 use crate::errors::Outcome;

@@ -6,7 +6,8 @@
 //! |---|---|
 //! | [`model`] | robots, operators, dyads; validated once, at the door |
 //! | [`study`] | the text of a study file to the model |
-//! | [`criteria`] | crossings, critical stiffness, stable delays, the four verdicts and their inverses |
+//! | [`criteria`] | crossings, critical stiffness, stable delays and their inverses, for one axis |
+//! | [`verdicts`](mod@verdicts) | the four verdicts on a dyad over a network |
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | the dyad in time: exact for the linear model, adaptive for any right-hand side |
@@ -32,6 +33,7 @@ pub mod rig;
 pub mod session;
 pub mod spectrum;
 pub mod study;
+pub mod verdicts;
 
 mod characteristic;
 mod poly;

@@ -1,9 +1,11 @@
 //! The rig with ideal arms against the exact simulation of the continuous dyad and its spectrum.
 
-use telespring::criteria::verdicts::{Network as VerdictNetwork, sampled_spectral_radius};
 use telespring::dde::linear::{Force, Trajectory, simulate};
-use telespring::rig::{Agent, Coupling, Laboratory, Recording, Schedule, Seen, Status, Target, Trial};
+use telespring::rig::{
+    Agent, ConnectedMode, Laboratory, Observation, Recording, Schedule, Status, Target, Trial,
+};
 use telespring::spectrum::spectral_abscissa;
+use telespring::verdicts::{Network as VerdictNetwork, sampled_spectral_radius};
 use telespring::{Delay, DyadAxis, InvalidInput, hman};
 
 const ARM_STIFFNESS: f64 = 120.0;
@@ -11,7 +13,7 @@ const ARM_STIFFNESS: f64 = 120.0;
 fn laboratory(period: f64) -> Laboratory {
     let mut laboratory = Laboratory::paper();
     laboratory.controller.sample_period = period;
-    for side in &mut laboratory.sides {
+    for side in &mut laboratory.stations {
         side.agent = Agent::Skilled { stiffness: ARM_STIFFNESS, damping: 0.0 };
     }
     laboratory
@@ -20,7 +22,7 @@ fn laboratory(period: f64) -> Laboratory {
 fn run(laboratory: &Laboratory, stiffness: f64, delay: Delay, duration: f64, rate: f64) -> Recording {
     laboratory.check().unwrap();
     let schedule = Schedule::new(duration, rate, laboratory.controller.sample_period).unwrap();
-    let coupling = Some(Coupling { stiffness, damping: 0.0, delay });
+    let coupling = Some(ConnectedMode { stiffness, damping: 0.0, delay });
     Trial { laboratory, coupling, seed: 1, schedule }.record::<InvalidInput>([None, None]).unwrap()
 }
 
@@ -51,7 +53,7 @@ fn rig(axis: usize, stiffness: f64, delay: &Delay, duration: f64, rate: f64, per
     let target = (0..=ticks).map(|tick| [0, 1].map(|axis| late(axis, tick as f64 * period))).collect();
     laboratory.target = Target::Sampled(target);
     let recording = run(&laboratory, stiffness, *delay, duration, rate);
-    assert_eq!(recording.ending.status, Status::Completed);
+    assert_eq!(recording.outcome.status, Status::Completed);
     [0, 1].map(|robot| recording.position.iter().map(|row| row[robot][axis]).collect())
 }
 
@@ -134,7 +136,7 @@ fn cross_an_unstable_condition_grows_at_the_rate_of_the_rightmost_root() {
         let kick = |tick| if (tick as f64) * period < 0.2 { [1e-4, 1e-4] } else { [0.0; 2] };
         laboratory.target = Target::Sampled((0..=ticks).map(kick).collect());
         let recording = run(&laboratory, stiffness, delay, 12.0, 100.0);
-        assert_eq!(recording.ending.status, Status::Completed);
+        assert_eq!(recording.outcome.status, Status::Completed);
         let on = |axis: usize| recording.position.iter().map(|row| row[0][axis]).collect::<Vec<_>>();
         let (x, y) = (on(0), on(1));
         rates.push(growth(&x[800..], 12, 0.01));
@@ -152,16 +154,16 @@ fn cross_a_free_dyad_grows_at_the_rate_of_the_sampled_spectrum() {
     let (stiffness, delay, period) = (142.46, Delay::each_way(0.1).unwrap(), 1e-3);
     let network = VerdictNetwork::new(delay, 0.0, 0.0, period, 0.0).unwrap();
     let mut laboratory = laboratory(period);
-    for side in &mut laboratory.sides {
+    for side in &mut laboratory.stations {
         side.agent = Agent::External;
     }
     let schedule = Schedule::new(8.0, 1000.0, period).unwrap();
-    let coupling = Some(Coupling { stiffness, damping: 0.0, delay });
+    let coupling = Some(ConnectedMode { stiffness, damping: 0.0, delay });
     let trial = Trial { laboratory: &laboratory, coupling, seed: 1, schedule };
-    let mut push = |seen: &Seen| Ok(if seen.time < 0.05 { [1e-6; 2] } else { [0.0; 2] });
-    let mut rest = |_: &Seen| Ok([0.0; 2]);
+    let mut push = |seen: &Observation| Ok(if seen.time < 0.05 { [1e-6; 2] } else { [0.0; 2] });
+    let mut rest = |_: &Observation| Ok([0.0; 2]);
     let recording = trial.record::<InvalidInput>([Some(&mut push), Some(&mut rest)]).unwrap();
-    assert_eq!(recording.ending.status, Status::Completed);
+    assert_eq!(recording.outcome.status, Status::Completed);
     for axis in 0..2 {
         let sampled = sampled_spectral_radius(&hman().axis(axis).unwrap(), stiffness, &network).unwrap();
         assert!(!sampled.is_stable());

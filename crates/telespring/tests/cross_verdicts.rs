@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 use proptest::prelude::*;
-use telespring::criteria::verdicts::{Network, SampledCertificate, Tier, sampled_spectral_radius, verdicts};
+use telespring::verdicts::{Network, SampledCertificate, Tier, sampled_spectral_radius, verdicts};
 use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, Side};
 
 /// The held plant over `span` by nalgebra's matrix exponential of the augmented system.

@@ -1,16 +1,16 @@
 //! Laws of whole trials in the virtual laboratory.
 
 use telespring::rig::{
-    Agent, Arm, Coupling, Elbow, Laboratory, Recording, Schedule, Seen, Spots, Status, Target, Trial,
-    TwoLinkArm, trial_seed,
+    Agent, Arm, ConnectedMode, Elbow, Laboratory, Observation, Recording, Schedule, Spots, Status, Target,
+    Trial, TwoLinkArm, trial_seed,
 };
 use telespring::{Delay, InvalidInput};
 
-fn coupling(stiffness: f64, delay: f64) -> Option<Coupling> {
-    Some(Coupling { stiffness, damping: 0.0, delay: Delay::each_way(delay).unwrap() })
+fn coupling(stiffness: f64, delay: f64) -> Option<ConnectedMode> {
+    Some(ConnectedMode { stiffness, damping: 0.0, delay: Delay::each_way(delay).unwrap() })
 }
 
-fn run(laboratory: &Laboratory, coupling: Option<Coupling>, seed: u64, duration: f64) -> Recording {
+fn run(laboratory: &Laboratory, coupling: Option<ConnectedMode>, seed: u64, duration: f64) -> Recording {
     laboratory.check().unwrap();
     let schedule = Schedule::new(duration, 1000.0, laboratory.controller.sample_period).unwrap();
     Trial { laboratory, coupling, seed, schedule }.record::<InvalidInput>([None, None]).unwrap()
@@ -24,8 +24,8 @@ fn busy() -> Laboratory {
     laboratory.controller.encoder_resolution = 1e-5;
     laboratory.controller.actuator_lag = 2e-3;
     laboratory.controller.computing_tick = true;
-    laboratory.sides[0].arm = Arm::Lumped { mass: [0.5, 0.3], damping: [1.0, 0.0] };
-    laboratory.sides[1].handle.coulomb = [0.4, 0.2];
+    laboratory.stations[0].arm = Arm::Lumped { mass: [0.5, 0.3], damping: [1.0, 0.0] };
+    laboratory.stations[1].handle.coulomb = [0.4, 0.2];
     laboratory
 }
 
@@ -91,7 +91,7 @@ fn pin_seeds_of_trials() {
 fn law_unconnected_robots_do_not_feel_each_other() {
     let laboratory = Laboratory::paper();
     let mut heavier = laboratory.clone();
-    heavier.sides[1].handle.mass = [2.0, 3.0];
+    heavier.stations[1].handle.mass = [2.0, 3.0];
     let (one, other) = (run(&laboratory, None, 1, 2.0), run(&heavier, None, 1, 2.0));
     for (a, b) in one.position.iter().zip(&other.position) {
         assert_eq!(a[0], b[0]);
@@ -125,7 +125,7 @@ fn law_the_partner_is_felt_exactly_one_delay_later() {
 fn law_unequal_delays_go_each_their_way() {
     let laboratory = Laboratory::paper();
     let delay = Delay::new(0.02, 0.05).unwrap();
-    let recording = run(&laboratory, Some(Coupling { stiffness: 71.2, damping: 0.0, delay }), 1, 0.2);
+    let recording = run(&laboratory, Some(ConnectedMode { stiffness: 71.2, damping: 0.0, delay }), 1, 0.2);
     let first =
         |robot: usize| recording.coupling_force.iter().position(|row| row[robot] != [0.0; 2]).unwrap();
     // forward is what robot 2 receives
@@ -135,12 +135,12 @@ fn law_unequal_delays_go_each_their_way() {
 #[test]
 fn law_exchanging_the_sides_exchanges_the_rows() {
     let mut laboratory = Laboratory::paper();
-    laboratory.sides[1].agent = Agent::Skilled { stiffness: 80.0, damping: 3.0 };
+    laboratory.stations[1].agent = Agent::Skilled { stiffness: 80.0, damping: 3.0 };
     let mut exchanged = laboratory.clone();
-    exchanged.sides.swap(0, 1);
+    exchanged.stations.swap(0, 1);
     let delay = Delay::new(0.02, 0.0511).unwrap();
     let back = Delay::new(0.0511, 0.02).unwrap();
-    let of = |delay| Some(Coupling { stiffness: 71.2, damping: 1.0, delay });
+    let of = |delay| Some(ConnectedMode { stiffness: 71.2, damping: 1.0, delay });
     let (one, other) = (run(&laboratory, of(delay), 1, 1.0), run(&exchanged, of(back), 1, 1.0));
     for (a, b) in one.position.iter().zip(&other.position) {
         assert_eq!([a[1], a[0]], *b);
@@ -197,18 +197,19 @@ fn law_the_encoder_shows_whole_steps() {
 fn law_a_program_that_does_what_an_agent_does_gives_the_same_bits() {
     let laboratory = Laboratory::paper();
     let mut programmed = laboratory.clone();
-    programmed.sides[0].agent = Agent::External;
+    programmed.stations[0].agent = Agent::External;
     let schedule = Schedule::new(1.0, 100.0, 1e-3).unwrap();
     let own = Trial { laboratory: &laboratory, coupling: coupling(71.2, 0.0836), seed: 4, schedule };
     let foreign = Trial { laboratory: &programmed, ..own };
-    let mut program = |seen: &Seen| Ok([0, 1].map(|axis| 120.0 * (seen.target[axis] - seen.position[axis])));
+    let mut program =
+        |seen: &Observation| Ok([0, 1].map(|axis| 120.0 * (seen.target[axis] - seen.position[axis])));
     assert_eq!(
         own.record::<InvalidInput>([None, None]).unwrap(),
         foreign.record::<InvalidInput>([Some(&mut program), None]).unwrap()
     );
     let refusal = foreign.record::<InvalidInput>([None, None]).unwrap_err();
     assert_eq!(refusal.field, "agents[0]");
-    let mut broken = |seen: &Seen| Ok([if seen.time > 0.1 { f64::NAN } else { 0.0 }, 0.0]);
+    let mut broken = |seen: &Observation| Ok([if seen.time > 0.1 { f64::NAN } else { 0.0 }, 0.0]);
     let refusal = foreign.record::<InvalidInput>([Some(&mut broken), None]).unwrap_err();
     assert!(refusal.field.starts_with("agents[0] at 0.101"), "{refusal}");
 }
@@ -217,7 +218,7 @@ fn law_a_program_that_does_what_an_agent_does_gives_the_same_bits() {
 fn law_a_trial_that_diverges_stops_and_says_when() {
     let laboratory = Laboratory::paper();
     let recording = run(&laboratory, coupling(500.0, 0.3), 1, 60.0);
-    let Status::Diverged { at } = recording.ending.status else { panic!("{:?}", recording.ending) };
+    let Status::Diverged { at } = recording.outcome.status else { panic!("{:?}", recording.outcome) };
     // the rows end at the tick before, all inside the limit
     assert_eq!(recording.position.len(), (at * 1000.0).round() as usize);
     assert!(recording.position.iter().flatten().flatten().all(|value| value.abs() <= 10.0));
@@ -242,7 +243,7 @@ fn law_a_row_is_the_state_at_its_own_time() {
 /// Mean offsets of the cloud (m) at tick `tick` over many seeds, both axes.
 fn offsets(spots: Spots, tick: usize, seeds: u64) -> Vec<f64> {
     let mut laboratory = Laboratory::paper();
-    laboratory.sides[1].agent = Agent::Blurred { stiffness: 120.0, spots };
+    laboratory.stations[1].agent = Agent::Blurred { stiffness: 120.0, spots };
     laboratory.controller.sample_period = 0.01;
     laboratory.check().unwrap();
     // the shortest trial has the tick at its start alone
@@ -290,7 +291,7 @@ fn ref_the_cloud_is_as_wide_as_its_spots_ages_say_from_the_start_on() {
 fn law_a_cloud_moves_without_jumps_but_where_a_spot_is_renewed() {
     let spots = Spots { count: 4, velocity: 0.3, lifetime: 0.2 };
     let mut laboratory = Laboratory::paper();
-    laboratory.sides[1].agent = Agent::Blurred { stiffness: 120.0, spots };
+    laboratory.stations[1].agent = Agent::Blurred { stiffness: 120.0, spots };
     let recording = run(&laboratory, None, 5, 1.0);
     let offset: Vec<_> =
         recording.aim.iter().zip(&recording.target).map(|(aim, target)| aim[1][0] - target[0]).collect();
@@ -311,15 +312,15 @@ fn law_a_cloud_moves_without_jumps_but_where_a_spot_is_renewed() {
 fn law_what_is_out_of_range_is_refused_by_its_name() {
     type Break = fn(&mut Laboratory);
     let cases: [(&str, Break); 9] = [
-        ("robot1.mass[1]", |l| l.sides[0].handle.mass[1] = 0.0),
-        ("robot2.coulomb[0]", |l| l.sides[1].handle.coulomb[0] = -1.0),
+        ("robot1.mass[1]", |l| l.stations[0].handle.mass[1] = 0.0),
+        ("robot2.coulomb[0]", |l| l.stations[1].handle.coulomb[0] = -1.0),
         ("arm2.damping[1]", |l| {
-            l.sides[1].arm = Arm::Lumped { mass: [0.0; 2], damping: [0.0, f64::NAN] };
+            l.stations[1].arm = Arm::Lumped { mass: [0.0; 2], damping: [0.0, f64::NAN] };
         }),
-        ("agent1.stiffness", |l| l.sides[0].agent = Agent::Skilled { stiffness: -1.0, damping: 0.0 }),
+        ("agent1.stiffness", |l| l.stations[0].agent = Agent::Skilled { stiffness: -1.0, damping: 0.0 }),
         ("agent2.spots", |l| {
             let spots = Spots { count: 0, velocity: 0.3, lifetime: 0.2 };
-            l.sides[1].agent = Agent::Blurred { stiffness: 1.0, spots };
+            l.stations[1].agent = Agent::Blurred { stiffness: 1.0, spots };
         }),
         ("agent2.spot_lifetime", |l| l.controller.sample_period = 0.5),
         ("task.amplitude[0]", |l| {
@@ -355,8 +356,8 @@ fn cross_two_links_without_mass_act_as_the_ideal_arm() {
         let mut laboratory = Laboratory::paper();
         laboratory.controller.sample_period = period;
         let mut linked = laboratory.clone();
-        linked.sides[0].arm = Arm::TwoLink(massless);
-        linked.sides[1].arm = Arm::TwoLink(TwoLinkArm { elbow: Elbow::Left, ..massless });
+        linked.stations[0].arm = Arm::TwoLink(massless);
+        linked.stations[1].arm = Arm::TwoLink(TwoLinkArm { elbow: Elbow::Left, ..massless });
         let schedule = Schedule::new(3.0, 100.0, period).unwrap();
         let of = |laboratory| {
             Trial { laboratory, coupling: coupling(71.2, 0.0836), seed: 1, schedule }
@@ -364,7 +365,7 @@ fn cross_two_links_without_mass_act_as_the_ideal_arm() {
                 .unwrap()
         };
         let (one, other) = (of(&laboratory), of(&linked));
-        assert_eq!(other.ending.status, Status::Completed);
+        assert_eq!(other.outcome.status, Status::Completed);
         let pairs = one.position.iter().flatten().flatten().zip(other.position.iter().flatten().flatten());
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     };
@@ -376,12 +377,12 @@ fn cross_two_links_without_mass_act_as_the_ideal_arm() {
 #[test]
 fn law_an_arm_that_cannot_follow_ends_the_trial_and_says_when() {
     let mut laboratory = Laboratory::paper();
-    laboratory.sides[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.64], ..TwoLinkArm::HEBI_X8 });
+    laboratory.stations[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.64], ..TwoLinkArm::HEBI_X8 });
     let recording = run(&laboratory, None, 1, 5.0);
-    let Status::OutOfReach { at } = recording.ending.status else { panic!("{:?}", recording.ending) };
+    let Status::OutOfReach { at } = recording.outcome.status else { panic!("{:?}", recording.outcome) };
     assert_eq!(recording.position.len(), (at * 1000.0).round() as usize);
     // one that cannot even begin is refused
-    laboratory.sides[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.9], ..TwoLinkArm::HEBI_X8 });
+    laboratory.stations[0].arm = Arm::TwoLink(TwoLinkArm { base: [0.0, -0.9], ..TwoLinkArm::HEBI_X8 });
     let schedule = Schedule::new(1.0, 100.0, 1e-3).unwrap();
     let trial = Trial { laboratory: &laboratory, coupling: None, seed: 1, schedule };
     let refusal = trial.record::<InvalidInput>([None, None]).unwrap_err();
@@ -392,11 +393,11 @@ fn law_an_arm_that_cannot_follow_ends_the_trial_and_says_when() {
 #[test]
 fn law_two_links_take_every_imperfection_of_the_controllers() {
     let mut laboratory = busy();
-    for side in &mut laboratory.sides {
+    for side in &mut laboratory.stations {
         side.arm = Arm::TwoLink(TwoLinkArm::HEBI_X8);
     }
     let recording = run(&laboratory, coupling(35.6, 0.05), 1, 2.0);
-    assert_eq!(recording.ending.status, Status::Completed);
+    assert_eq!(recording.outcome.status, Status::Completed);
     let forces = recording.handle_force.iter().flatten().flatten();
     assert!(forces.clone().all(|force| force.is_finite()) && forces.clone().any(|force| *force != 0.0));
 }
@@ -421,7 +422,7 @@ fn law_no_step_of_the_sensors_makes_a_trial_panic() {
 /// Robots of 0.1 g with a damping of 10⁶ N·s/m in links without mass: time constants of 0.1 ns.
 fn stiff() -> Laboratory {
     let mut laboratory = Laboratory::paper();
-    for side in &mut laboratory.sides {
+    for side in &mut laboratory.stations {
         side.handle.mass = [1e-4; 2];
         side.handle.damping = [1e6; 2];
         side.arm = Arm::TwoLink(TwoLinkArm {
@@ -438,7 +439,7 @@ fn stiff() -> Laboratory {
 #[test]
 fn law_a_motion_too_stiff_to_follow_ends_the_trial_and_says_so() {
     let recording = run(&stiff(), coupling(71.2, 0.05), 1, 30.0);
-    let Status::TooStiff { at } = recording.ending.status else { panic!("{:?}", recording.ending) };
+    let Status::TooStiff { at } = recording.outcome.status else { panic!("{:?}", recording.outcome) };
     assert_eq!(recording.position.len(), (at * 1000.0).round() as usize);
 }
 
@@ -452,9 +453,9 @@ fn law_a_watch_ends_a_trial_within_some_ticks() {
         looks += 1;
         if looks < 4 { Ok(()) } else { Err(InvalidInput::new("watch", looks, "no more", "")) }
     };
-    assert_eq!(trial.record_watched([None, None], &mut watch).unwrap_err().field, "watch");
+    assert_eq!(trial.record_interruptible([None, None], &mut watch).unwrap_err().field, "watch");
     let mut never = || Ok::<(), InvalidInput>(());
-    let watched = trial.record_watched([None, None], &mut never).unwrap();
+    let watched = trial.record_interruptible([None, None], &mut never).unwrap();
     assert_eq!(watched, trial.record::<InvalidInput>([None, None]).unwrap());
 }
 

@@ -1,15 +1,15 @@
 //! Laws of one side of a coupling: bytes, play-out and force.
 
 use proptest::prelude::*;
-use telespring::session::wire::{LARGEST, LENGTH};
-use telespring::session::{Endpoint, Law, Motion, Nanoseconds, Packet, Playout, Refused};
+use telespring::session::wire::{LENGTH, MAX_VALUE};
+use telespring::session::{Endpoint, Law, Motion, Nanoseconds, Packet, PacketError, Playout};
 
 fn at(x: f64) -> Motion {
     Motion { position: [x, -x], velocity: [2.0 * x, 0.0] }
 }
 
 fn motions() -> impl Strategy<Value = Motion> {
-    let value = -LARGEST..=LARGEST;
+    let value = -MAX_VALUE..=MAX_VALUE;
     [value.clone(), value.clone(), value.clone(), value]
         .prop_map(|[x, y, u, v]| Motion { position: [x, y], velocity: [u, v] })
 }
@@ -74,13 +74,13 @@ fn law_each_refusal_says_what_came() {
         packet[place..place + bytes.len()].copy_from_slice(bytes);
         Packet::decode(&packet).unwrap_err()
     };
-    assert_eq!(Packet::decode(&good[..53]).unwrap_err(), Refused::Length { length: 53 });
-    assert_eq!(Packet::decode(&[]).unwrap_err(), Refused::Length { length: 0 });
-    assert_eq!(with(0, b"HTTP"), Refused::Foreign { found: *b"HTTP" });
-    assert_eq!(with(4, &[2]), Refused::Version { found: 2 });
-    assert_eq!(with(5, &[3]), Refused::Axes { found: 3 });
-    assert_eq!(with(30, &2e6_f64.to_le_bytes()), Refused::Value { value: 2e6 });
-    assert_eq!(with(46, &f64::INFINITY.to_le_bytes()), Refused::Value { value: f64::INFINITY });
+    assert_eq!(Packet::decode(&good[..53]).unwrap_err(), PacketError::Length { length: 53 });
+    assert_eq!(Packet::decode(&[]).unwrap_err(), PacketError::Length { length: 0 });
+    assert_eq!(with(0, b"HTTP"), PacketError::Foreign { found: *b"HTTP" });
+    assert_eq!(with(4, &[2]), PacketError::Version { found: 2 });
+    assert_eq!(with(5, &[3]), PacketError::Axes { found: 3 });
+    assert_eq!(with(30, &2e6_f64.to_le_bytes()), PacketError::Value { value: 2e6 });
+    assert_eq!(with(46, &f64::INFINITY.to_le_bytes()), PacketError::Value { value: f64::INFINITY });
     let text = with(22, &f64::NAN.to_le_bytes()).to_string();
     assert!(text.contains("NaN") && text.contains("finite"), "{text}");
     assert!(with(4, &[2]).to_string().contains("version 2"));

@@ -1,9 +1,7 @@
 //! Laws of the verdicts: exchange of partners, scaling, the order of the tiers, ranges of operators.
 
 use proptest::prelude::*;
-use telespring::criteria::verdicts::{
-    Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts,
-};
+use telespring::verdicts::{Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts};
 use telespring::{Delay, Dyad, Operator, Robot};
 
 #[derive(Debug, Clone, Copy)]

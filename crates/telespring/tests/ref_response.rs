@@ -104,7 +104,7 @@ fn ref_long_delays_collect_one_pair_per_turn() {
 fn ref_stability_returns_at_a_longer_delay() {
     // Stable on [0, 0.8508) and (1.7738, 2.1128), found by two independent ways.
     let axis = DyadAxis::new(0.97670822, 2.15372614, 0.30379312, 4.59594729).unwrap();
-    let stable = |delay| nyquist(&axis, 9.174736188, &Delay::each_way(delay).unwrap()).unwrap().stable();
+    let stable = |delay| nyquist(&axis, 9.174736188, &Delay::each_way(delay).unwrap()).unwrap().is_stable();
     for (delay, expected) in
         [(0.85, true), (0.852, false), (1.773, false), (1.775, true), (2.112, true), (2.114, false)]
     {
@@ -117,7 +117,7 @@ fn ref_the_papers_critical_stiffness_is_not_sufficient() {
     let axis = DyadAxis::new(1.0, 1.0, 1.0, 10.0).unwrap();
     let plot = nyquist(&axis, 24.9975, &Delay::each_way(0.175).unwrap()).unwrap();
     assert_eq!(plot.unstable_roots, 2);
-    assert!(nyquist(&axis, 24.9975, &Delay::each_way(0.171).unwrap()).unwrap().stable());
+    assert!(nyquist(&axis, 24.9975, &Delay::each_way(0.171).unwrap()).unwrap().is_stable());
     // Below 9.4610953 N/m no crossing exists, so no delay is too long; above, one does.
     assert_eq!(nyquist(&axis, 9.461, &Delay::each_way(0.1).unwrap()).unwrap().delay_margin, None);
     assert!(nyquist(&axis, 9.462, &Delay::each_way(0.1).unwrap()).unwrap().delay_margin.is_some());
@@ -129,7 +129,7 @@ fn ref_undamped_free_robots_without_delay_are_marginal() {
     let axis = DyadAxis::new(1.0, 0.0, 2.0, 0.0).unwrap();
     let plot = nyquist(&axis, 6.0, &Delay::each_way(0.0).unwrap()).unwrap();
     assert_eq!((plot.unstable_roots, plot.status), (0, NyquistStatus::OnTheAxis { frequency: 0.0 }));
-    assert!(!plot.stable());
+    assert!(!plot.is_stable());
     let response =
         frequency_response(&axis, 6.0, &Delay::each_way(0.0).unwrap(), &[0.5, 4.0], Convention::Exact)
             .unwrap();

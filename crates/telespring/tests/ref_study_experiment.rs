@@ -45,7 +45,7 @@ fn ref_the_paper_experiment() {
 fn ref_the_example_with_two_link_arms() {
     let study = Study::from_toml(include_str!("../../../examples/two-link.toml")).unwrap();
     let laboratory = study.laboratory().unwrap();
-    let [Arm::TwoLink(first), Arm::TwoLink(second)] = laboratory.sides.map(|side| side.arm) else {
+    let [Arm::TwoLink(first), Arm::TwoLink(second)] = laboratory.stations.map(|side| side.arm) else {
         panic!("{laboratory:?}")
     };
     assert_eq!((first.elbow, second.elbow), (Elbow::Right, Elbow::Left));
@@ -53,9 +53,9 @@ fn ref_the_example_with_two_link_arms() {
     assert_eq!((first.link_centre, first.link_inertia), ([0.15, 0.15], [0.007, 0.0055]));
     assert_eq!((second.joint_damping, second.rotor_inertia), ([0.05, 0.05], [0.02, 0.01]));
     assert_eq!((first.torque_limit, second.torque_limit), ([20.0; 2], [f64::INFINITY; 2]));
-    assert_eq!(laboratory.sides[1].handle.coulomb, [0.5, 0.5]);
-    assert_eq!(laboratory.sides[0].agent, Agent::Skilled { stiffness: 150.0, damping: 5.0 });
-    let Agent::Blurred { stiffness: 100.0, spots } = laboratory.sides[1].agent else { panic!() };
+    assert_eq!(laboratory.stations[1].handle.coulomb, [0.5, 0.5]);
+    assert_eq!(laboratory.stations[0].agent, Agent::Skilled { stiffness: 150.0, damping: 5.0 });
+    let Agent::Blurred { stiffness: 100.0, spots } = laboratory.stations[1].agent else { panic!() };
     assert_eq!((spots.count, spots.velocity, spots.lifetime), (5, 0.2, 0.25));
     let figure = Target::FigureEight { amplitude: [0.08, 0.12], angular_frequency: 1.6 };
     assert_eq!(laboratory.target, figure);
@@ -96,7 +96,7 @@ fn ref_python_agents_and_targets_keep_their_text() {
     let Task::Python(task) = &study.setup().task else { panic!() };
     assert_eq!((task.path.as_str(), task.options.len()), ("targets:circle", 0));
     let laboratory = study.laboratory().unwrap();
-    assert_eq!(laboratory.sides[1].agent, Agent::External);
+    assert_eq!(laboratory.stations[1].agent, Agent::External);
     assert_eq!(laboratory.target, Target::Sampled(Vec::new()));
     // without a period known: 30 s, of which the first 5 are left out
     let protocol = study.protocol().unwrap();

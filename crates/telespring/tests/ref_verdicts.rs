@@ -1,6 +1,6 @@
 //! Verdicts against closed forms and the numbers of DESIGN section 2.
 
-use telespring::criteria::verdicts::{Allowed, Assumption, Network, Tier, Unavailable, verdicts};
+use telespring::verdicts::{Allowed, Assumption, Network, Tier, Unavailable, verdicts};
 use telespring::{Delay, Dyad, Operator, Robot, hman};
 
 fn constant(delay: f64) -> Network {

@@ -81,7 +81,7 @@ pub(super) fn stable_delays_within(axis: &DyadAxis, found: &[Crossing], horizon:
             .map(|(crossing, turn)| (crossing.delay + f64::from(*turn) * crossing.period(), crossing, turn))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (delay, crossing, turn) = match next {
-            Some(event) if event.0 < last && *event.2 < MOST_TURNS => event,
+            Some(event) if event.0 < last && *event.2 < MAX_TURNS => event,
             _ => {
                 if unstable == 0 && start < last {
                     stable.push((start, last));
@@ -105,7 +105,7 @@ fn pairs_moved(crossing: &Crossing, delay: f64) -> i32 {
 }
 
 /// How many recurrences of one crossing are followed where no delay ends the search.
-const MOST_TURNS: u32 = 1_000_000;
+const MAX_TURNS: u32 = 1_000_000;
 
 /// A delay after which some root is always unstable, s; infinite where there is none.
 ///
@@ -198,12 +198,12 @@ pub fn stability_map(axis: &DyadAxis, stiffness: &[f64], delay: &[f64]) -> Resul
     for &k in stiffness {
         let found = all_crossings(axis, k);
         let intervals = stable_delays_within(axis, &found, longest + 1.0);
-        stable.extend(delay.iter().map(|&delay| contains(&intervals, delay)));
+        stable.extend(delay.iter().map(|&delay| is_in_any(&intervals, delay)));
     }
     Ok(stable)
 }
 
 /// Whether a delay lies inside one of the stable intervals.
-pub(super) fn contains(intervals: &[(f64, f64)], delay: f64) -> bool {
+pub(crate) fn is_in_any(intervals: &[(f64, f64)], delay: f64) -> bool {
     intervals.iter().any(|&(start, end)| delay < end && (delay > start || delay == 0.0 && start == 0.0))
 }

@@ -2,11 +2,11 @@
 
 use num_complex::Complex64;
 
+use super::branch_and_bound::{Curvature, Jet, LineFunction, Region, Wanted, solve};
 use super::critical::critical_stiffness;
 use super::crossings::all_crossings;
-use super::curve::{Curvature, Jet, LineFunction, Region, Wanted, solve};
 use super::intervals::{is_stable_without_delay, unstable_roots};
-use super::softest::{crossings_above, undamped_resonances};
+use super::undamped_resonance::{crossings_above, undamped_resonances};
 use crate::characteristic::{self, Characteristic, Exponential};
 use crate::error::{InvalidInput, Result};
 use crate::model::{DyadAxis, Side};

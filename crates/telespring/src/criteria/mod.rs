@@ -1,4 +1,4 @@
-//! Stability criteria of one axis of a dyad, and the verdicts on a whole dyad.
+//! Stability criteria of one axis of a dyad.
 //!
 //! A root of the characteristic function lies on the imaginary axis, at s = jω, exactly where
 //! |P₁(jω)|²|P₂(jω)|² = (k² + c²ω²)² (the magnitudes agree) and the phase of the delay makes up the
@@ -11,17 +11,17 @@
 //! | which delays are stable? | [`maximum_delay`], [`stable_delays`], [`unstable_root_count`], [`stability_map`] |
 //! | which stiffness or damping does a delay bear? | [`maximum_stiffness`], [`minimum_damping`], [`decay_stiffness`] |
 //! | what does the paper say? | [`paper_critical_stiffness`], [`paper_maximum_delay`] |
-//! | what on a whole dyad, over a network as it is? | [`verdicts`](mod@verdicts) |
 
+mod branch_and_bound;
 mod critical;
 mod crossings;
-mod curve;
 mod intervals;
 mod inverse;
 mod paper;
 mod polynomial;
-mod softest;
-pub mod verdicts;
+mod undamped_resonance;
+
+pub(crate) use intervals::is_in_any;
 
 pub use critical::{critical_stiffness, is_delay_independent};
 pub use crossings::{Crossing, Crossings, crossings};

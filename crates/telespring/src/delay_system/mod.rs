@@ -5,6 +5,7 @@
 //! partners need no other engine.
 
 mod collocation;
+mod known_roots;
 mod matrix;
 mod roots;
 mod search;
@@ -12,12 +13,14 @@ mod zero;
 
 use nalgebra::DMatrix;
 
+use matrix::CharacteristicMatrix;
+
 use crate::error::{InvalidInput, Result};
 use crate::spectrum::{Abscissa, Spectrum, check_count};
 use crate::{Delay, DyadAxis, quantity};
 
 /// The largest number of states that a system may have.
-pub const MOST_STATES: usize = 64;
+pub const MAX_STATES: usize = 64;
 
 /// x′(t) = A₀ x(t) + Σⱼ Aⱼ x(t − τⱼ), with constant delays τⱼ in s and matrices in 1/s for states of
 /// one unit.
@@ -48,15 +51,15 @@ impl DelaySystem {
     /// # Errors
     ///
     /// [`InvalidInput`] where a matrix is not square, of another size than A₀ or of more than
-    /// [`MOST_STATES`] rows, an entry is not finite or beyond 1e12 in size, or a delay is negative,
+    /// [`MAX_STATES`] rows, an entry is not finite or beyond 1e12 in size, or a delay is negative,
     /// not finite or longer than 100 s.
     pub fn new(a0: DMatrix<f64>, delayed: Vec<(f64, DMatrix<f64>)>) -> Result<Self> {
         let size = a0.nrows();
-        if !(1..=MOST_STATES).contains(&size) {
+        if !(1..=MAX_STATES).contains(&size) {
             return Err(InvalidInput::new(
                 "a0",
                 format!("{} rows", size),
-                format!("a system has from 1 to {MOST_STATES} states"),
+                format!("a system has from 1 to {MAX_STATES} states"),
                 "Check the matrix.",
             ));
         }
@@ -109,7 +112,7 @@ impl DelaySystem {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where `count` is not from 1 to [`crate::spectrum::MOST_ROOTS`].
+    /// [`InvalidInput`] where `count` is not from 1 to [`crate::spectrum::MAX_ROOTS`].
     ///
     /// # Examples
     ///
@@ -148,7 +151,7 @@ impl DelaySystem {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn roots_at_zero(&self) -> usize {
-        roots::at_zero_in(self)
+        zero::multiplicity(&CharacteristicMatrix::balanced(self, 0.0))
     }
 
     /// The largest real part of the roots other than s = 0, 1/s.

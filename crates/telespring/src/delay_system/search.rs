@@ -3,19 +3,19 @@
 
 use num_complex::Complex64;
 
+use super::known_roots::{KnownRoot, count_in_rectangle, count_right_of, refine_and_insert};
 use super::matrix::CharacteristicMatrix;
-use super::roots::{Known, keep, right_of};
 use crate::spectrum::contour::{Stop, zeros_in_rectangle};
 
 /// How many steps one contour of the search for a line may take.
 const LINE_STEPS: usize = 100_000;
 /// How many steps the contour of one rectangle may take, and how many rectangles are tried.
 const RECTANGLE_STEPS: usize = 20_000;
-const MOST_RECTANGLES: usize = 80;
+const MAX_RECTANGLES: usize = 80;
 /// After this many lines that took too many steps, the search for one is given up: each costs a second.
-const MOST_REFUSED: usize = 4;
+const MAX_REFUSED: usize = 4;
 /// Beyond this many roots right of a line, a line further right is looked for.
-pub(super) const MOST_TO_FIND: usize = 6_000;
+pub(super) const MAX_TO_FIND: usize = 6_000;
 
 /// How many starts of Newton are affordable: inverting n × n matrices costs as n³.
 fn most_starts(matrix: &CharacteristicMatrix) -> usize {
@@ -25,7 +25,11 @@ fn most_starts(matrix: &CharacteristicMatrix) -> usize {
 /// A line with at least `count` roots to its right and not many more, with their number.
 ///
 /// `hint` is a line to begin with. `None` where no such line could be counted.
-pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) -> Option<(f64, usize)> {
+pub(super) fn line_with_roots_right_of(
+    matrix: &CharacteristicMatrix,
+    count: usize,
+    hint: f64,
+) -> Option<(f64, usize)> {
     let longest = matrix.longest_delay();
     let counted = |sigma: f64| -> Result<(f64, usize), Stop> {
         let mut line = sigma;
@@ -68,7 +72,7 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
         } else {
             2.0 * sigma
         };
-        if -sigma * longest > 600.0 || refused >= MOST_REFUSED {
+        if -sigma * longest > 600.0 || refused >= MAX_REFUSED {
             break;
         }
     }
@@ -76,7 +80,12 @@ pub(super) fn line_with(matrix: &CharacteristicMatrix, count: usize, hint: f64) 
 }
 
 /// Looks for the roots right of `depth` until `counted` are known, or all means are used up.
-pub(super) fn fill(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, depth: f64, counted: usize) {
+pub(super) fn search_right_of(
+    matrix: &CharacteristicMatrix,
+    known: &mut Vec<KnownRoot>,
+    depth: f64,
+    counted: usize,
+) {
     // Weights for this line keep the bound on the roots small.
     let matrix = &matrix.rebalanced(depth);
     let top = matrix.radius(depth);
@@ -88,20 +97,27 @@ pub(super) fn fill(matrix: &CharacteristicMatrix, known: &mut Vec<Known>, depth:
     // From the left of a chain Newton moves straight onto it; what lies further right (roots that no
     // delay makes) is reached from further right.
     for share in [0.0, 0.03, 0.3] {
-        starts_on(matrix, known, (depth, depth + share * (right - depth)), top, counted, &mut starts);
-        if right_of(known, depth) >= counted || starts == 0 {
+        start_newton_along_line(
+            matrix,
+            known,
+            (depth, depth + share * (right - depth)),
+            top,
+            counted,
+            &mut starts,
+        );
+        if count_right_of(known, depth) >= counted || starts == 0 {
             break;
         }
     }
-    if right_of(known, depth) < counted {
-        halve(matrix, known, depth, Complex64::new(right, top), counted);
+    if count_right_of(known, depth) < counted {
+        bisect_rectangles(matrix, known, depth, Complex64::new(right, top), counted);
     }
 }
 
 /// Starts Newton along the line Re s = `sigma`, so densely that det Δ turns little between two.
-fn starts_on(
+fn start_newton_along_line(
     matrix: &CharacteristicMatrix,
-    known: &mut Vec<Known>,
+    known: &mut Vec<KnownRoot>,
     (depth, sigma): (f64, f64),
     top: f64,
     counted: usize,
@@ -115,7 +131,7 @@ fn starts_on(
     while y <= top && *starts > 0 {
         let s = Complex64::new(sigma, y);
         *starts -= 1;
-        if keep(matrix, known, s) && right_of(known, depth) >= counted {
+        if refine_and_insert(matrix, known, s) && count_right_of(known, depth) >= counted {
             return;
         }
         let step = matrix.newton_step(s).norm();
@@ -124,9 +140,9 @@ fn starts_on(
 }
 
 /// Counts in rectangles, halves those with more roots than are known in them, and starts Newton there.
-fn halve(
+fn bisect_rectangles(
     matrix: &CharacteristicMatrix,
-    known: &mut Vec<Known>,
+    known: &mut Vec<KnownRoot>,
     depth: f64,
     corner: Complex64,
     counted: usize,
@@ -136,18 +152,18 @@ fn halve(
     let mut waiting = vec![(Complex64::new(depth, bottom), corner * 1.01)];
     let mut tried = 0;
     while let Some((low, high)) = waiting.pop() {
-        if tried >= MOST_RECTANGLES || right_of(known, depth) >= counted {
+        if tried >= MAX_RECTANGLES || count_right_of(known, depth) >= counted {
             return;
         }
         tried += 1;
         if let Ok(number) = zeros_in_rectangle(matrix, low, high, RECTANGLE_STEPS)
-            && number <= inside(known, low, high)
+            && number <= count_in_rectangle(known, low, high)
         {
             continue;
         }
         let size = high - low;
         for (x, y) in [(0.5, 0.5), (0.05, 0.25), (0.05, 0.75), (0.7, 0.3), (0.7, 0.8)] {
-            keep(matrix, known, low + Complex64::new(x * size.re, y * size.im));
+            refine_and_insert(matrix, known, low + Complex64::new(x * size.re, y * size.im));
         }
         if size.norm() <= 1e-7 * high.norm() {
             continue;
@@ -165,17 +181,6 @@ fn halve(
     }
 }
 
-fn inside(known: &[Known], low: Complex64, high: Complex64) -> usize {
-    let within = |s: Complex64| s.re > low.re && s.re < high.re && s.im > low.im && s.im < high.im;
-    known
-        .iter()
-        .map(|root| {
-            let both = usize::from(within(root.s)) + usize::from(root.s.im > 0.0 && within(root.s.conj()));
-            both * root.multiplicity
-        })
-        .sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,8 +195,8 @@ mod tests {
         assert_eq!(counted, 7);
         let mut known = Vec::new();
         let corner = Complex64::new(matrix.radius(0.0), matrix.radius(-22.0));
-        halve(&matrix, &mut known, -22.0, corner, counted);
-        assert_eq!(right_of(&known, -22.0), counted);
+        bisect_rectangles(&matrix, &mut known, -22.0, corner, counted);
+        assert_eq!(count_right_of(&known, -22.0), counted);
     }
 
     #[test]
@@ -201,7 +206,7 @@ mod tests {
             let system = axis.delay_system(71.2, &Delay::new(forward, backward).unwrap()).unwrap();
             let matrix = CharacteristicMatrix::balanced(&system, 0.0);
             for count in [1, 8, 40] {
-                let (line, counted) = line_with(&matrix, count, 0.0).unwrap();
+                let (line, counted) = line_with_roots_right_of(&matrix, count, 0.0).unwrap();
                 assert!((count..=2 * count + 8).contains(&counted), "{forward}: {counted} of {count}");
                 assert_eq!(matrix.roots_right_of(line, LINE_STEPS), Ok(counted));
             }

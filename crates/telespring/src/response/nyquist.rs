@@ -72,7 +72,7 @@ pub struct Nyquist {
 
 impl Nyquist {
     /// True where every root but the rigid-body one is proven to lie in the open left half-plane.
-    pub fn stable(&self) -> bool {
+    pub fn is_stable(&self) -> bool {
         self.unstable_roots == 0 && self.status == NyquistStatus::Counted
     }
 }
@@ -111,7 +111,7 @@ impl Nyquist {
 /// use telespring::{Delay, DyadAxis};
 /// let axis = DyadAxis::new(0.8334, 7.7257, 0.7776, 7.4208)?; // the H-MANs' x axis
 /// let plot = nyquist(&axis, 71.231976, &Delay::each_way(0.15)?)?;
-/// assert!(plot.stable());
+/// assert!(plot.is_stable());
 /// // Stability is lost at 167.186 ms.
 /// assert!((0.15 + plot.delay_margin.unwrap().value - 0.167186).abs() < 1e-6);
 /// assert_eq!(nyquist(&axis, 71.231976, &Delay::each_way(0.18)?)?.unstable_roots, 2);

@@ -14,7 +14,7 @@ use super::{Agent, Spots};
 
 /// What an agent knows at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct Observation {
     /// s since the start of the trial.
     pub time: f64,
     /// Of the own handle, as the sensor shows it, m.
@@ -123,7 +123,7 @@ impl Mover {
     }
 
     /// Where the agent takes the target to be, m, and its force, N; of an external agent no force.
-    pub(crate) fn act(&mut self, seen: &Seen, target: &Aim) -> ([f64; 2], [f64; 2]) {
+    pub(crate) fn act(&mut self, seen: &Observation, target: &Aim) -> ([f64; 2], [f64; 2]) {
         match self {
             Self::Skilled { stiffness, damping } => {
                 let force = [0, 1].map(|axis| {

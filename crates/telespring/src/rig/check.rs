@@ -1,6 +1,6 @@
 //! The values of a laboratory, checked once at the door.
 
-use super::{Agent, Arm, Controller, Handle, Laboratory, Network, Side, Spots, Target};
+use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spots, Station, Target};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
@@ -23,7 +23,7 @@ impl Laboratory {
         let side = |index: usize, agent| {
             let robot = &dyad.robots()[index];
             let per_axis = |values: &[f64]| [values[0], values[1]];
-            Side {
+            Station {
                 handle: Handle {
                     mass: per_axis(robot.mass()),
                     damping: per_axis(robot.damping()),
@@ -35,7 +35,7 @@ impl Laboratory {
         };
         let spots = Spots { count: 10, velocity: 0.3, lifetime: 0.2 };
         Self {
-            sides: [
+            stations: [
                 side(0, Agent::Skilled { stiffness: 120.0, damping: 0.0 }),
                 side(1, Agent::Blurred { stiffness: 120.0, spots }),
             ],
@@ -46,7 +46,7 @@ impl Laboratory {
                 actuator_lag: 0.0,
                 encoder_resolution: 0.0,
             },
-            network: Network { jitter: 0.0, loss: 0.0 },
+            network: NetworkImpairments { jitter: 0.0, loss: 0.0 },
         }
     }
 
@@ -67,7 +67,7 @@ impl Laboratory {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn check(&self) -> Result<()> {
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.stations.iter().enumerate() {
             let number = index + 1;
             side.handle.check().map_err(|refusal| refusal.within(&format!("robot{number}")))?;
             side.arm.check().map_err(|refusal| refusal.within(&format!("arm{number}")))?;
@@ -77,7 +77,7 @@ impl Laboratory {
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
         self.network.check().map_err(|refusal| refusal.within("laboratory"))?;
         let period = self.controller.sample_period;
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.stations.iter().enumerate() {
             if let Agent::Blurred { spots, .. } = side.agent
                 && spots.lifetime < period
             {
@@ -147,7 +147,7 @@ impl Agent {
 
 impl Spots {
     /// The most spots.
-    pub const MOST: usize = 10_000;
+    pub const MAX_COUNT: usize = 10_000;
 
     /// Refuses what is out of range.
     ///
@@ -155,11 +155,11 @@ impl Spots {
     ///
     /// [`InvalidInput`] with the field.
     pub fn check(&self) -> Result<()> {
-        if self.count == 0 || self.count > Self::MOST {
+        if self.count == 0 || self.count > Self::MAX_COUNT {
             return Err(InvalidInput::new(
                 "spots",
                 self.count,
-                format!("a cloud has 1 to {} spots", Self::MOST),
+                format!("a cloud has 1 to {} spots", Self::MAX_COUNT),
                 "Give a whole number; for a single target that is not blurred choose kind = \"skilled\".",
             ));
         }
@@ -231,7 +231,7 @@ impl Controller {
     }
 }
 
-impl Network {
+impl NetworkImpairments {
     /// Refuses what is out of range.
     ///
     /// # Errors

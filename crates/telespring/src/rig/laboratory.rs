@@ -111,7 +111,7 @@ pub enum Target {
 
 /// One robot with its arm and agent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Side {
+pub struct Station {
     /// The robot.
     pub handle: Handle,
     /// The arm.
@@ -135,7 +135,7 @@ pub struct Controller {
 
 /// What the emulated network does beside the constant delay of a condition.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Network {
+pub struct NetworkImpairments {
     /// Each packet is later by a time uniform between 0 and this, s.
     pub jitter: f64,
     /// Probability that a packet is lost. A sample that is lost is interpolated over where its successor
@@ -147,13 +147,13 @@ pub struct Network {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory {
     /// Both sides.
-    pub sides: [Side; 2],
+    pub stations: [Station; 2],
     /// What both agents follow.
     pub target: Target,
     /// Both controllers.
     pub controller: Controller,
     /// The network.
-    pub network: Network,
+    pub network: NetworkImpairments,
 }
 
 /// Which trials are run.

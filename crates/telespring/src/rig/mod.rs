@@ -12,23 +12,23 @@
 //! The paper's two robots at 71.2 N/m and a delay of 84 ms for one second:
 //!
 //! ```
-//! use telespring::rig::{Coupling, Laboratory, Recording, Schedule, Status, Trial};
+//! use telespring::rig::{ConnectedMode, Laboratory, Recording, Schedule, Status, Trial};
 //! use telespring::{Delay, InvalidInput};
 //!
 //! let laboratory = Laboratory::paper();
-//! let coupling = Coupling { stiffness: 71.2, damping: 0.0, delay: Delay::each_way(0.084)? };
+//! let coupling = ConnectedMode { stiffness: 71.2, damping: 0.0, delay: Delay::each_way(0.084)? };
 //! let schedule = Schedule::new(1.0, 100.0, laboratory.controller.sample_period)?;
 //! let trial = Trial { laboratory: &laboratory, coupling: Some(coupling), seed: 1, schedule };
 //! let recording: Recording = trial.record::<InvalidInput>([None, None])?;
-//! assert_eq!(recording.ending.status, Status::Completed);
+//! assert_eq!(recording.outcome.status, Status::Completed);
 //! assert_eq!(recording.position.len(), 101);
 //! # Ok::<(), telespring::InvalidInput>(())
 //! ```
 
 mod agent;
+mod channel;
 mod check;
 mod laboratory;
-mod network;
 pub mod plant;
 mod random;
 mod record;
@@ -36,12 +36,13 @@ mod schedule;
 mod target;
 mod trial;
 
-pub use agent::Seen;
+pub use agent::Observation;
 pub use laboratory::{
-    Agent, Arm, Controller, Elbow, Handle, Laboratory, Network, Protocol, Side, Spots, Target, TwoLinkArm,
+    Agent, Arm, Controller, Elbow, Handle, Laboratory, NetworkImpairments, Protocol, Spots, Station, Target,
+    TwoLinkArm,
 };
 pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
-pub use record::{Ending, Record, Recording, Row, Status};
-pub use schedule::{MOST_TICKS, Schedule};
-pub use trial::{Callback, Coupling, LIMIT, Trial, Watch};
+pub use record::{Record, Recording, Row, Status, TrialOutcome};
+pub use schedule::{MAX_TICKS, Schedule};
+pub use trial::{Callback, ConnectedMode, InterruptCheck, POSITION_LIMIT, Trial};

@@ -45,7 +45,7 @@ impl Record<'_> {
 pub enum Status {
     /// To its last tick.
     Completed,
-    /// A handle passed [`LIMIT`](super::LIMIT).
+    /// A handle passed [`POSITION_LIMIT`](super::POSITION_LIMIT).
     Diverged {
         /// The first tick there, s.
         at: f64,
@@ -65,7 +65,7 @@ pub enum Status {
 
 /// How a trial ended and what was kept of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ending {
+pub struct TrialOutcome {
     /// How it ended.
     pub status: Status,
     /// How many rows were written, from the first on.
@@ -76,7 +76,7 @@ pub struct Ending {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// How it ended; all lists end there.
-    pub ending: Ending,
+    pub outcome: TrialOutcome,
     /// As in [`Record`].
     pub target: Vec<[f64; 2]>,
     /// As in [`Record`].
@@ -97,7 +97,7 @@ impl Recording {
     pub(super) fn new(rows: usize) -> Self {
         let empty = || vec![Row::default(); rows];
         Self {
-            ending: Ending { status: Status::Completed, rows },
+            outcome: TrialOutcome { status: Status::Completed, rows },
             target: vec![[0.0; 2]; rows],
             position: empty(),
             velocity: empty(),
@@ -120,9 +120,9 @@ impl Recording {
         }
     }
 
-    pub(super) fn end(&mut self, ending: Ending) {
-        self.ending = ending;
-        self.target.truncate(ending.rows);
+    pub(super) fn truncate(&mut self, outcome: TrialOutcome) {
+        self.outcome = outcome;
+        self.target.truncate(outcome.rows);
         for rows in [
             &mut self.position,
             &mut self.velocity,
@@ -131,7 +131,7 @@ impl Recording {
             &mut self.handle_force,
             &mut self.aim,
         ] {
-            rows.truncate(ending.rows);
+            rows.truncate(outcome.rows);
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::error::{InvalidInput, Result};
 use crate::quantity;
 
 /// The most ticks of one trial.
-pub const MOST_TICKS: usize = 100_000_000;
+pub const MAX_TICKS: usize = 100_000_000;
 
 /// Which ticks are run and which are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ impl Schedule {
     /// # Errors
     ///
     /// [`InvalidInput`] where a value is out of range, the record rate does not divide the controllers'
-    /// rate, or there would be more than [`MOST_TICKS`].
+    /// rate, or there would be more than [`MAX_TICKS`].
     ///
     /// # Examples
     ///
@@ -43,11 +43,11 @@ impl Schedule {
         }
         // 0.29 s at 1 kHz has 290 ticks, though the quotient rounds to 289.999…
         let ticks = (duration / sample_period * (1.0 + 4.0 * f64::EPSILON)).floor();
-        if ticks > MOST_TICKS as f64 {
+        if ticks > MAX_TICKS as f64 {
             return Err(InvalidInput::new(
                 "duration",
                 duration,
-                format!("a trial has at most {MOST_TICKS} ticks of the controllers, here {ticks:e}"),
+                format!("a trial has at most {MAX_TICKS} ticks of the controllers, here {ticks:e}"),
                 "Shorten the trial or lengthen the sample period.",
             ));
         }

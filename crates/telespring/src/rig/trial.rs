@@ -5,25 +5,25 @@
 //! until the next tick. With a computing tick the forces of the tick before act instead. Both sides thus
 //! use what was measured at the same instant, whichever is computed first.
 
-use super::agent::{Mover, Seen};
-use super::network::Link;
+use super::agent::{Mover, Observation};
+use super::channel::Channel;
 use super::plant::{Halt, Plant, RelaxingForce};
 use super::random::{Stream, generator};
-use super::record::{Ending, Record, Recording, Row, Status};
+use super::record::{Record, Recording, Row, Status, TrialOutcome};
 use super::schedule::Schedule;
 use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds, Refused, wire};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, wire};
 
 /// A trial ends as diverged where a handle is further from the origin than this along an axis, m: no
 /// robot reaches that far.
-pub const LIMIT: f64 = 10.0;
+pub const POSITION_LIMIT: f64 = 10.0;
 
 /// How the two sides are coupled.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
+pub struct ConnectedMode {
     /// Of the virtual spring, N/m.
     pub stiffness: f64,
     /// Of the damper beside it, N·s/m.
@@ -32,7 +32,7 @@ pub struct Coupling {
     pub delay: Delay,
 }
 
-impl Coupling {
+impl ConnectedMode {
     /// Refuses what is out of range.
     ///
     /// # Errors
@@ -46,14 +46,14 @@ impl Coupling {
 }
 
 /// A program of the caller's that moves an arm: the force (N per axis) from what it sees at a tick.
-pub type Callback<'a, E> = &'a mut dyn FnMut(&Seen) -> std::result::Result<[f64; 2], E>;
+pub type Callback<'a, E> = &'a mut dyn FnMut(&Observation) -> std::result::Result<[f64; 2], E>;
 
 /// Called in the course of a trial; an error ends it, such as that somebody pressed Ctrl-C.
-pub type Watch<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
+pub type InterruptCheck<'a, E> = &'a mut dyn FnMut() -> std::result::Result<(), E>;
 
-/// Ticks between two calls of a watch: some milliseconds, and some tenths of a second in a plant that is
+/// Ticks between two calls of a check_interrupt: some milliseconds, and some tenths of a second in a plant that is
 /// about to be too stiff.
-const WATCHED: usize = 256;
+const TICKS_BETWEEN_CHECKS: usize = 256;
 
 /// One trial.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +61,7 @@ pub struct Trial<'a> {
     /// Where.
     pub laboratory: &'a Laboratory,
     /// How both sides are coupled; `None` in the unconnected mode.
-    pub coupling: Option<Coupling>,
+    pub coupling: Option<ConnectedMode>,
     /// From which everything random is drawn.
     pub seed: u64,
     /// Which ticks are run and kept.
@@ -80,22 +80,22 @@ struct Acting {
 }
 
 /// One side in the course of a trial.
-struct Station {
+struct RunningStation {
     plant: Plant,
     mover: Mover,
     endpoint: Option<Endpoint>,
     /// Towards this side.
-    link: Option<Link>,
+    link: Option<Channel>,
     /// Computed at the tick before: of the spring and of the agent, N.
     computed: [[f64; 2]; 2],
     /// What the actuator gives, N.
     actuator: [f64; 2],
 }
 
-impl Station {
+impl RunningStation {
     fn diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
-        beyond(self.plant.position(), LIMIT) || beyond(self.plant.velocity(), wire::LARGEST)
+        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
     }
 
     fn measure(&self, resolution: f64) -> Motion {
@@ -109,7 +109,7 @@ impl Station {
     }
 
     /// Takes in what has arrived and gives the force of the spring, N.
-    fn spring(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], Refused> {
+    fn spring(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
             endpoint.receive(now, &packet)?;
@@ -139,21 +139,21 @@ impl Station {
 }
 
 impl Trial<'_> {
-    fn stations(&self) -> Result<[Station; 2]> {
-        let Laboratory { sides, target, controller, network } = self.laboratory;
+    fn stations(&self) -> Result<[RunningStation; 2]> {
+        let Laboratory { stations: sides, target, controller, network } = self.laboratory;
         let period = Nanoseconds::from_seconds(controller.sample_period);
         let start = target.at(0, controller.sample_period).position;
-        let station = |side: usize| -> Result<Station> {
-            let linked = self.coupling.map(|Coupling { stiffness, damping, delay }| {
+        let station = |side: usize| -> Result<RunningStation> {
+            let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| {
                 // what robot 2 receives comes forward
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
                 let delay = Nanoseconds::from_seconds(delay);
                 let travel = delay.before(period).unwrap_or_default();
                 let random = generator(self.seed, Stream::Network(side));
-                (Endpoint::new(Law { stiffness, damping }, delay), Link::new(network, travel, random))
+                (Endpoint::new(Law { stiffness, damping }, delay), Channel::new(network, travel, random))
             });
             let (endpoint, link) = linked.unzip();
-            Ok(Station {
+            Ok(RunningStation {
                 plant: Plant::new(sides[side].handle, &sides[side].arm, start)
                     .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
                 mover: Mover::new(&sides[side].agent, self.seed, side),
@@ -175,22 +175,22 @@ impl Trial<'_> {
         &self,
         external: [Option<Callback<'_, E>>; 2],
     ) -> std::result::Result<Recording, E> {
-        self.record_watched(external, &mut || Ok(()))
+        self.record_interruptible(external, &mut || Ok(()))
     }
 
-    /// As [`Trial::record`], with the watch of [`Trial::run_watched`].
+    /// As [`Trial::record`], with the check_interrupt of [`Trial::run_interruptible`].
     ///
     /// # Errors
     ///
-    /// As [`Trial::run_watched`].
-    pub fn record_watched<E: From<InvalidInput>>(
+    /// As [`Trial::run_interruptible`].
+    pub fn record_interruptible<E: From<InvalidInput>>(
         &self,
         external: [Option<Callback<'_, E>>; 2],
-        watch: Watch<'_, E>,
+        check_interrupt: InterruptCheck<'_, E>,
     ) -> std::result::Result<Recording, E> {
         let mut recording = Recording::new(self.schedule.rows());
-        let ending = self.run_watched(external, &mut recording.slots(), watch)?;
-        recording.end(ending);
+        let outcome = self.run_interruptible(external, &mut recording.slots(), check_interrupt)?;
+        recording.truncate(outcome);
         Ok(recording)
     }
 
@@ -206,22 +206,22 @@ impl Trial<'_> {
         &self,
         external: [Option<Callback<'_, E>>; 2],
         record: &mut Record<'_>,
-    ) -> std::result::Result<Ending, E> {
-        self.run_watched(external, record, &mut || Ok(()))
+    ) -> std::result::Result<TrialOutcome, E> {
+        self.run_interruptible(external, record, &mut || Ok(()))
     }
 
-    /// As [`Trial::run`]; `watch` is called now and then, and what it returns as an error ends the trial.
+    /// As [`Trial::run`]; `check_interrupt` is called now and then, and what it returns as an error ends the trial.
     ///
     /// # Errors
     ///
-    /// As [`Trial::run`], and whatever `watch` returns.
-    pub fn run_watched<E: From<InvalidInput>>(
+    /// As [`Trial::run`], and whatever `check_interrupt` returns.
+    pub fn run_interruptible<E: From<InvalidInput>>(
         &self,
         mut external: [Option<Callback<'_, E>>; 2],
         record: &mut Record<'_>,
-        watch: Watch<'_, E>,
-    ) -> std::result::Result<Ending, E> {
-        let Laboratory { sides, target, controller, .. } = self.laboratory;
+        check_interrupt: InterruptCheck<'_, E>,
+    ) -> std::result::Result<TrialOutcome, E> {
+        let Laboratory { stations: sides, target, controller, .. } = self.laboratory;
         let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
         if let Some(coupling) = &self.coupling {
             coupling.check()?;
@@ -249,12 +249,12 @@ impl Trial<'_> {
             let now = Nanoseconds::from_seconds(time);
             let aim_here = target.at(tick, period);
             // also where a motion is none that a packet may carry
-            let diverged = Ending { status: Status::Diverged { at: time }, rows };
-            if stations.iter().any(Station::diverged) {
+            let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
+            if stations.iter().any(RunningStation::diverged) {
                 return Ok(diverged);
             }
-            if tick % WATCHED == 0 {
-                watch()?;
+            if tick % TICKS_BETWEEN_CHECKS == 0 {
+                check_interrupt()?;
             }
             let measured = stations.each_ref().map(|station| station.measure(controller.encoder_resolution));
             for side in 0..2 {
@@ -267,7 +267,7 @@ impl Trial<'_> {
             }
             let (mut aim, mut acting) = (Row::default(), [Acting::default(); 2]);
             for (side, station) in stations.iter_mut().enumerate() {
-                let seen = Seen {
+                let seen = Observation {
                     time,
                     position: measured[side].position,
                     velocity: measured[side].velocity,
@@ -306,11 +306,11 @@ impl Trial<'_> {
                         Halt::OutOfReach(_) => Status::OutOfReach { at },
                         Halt::TooStiff { .. } => Status::TooStiff { at },
                     };
-                    return Ok(Ending { status, rows });
+                    return Ok(TrialOutcome { status, rows });
                 }
             }
         }
-        Ok(Ending { status: Status::Completed, rows })
+        Ok(TrialOutcome { status: Status::Completed, rows })
     }
 }
 

@@ -1,6 +1,6 @@
 //! One side of a coupling.
 
-use super::wire::{LENGTH, Motion, Packet, Refused};
+use super::wire::{LENGTH, Motion, Packet, PacketError};
 use super::{Law, Nanoseconds, Playout};
 
 /// One side: it measures and sends, receives, and gives the force on its own handle.
@@ -23,7 +23,7 @@ use super::{Law, Nanoseconds, Playout};
 /// sides[1].receive(now, &first)?;
 /// assert_eq!(sides[0].force(now), [2.0, 0.0]);
 /// assert_eq!(sides[1].force(now), [-2.0, 0.0]);
-/// # Ok::<(), telespring::session::Refused>(())
+/// # Ok::<(), telespring::session::PacketError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Endpoint {
@@ -43,8 +43,8 @@ impl Endpoint {
     ///
     /// # Errors
     ///
-    /// [`Refused::Value`] where the device reports a value that no handle has; the motion before stays.
-    pub fn send(&mut self, now: Nanoseconds, motion: Motion) -> Result<[u8; LENGTH], Refused> {
+    /// [`PacketError::Value`] where the device reports a value that no handle has; the motion before stays.
+    pub fn send(&mut self, now: Nanoseconds, motion: Motion) -> Result<[u8; LENGTH], PacketError> {
         let motion = motion.check()?;
         self.own = Some(motion);
         let packet = Packet { sequence: self.sequence, time: now, motion };
@@ -56,8 +56,8 @@ impl Endpoint {
     ///
     /// # Errors
     ///
-    /// [`Refused`] where they are no packet; nothing has changed then.
-    pub fn receive(&mut self, now: Nanoseconds, bytes: &[u8]) -> Result<(), Refused> {
+    /// [`PacketError`] where they are no packet; nothing has changed then.
+    pub fn receive(&mut self, now: Nanoseconds, bytes: &[u8]) -> Result<(), PacketError> {
         let packet = Packet::decode(bytes)?;
         self.playout.insert(now, packet.time, packet.motion);
         Ok(())

@@ -23,4 +23,4 @@ pub use endpoint::Endpoint;
 pub use law::Law;
 pub use playout::Playout;
 pub use time::Nanoseconds;
-pub use wire::{Motion, Packet, Refused};
+pub use wire::{Motion, Packet, PacketError};

@@ -23,7 +23,7 @@ pub const VERSION: u8 = 1;
 pub const LENGTH: usize = 54;
 /// The largest position (m) or velocity (m/s) that a packet may carry: beyond it no handle moves, and
 /// every force computed from it would still be finite.
-pub const LARGEST: f64 = 1e6;
+pub const MAX_VALUE: f64 = 1e6;
 
 const AXES: u8 = 2;
 
@@ -37,16 +37,16 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The motion itself where every value is finite and at most [`LARGEST`].
+    /// The motion itself where every value is finite and at most [`MAX_VALUE`].
     ///
     /// # Errors
     ///
-    /// [`Refused::Value`] otherwise.
-    pub fn check(self) -> Result<Self, Refused> {
+    /// [`PacketError::Value`] otherwise.
+    pub fn check(self) -> Result<Self, PacketError> {
         let values = [self.position, self.velocity];
-        match values.iter().flatten().find(|value| !(value.abs() <= LARGEST)) {
+        match values.iter().flatten().find(|value| !(value.abs() <= MAX_VALUE)) {
             None => Ok(self),
-            Some(&value) => Err(Refused::Value { value }),
+            Some(&value) => Err(PacketError::Value { value }),
         }
     }
 }
@@ -65,7 +65,7 @@ pub struct Packet {
 /// Why bytes were not taken as a packet.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Refused {
+pub enum PacketError {
     /// Too short or too long.
     #[error("a packet has {LENGTH} bytes; these are {length}: it was cut, or comes from something else")]
     Length {
@@ -93,7 +93,7 @@ pub enum Refused {
         found: u8,
     },
     /// A position or velocity that no handle has.
-    #[error("the motion holds {value}, which no handle has: values are finite and at most {LARGEST}")]
+    #[error("the motion holds {value}, which no handle has: values are finite and at most {MAX_VALUE}")]
     Value {
         /// The first such value.
         value: f64,
@@ -126,29 +126,30 @@ impl Packet {
     ///
     /// # Errors
     ///
-    /// [`Refused`] where they are no packet of this layout, or hold a value that no handle has.
+    /// [`PacketError`] where they are no packet of this layout, or hold a value that no handle has.
     ///
     /// # Examples
     ///
     /// ```
-    /// use telespring::session::{Motion, Nanoseconds, Packet, Refused};
+    /// use telespring::session::{Motion, Nanoseconds, Packet, PacketError};
     ///
     /// let motion = Motion { position: [0.01, -0.02], velocity: [0.0, 0.3] };
     /// let packet = Packet { sequence: 7, time: Nanoseconds(1_000_000), motion };
     /// assert_eq!(Packet::decode(&packet.encode()), Ok(packet));
-    /// assert_eq!(Packet::decode(b"hello"), Err(Refused::Length { length: 5 }));
+    /// assert_eq!(Packet::decode(b"hello"), Err(PacketError::Length { length: 5 }));
     /// ```
-    pub fn decode(bytes: &[u8]) -> Result<Self, Refused> {
-        let bytes: &[u8; LENGTH] = bytes.try_into().map_err(|_| Refused::Length { length: bytes.len() })?;
+    pub fn decode(bytes: &[u8]) -> Result<Self, PacketError> {
+        let bytes: &[u8; LENGTH] =
+            bytes.try_into().map_err(|_| PacketError::Length { length: bytes.len() })?;
         let found = take(bytes, 0);
         if found != MAGIC {
-            return Err(Refused::Foreign { found });
+            return Err(PacketError::Foreign { found });
         }
         if bytes[4] != VERSION {
-            return Err(Refused::Version { found: bytes[4] });
+            return Err(PacketError::Version { found: bytes[4] });
         }
         if bytes[5] != AXES {
-            return Err(Refused::Axes { found: bytes[5] });
+            return Err(PacketError::Axes { found: bytes[5] });
         }
         let number = |at| f64::from_le_bytes(take(bytes, at));
         let motion =

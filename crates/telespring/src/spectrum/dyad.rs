@@ -36,7 +36,7 @@ const SAME: f64 = 1e-8;
 /// How near to the middle of a double root another approximation of it may lie, relatively.
 const SAME_PAIR: f64 = 1e-4;
 /// More starts than this on one line are not made: then the line lies far too deep.
-const MOST_STARTS: f64 = 20_000.0;
+const MAX_STARTS: f64 = 20_000.0;
 
 struct Search<'a> {
     chi: &'a Characteristic,
@@ -229,7 +229,7 @@ impl Search<'_> {
             let (high, high_phase) = (crossing.y, crossing.phase);
             let first = (low_phase.min(high_phase) / TAU).ceil();
             let last = (low_phase.max(high_phase) / TAU).floor();
-            if last - first > MOST_STARTS {
+            if last - first > MAX_STARTS {
                 continue;
             }
             let mut turn = first;

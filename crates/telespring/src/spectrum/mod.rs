@@ -17,7 +17,7 @@ use crate::error::{InvalidInput, Result};
 use crate::{Delay, DyadAxis, quantity};
 
 /// The largest number of roots that may be asked for.
-pub const MOST_ROOTS: usize = 1000;
+pub const MAX_ROOTS: usize = 1000;
 
 /// Whether the roots right of a line are all known.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +106,7 @@ pub struct Abscissa {
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] where the axis, the stiffness or `count` (1 to [`MOST_ROOTS`]) is out of range.
+/// [`InvalidInput`] where the axis, the stiffness or `count` (1 to [`MAX_ROOTS`]) is out of range.
 ///
 /// # Examples
 ///
@@ -159,13 +159,13 @@ pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Resu
 }
 
 pub(crate) fn check_count(count: usize) -> Result<()> {
-    if (1..=MOST_ROOTS).contains(&count) {
+    if (1..=MAX_ROOTS).contains(&count) {
         return Ok(());
     }
     Err(InvalidInput::new(
         "count",
         count,
-        format!("the number of roots must be from 1 to {MOST_ROOTS}"),
+        format!("the number of roots must be from 1 to {MAX_ROOTS}"),
         "Ask for fewer roots, or for at least one.",
     ))
 }

@@ -4,7 +4,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::keys::{as_written, nearest};
-use super::reader::{Reader, line_of};
+use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
 
@@ -42,7 +42,7 @@ impl PerAxis {
 
 /// A value with its dotted field.
 pub(super) struct Entry<'r, 'a> {
-    pub(super) reader: &'r Reader<'a>,
+    pub(super) source: Source<'a>,
     pub(super) field: String,
     pub(super) value: &'r Spanned<DeValue<'a>>,
 }
@@ -50,14 +50,12 @@ pub(super) struct Entry<'r, 'a> {
 impl<'r, 'a> Entry<'r, 'a> {
     /// A refusal of this entry.
     pub fn refuse(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
-        self.reader.refuse(&self.field, self.value, allowed, remedy)
+        self.source.refuse(&self.field, self.value, allowed, remedy)
     }
 
     /// The line of a refusal that something else made about this entry.
-    pub fn place(&self, mut error: InvalidInput) -> InvalidInput {
-        let line = line_of(self.reader.text, self.value.span().start);
-        error.remedy = format!("{} See line {line}.", error.remedy);
-        error
+    pub fn place(&self, error: InvalidInput) -> InvalidInput {
+        self.source.with_line(error, self.value.span().start)
     }
 
     /// A string.
@@ -164,7 +162,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     }
 
     fn item(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
-        Entry { reader: self.reader, field: format!("{}{suffix}", self.field), value }
+        Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
 
     /// A table with exactly these two keys, such as min and max; `None` where it is not a table. `instead`
@@ -174,10 +172,15 @@ impl<'r, 'a> Entry<'r, 'a> {
         for (key, value) in table {
             let word = key.get_ref().as_ref();
             if !keys.contains(&word) {
-                let line = line_of(self.reader.text, key.span().start);
-                let allowed = format!("this has the keys {} and {}", keys[0], keys[1]);
-                let field = format!("{}.{}", self.field, as_written(word));
-                return Err(self.reader.unknown(&field, word, value, line, allowed, &keys, Some("")));
+                let unknown = UnknownKey {
+                    field: &format!("{}.{}", self.field, as_written(word)),
+                    key: word,
+                    position: key.span().start,
+                    section: Some(""),
+                    allowed: format!("this has the keys {} and {}", keys[0], keys[1]),
+                    keys: &keys,
+                };
+                return Err(self.source.refuse_unknown_key(unknown, value));
             }
         }
         let part = |key: &str| match table.get(key) {

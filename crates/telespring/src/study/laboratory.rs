@@ -171,7 +171,7 @@ fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<Age
             stiffness: stiffness()?,
             spots: Spots {
                 count: reader.get(section, "spots").map_or(Ok(SPOTS.count as i64), |entry| {
-                    entry.whole("the number of spots", 1, Spots::MOST as i64)
+                    entry.whole("the number of spots", 1, Spots::MAX_COUNT as i64)
                 })? as usize,
                 velocity: or(reader, section, "spot_velocity", quantity::SPEED, SPOTS.velocity)?,
                 lifetime: or(reader, section, "spot_lifetime", quantity::LIFETIME, SPOTS.lifetime)?,

@@ -36,21 +36,24 @@
 mod entry;
 mod keys;
 mod laboratory;
+mod network;
+mod operator;
 mod protocol;
 mod python;
 mod reader;
 mod rehearsal;
 mod robot;
-mod verdict;
+mod source;
 mod writer;
 
-use crate::criteria::verdicts::{Network, OperatorRange};
 use crate::error::Result;
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
+use crate::verdicts::{Network, OperatorRange};
+use network::network;
+use operator::operator;
 use reader::Reader;
 use robot::{RobotSection, robots};
-use verdict::{network, operator, optional};
 
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
@@ -137,7 +140,7 @@ impl Study {
         let operators = ranges.each_ref().map(OperatorRange::middle);
         let stiffness = reader.need("coupling", "stiffness", "stiffness = 20.0 (N/m)")?;
         let stiffness = stiffness.number(quantity::STIFFNESS, "a number")?;
-        let damping = optional(&reader, "coupling", "damping", quantity::DAMPING)?;
+        let damping = reader.number_or_zero("coupling", "damping", quantity::DAMPING)?;
         let dyad = Dyad::new(robot1, robot2, Some(operators), damping).map_err(|mut error| {
             // The only refusal left is that of unlike axes; its field is robot2.axes already.
             error.field = error.field.trim_start_matches("robot2.").to_owned();

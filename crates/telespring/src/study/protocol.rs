@@ -45,10 +45,10 @@ pub struct ProtocolChoice {
     pub shuffled: bool,
 }
 
-const MOST_TRIALS: i64 = 10_000;
-const MOST_CONDITIONS: usize = 1000;
+const MAX_TRIALS: i64 = 10_000;
+const MAX_CONDITIONS: usize = 1000;
 /// Of all trials together, some 10 GB as a dataset; the paper's protocol keeps a million.
-const MOST_ROWS: f64 = 5e7;
+const MAX_ROWS: f64 = 5e7;
 /// TOML has no larger whole number.
 const LARGEST_SEED: i64 = i64::MAX;
 const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
@@ -135,12 +135,12 @@ impl ProtocolChoice {
             ));
         }
         let rows = conditions.len() as f64 * self.trials as f64 * schedule.rows() as f64;
-        if rows > MOST_ROWS {
+        if rows > MAX_ROWS {
             return Err(InvalidInput::new(
                 "protocol.trials",
                 self.trials,
                 format!(
-                    "all trials together keep at most {MOST_ROWS:.0} samples, and {} conditions of {duration:?} s \
+                    "all trials together keep at most {MAX_ROWS:.0} samples, and {} conditions of {duration:?} s \
                      at {record_rate:?} Hz make {rows:.0}",
                     conditions.len()
                 ),
@@ -164,13 +164,13 @@ fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
 }
 
 fn check_count(count: usize) -> Result<()> {
-    if (1..=MOST_CONDITIONS).contains(&count) {
+    if (1..=MAX_CONDITIONS).contains(&count) {
         return Ok(());
     }
     Err(InvalidInput::new(
         "protocol.conditions",
         format!("{count} conditions"),
-        format!("a protocol has 1 to {MOST_CONDITIONS} conditions, the unconnected one included"),
+        format!("a protocol has 1 to {MAX_CONDITIONS} conditions, the unconnected one included"),
         if count == 0 { "Name a condition, or write unconnected = true." } else { "Name fewer." },
     ))
 }
@@ -218,7 +218,7 @@ pub(super) fn protocol(reader: &Reader<'_>) -> Result<ProtocolChoice> {
     Ok(ProtocolChoice {
         unconnected: flag("unconnected", paper.unconnected)?,
         conditions: conditions(reader)?,
-        trials: whole("trials", "the number of trials", 1, MOST_TRIALS, paper.trials as i64)? as usize,
+        trials: whole("trials", "the number of trials", 1, MAX_TRIALS, paper.trials as i64)? as usize,
         duration: number("duration", quantity::TRIAL_DURATION)?,
         discard: number("discard", quantity::SPAN_OF_TRIAL)?,
         record_rate: number("record_rate", quantity::RATE)?,

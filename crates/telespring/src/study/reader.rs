@@ -3,32 +3,25 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{InvalidInput, Result};
-
 use super::entry::Entry;
-use super::keys::{Keys, REHEARSAL, SECTIONS, as_written, nearest};
+use super::keys::{Keys, REHEARSAL, SECTIONS, as_written};
+use super::source::{Source, UnknownKey};
+use crate::error::{InvalidInput, Result};
+use crate::quantity::Quantity;
 
 /// A study of more text than this is a slip (the wrong file), not a study.
 const LONGEST: usize = 1 << 20;
 
 /// The text with its table, to look things up with their lines.
 pub(super) struct Reader<'a> {
-    pub(super) text: &'a str,
+    source: Source<'a>,
     table: DeTable<'a>,
-}
-
-/// The value as a person would recognise it in the file, cut short.
-fn shown(text: &str, span: std::ops::Range<usize>) -> String {
-    const LONGEST_SHOWN: usize = 60;
-    let raw = text.get(span).unwrap_or("").trim();
-    let line = raw.lines().next().unwrap_or("");
-    let short: String = line.chars().take(LONGEST_SHOWN).collect();
-    if short.len() < raw.len() { format!("{short} …") } else { short }
 }
 
 impl<'a> Reader<'a> {
     /// The table of a study, its sections and keys known.
     pub fn new(text: &'a str) -> Result<Self> {
+        let source = Source(text);
         if text.len() > LONGEST {
             return Err(InvalidInput::new(
                 "study",
@@ -39,7 +32,7 @@ impl<'a> Reader<'a> {
         }
         let table = DeTable::parse(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
-            let line = line_of(text, start);
+            let line = source.line(start);
             let content = text.lines().nth(line - 1).unwrap_or("").trim();
             InvalidInput::new(
                 "study",
@@ -51,7 +44,7 @@ impl<'a> Reader<'a> {
                 format!("Mend line {line}."),
             )
         })?;
-        let reader = Self { text, table: table.into_inner() };
+        let reader = Self { source, table: table.into_inner() };
         reader.check_keys()?;
         Ok(reader)
     }
@@ -62,7 +55,6 @@ impl<'a> Reader<'a> {
         top.extend(&sections);
         for (key, value) in &self.table {
             let name = key.get_ref().as_ref();
-            let line = line_of(self.text, key.span().start);
             let Some(&(_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
                 if name == "name" {
                     continue;
@@ -71,10 +63,18 @@ impl<'a> Reader<'a> {
                     "a study has a name and the sections {}",
                     sections.iter().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(", ")
                 );
-                return Err(self.unknown(&as_written(name), name, value, line, allowed, &top, None));
+                let unknown = UnknownKey {
+                    field: &as_written(name),
+                    key: name,
+                    position: key.span().start,
+                    section: None,
+                    allowed,
+                    keys: &top,
+                };
+                return Err(self.source.refuse_unknown_key(unknown, value));
             };
             let Some(section) = value.get_ref().as_table() else {
-                return Err(self.refuse(
+                return Err(self.source.refuse(
                     name,
                     value,
                     format!("[{name}] is a section with the keys {}", keys.all().join(", ")),
@@ -96,17 +96,24 @@ impl<'a> Reader<'a> {
             if known.contains(&word) {
                 continue;
             }
-            let line = line_of(self.text, key.span().start);
+            let position = key.span().start;
             let allowed = match kind {
                 Some(kind) => format!("[{name}] of kind \"{kind}\" has the keys {}", known.join(", ")),
                 None => format!("[{name}] has the keys {}", known.join(", ")),
             };
-            let field = format!("{name}.{}", as_written(word));
-            let mut refusal = self.unknown(&field, word, value, line, allowed, known, Some(name));
+            let unknown = UnknownKey {
+                field: &format!("{name}.{}", as_written(word)),
+                key: word,
+                position,
+                section: Some(name),
+                allowed,
+                keys: known,
+            };
+            let mut refusal = self.source.refuse_unknown_key(unknown, value);
             if let Some(other) = keys.kind_with(word) {
-                refusal.remedy = format!(
-                    "It belongs to kind = \"{other}\": name that kind, or remove the key. See line {line}."
-                );
+                refusal.remedy =
+                    format!("It belongs to kind = \"{other}\": name that kind, or remove the key.");
+                refusal = self.source.with_line(refusal, position);
             }
             return Err(refusal);
         }
@@ -130,8 +137,8 @@ impl<'a> Reader<'a> {
 
     /// A refusal of a whole section.
     pub fn refuse_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
-        let line = self.table.get(section).map_or(1, |value| line_of(self.text, value.span().start));
-        InvalidInput::new(section, "a section", allowed, format!("{remedy} See line {line}."))
+        let position = self.table.get(section).map_or(0, |value| value.span().start);
+        self.source.with_line(InvalidInput::new(section, "a section", allowed, remedy), position)
     }
 
     /// The first section that only a rehearsal needs.
@@ -140,7 +147,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A refusal by its dotted field, put to the line of that key, or of its section.
-    pub fn locate(&self, mut error: InvalidInput) -> InvalidInput {
+    pub fn locate(&self, error: InvalidInput) -> InvalidInput {
         let mut parts = error.field.splitn(2, '.');
         let section = parts.next().unwrap_or_default();
         let key: String =
@@ -149,49 +156,10 @@ impl<'a> Reader<'a> {
             let key = value.get_ref().as_table().and_then(|table| table.get(key.as_str()));
             key.unwrap_or(value).span().start
         });
-        if let Some(start) = place {
-            error.remedy = format!("{} See line {}.", error.remedy, line_of(self.text, start));
+        match place {
+            Some(position) => self.source.with_line(error, position),
+            None => error,
         }
-        error
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "one message, told from two places")]
-    pub fn unknown(
-        &self,
-        field: &str,
-        word: &str,
-        value: &Spanned<DeValue<'_>>,
-        line: usize,
-        allowed: String,
-        keys: &[&str],
-        section: Option<&str>,
-    ) -> InvalidInput {
-        let home = SECTIONS
-            .iter()
-            .find(|(name, keys)| Some(*name) != section && keys.all().contains(&word) && word != "kind")
-            .map(|(name, _)| format!("It belongs under [{name}]."));
-        let remedy = home
-            .or_else(|| nearest(word, keys).map(|key| format!("Did you mean \"{key}\"?")))
-            .unwrap_or_else(|| "Remove it, or correct its name.".to_owned());
-        let field: String = field.chars().take(80).collect();
-        let shown =
-            if value.get_ref().is_table() { "a section".to_owned() } else { shown(self.text, value.span()) };
-        InvalidInput::new(field, shown, allowed, format!("{remedy} See line {line}."))
-    }
-
-    pub fn refuse(
-        &self,
-        field: &str,
-        value: &Spanned<DeValue<'_>>,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> InvalidInput {
-        let line = line_of(self.text, value.span().start);
-        let shown = match value.get_ref() {
-            DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
-            _ => shown(self.text, value.span()),
-        };
-        InvalidInput::new(field, shown, allowed, format!("{} See line {line}.", remedy.into()))
     }
 
     /// The study's name, where it has one.
@@ -200,13 +168,18 @@ impl<'a> Reader<'a> {
     }
 
     fn entry<'r>(&'r self, field: String, value: &'r Spanned<DeValue<'a>>) -> Entry<'r, 'a> {
-        Entry { reader: self, field, value }
+        Entry { source: self.source, field, value }
     }
 
     /// A key of a section, where both are there.
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_, 'a>> {
         let value = self.table.get(section)?.get_ref().as_table()?.get(key)?;
         Some(self.entry(format!("{section}.{key}"), value))
+    }
+
+    /// A number of a section, 0 where the key is not given.
+    pub fn number_or_zero(&self, section: &str, key: &str, quantity: Quantity) -> Result<f64> {
+        self.get(section, key).map_or(Ok(0.0), |entry| entry.number(quantity, "a number"))
     }
 
     /// A key of a section that must be there; `like` is an example of it.
@@ -217,7 +190,7 @@ impl<'a> Reader<'a> {
                 Some(value) => {
                     format!(
                         "Add {like} under [{section}]. See line {}.",
-                        line_of(self.text, value.span().start)
+                        self.source.line(value.span().start)
                     )
                 }
             };
@@ -227,16 +200,10 @@ impl<'a> Reader<'a> {
 
     /// A refusal from the model, put into the file: the section before the field, its line after.
     pub fn place(&self, section: &str, error: InvalidInput) -> InvalidInput {
-        let line = self.table.get(section).map(|value| line_of(self.text, value.span().start));
-        let mut error = error.within(section);
-        if let Some(line) = line {
-            error.remedy = format!("{} See line {line}.", error.remedy);
+        let error = error.within(section);
+        match self.table.get(section) {
+            Some(value) => self.source.with_line(error, value.span().start),
+            None => error,
         }
-        error
     }
-}
-
-/// The line of a byte, counted from 1.
-pub(super) fn line_of(text: &str, byte: usize) -> usize {
-    1 + text.as_bytes().iter().take(byte).filter(|&&byte| byte == b'\n').count()
 }

@@ -71,7 +71,7 @@ impl Study {
     pub fn laboratory(&self) -> Result<rig::Laboratory> {
         self.require_plane()?;
         let pair = |values: &[f64]| [values[0], values[1]];
-        let side = |i: usize| rig::Side {
+        let side = |i: usize| rig::Station {
             handle: rig::Handle {
                 mass: pair(self.dyad.robots()[i].mass()),
                 damping: pair(self.dyad.robots()[i].damping()),
@@ -85,7 +85,7 @@ impl Study {
             },
         };
         Ok(rig::Laboratory {
-            sides: [side(0), side(1)],
+            stations: [side(0), side(1)],
             target: match self.setup.task {
                 Task::FigureEight { amplitude, angular_frequency } => {
                     rig::Target::FigureEight { amplitude, angular_frequency }
@@ -98,7 +98,7 @@ impl Study {
                 actuator_lag: self.setup.actuator_lag,
                 encoder_resolution: self.setup.encoder_resolution,
             },
-            network: rig::Network { jitter: self.setup.jitter, loss: self.setup.loss },
+            network: rig::NetworkImpairments { jitter: self.setup.jitter, loss: self.setup.loss },
         })
     }
 

@@ -1,9 +1,9 @@
 //! Break points that come back through a varying delay: roots of t − τ(t) = ξ inside a step.
 
-use super::discontinuity::{Discontinuity, Ledger, resolution};
+use super::discontinuity::{Discontinuities, Discontinuity, resolution};
 use super::equation::{Delayed, Interrupt};
+use super::history::StateHistory;
 use super::interpolant;
-use super::past::Past;
 
 /// Places in a step at which the argument is compared with the break points; between two of them a pair of
 /// crossings can hide, which is then left to the error control.
@@ -15,16 +15,16 @@ pub(super) struct Window<'c> {
     pub(super) end: f64,
     /// What callbacks are shown for the two ends.
     pub(super) seen: (f64, f64),
-    pub(super) state: State<'c>,
+    pub(super) state: StateSource<'c>,
 }
 
 /// The state along the step: known to be unneeded, or the polynomial of a trial.
-pub(super) enum State<'c> {
+pub(super) enum StateSource<'c> {
     Unneeded(&'c [f64]),
-    Trial(&'c [f64]),
+    Attempt(&'c [f64]),
 }
 
-impl<'a, E, F, H> Past<'a, E, F, H>
+impl<'a, E, F, H> StateHistory<'a, E, F, H>
 where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
@@ -34,7 +34,7 @@ where
         &mut self,
         index: usize,
         window: &Window<'_>,
-        ledger: &Ledger,
+        discontinuities: &Discontinuities,
     ) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let width = window.end - window.start;
         let mut scratch = vec![0.0; self.equation.dimension];
@@ -47,7 +47,7 @@ where
             let after = self.argument_in(index, window, later, &mut scratch)?;
             let slack = self.slack(index, later, after);
             let (low, high) = (before.min(after) - slack, before.max(after) + slack);
-            for source in ledger.reached_between(low, high) {
+            for source in discontinuities.reached_between(low, high) {
                 let gap_before = before - source.time;
                 let gap_after = after - source.time;
                 let leaving = sample == 1 && gap_before.abs() <= self.slack(index, earlier, before);
@@ -91,8 +91,8 @@ where
             t
         };
         match window.state {
-            State::Unneeded(y) => self.equation.argument(index, t, seen, y),
-            State::Trial(coefficients) => {
+            StateSource::Unneeded(y) => self.equation.argument(index, t, seen, y),
+            StateSource::Attempt(coefficients) => {
                 let theta = (t - window.start) / (window.end - window.start);
                 interpolant::evaluate(coefficients, theta, scratch);
                 self.equation.argument(index, t, seen, scratch)

@@ -45,7 +45,7 @@ impl Discontinuity {
 
 /// The breaks behind the current time and those known to lie ahead.
 #[derive(Debug)]
-pub(super) struct Ledger {
+pub(super) struct Discontinuities {
     /// Sorted by time; those before the start belong to the history.
     reached: Vec<Discontinuity>,
     /// Sorted by time, all later than the last reached one.
@@ -54,26 +54,26 @@ pub(super) struct Ledger {
     end: f64,
 }
 
-impl Ledger {
-    /// The ledger at `start`, with the breaks that the caller declared in the history and ahead.
+impl Discontinuities {
+    /// The discontinuities at `start`, with the breaks that the caller declared in the history and ahead.
     pub(super) fn new(
         constant_delays: Vec<f64>,
         start: Discontinuity,
         end: f64,
         declared: &[Discontinuity],
     ) -> Self {
-        let mut ledger = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
+        let mut discontinuities = Self { reached: Vec::new(), pending: Vec::new(), constant_delays, end };
         // Declared times go in first, so that a propagated one which rounds elsewhere yields to them.
         for &each in declared.iter().filter(|d| d.time > start.time) {
-            ledger.expect(each, resolution(each.time));
+            discontinuities.expect(each, resolution(each.time));
         }
         let mut past: Vec<_> = declared.iter().copied().filter(|d| d.time < start.time).collect();
         past.sort_by(|a, b| a.time.total_cmp(&b.time));
         for each in past {
-            ledger.arrive(each, start.time);
+            discontinuities.arrive(each, start.time);
         }
-        ledger.arrive(start, start.time);
-        ledger
+        discontinuities.arrive(start, start.time);
+        discontinuities
     }
 
     /// Notes a break ahead, or sharpens the one that is already there.
@@ -139,11 +139,11 @@ mod tests {
 
     #[test]
     fn law_breaks_travel_one_order_smoother_and_end_at_the_method_order() {
-        let mut ledger = Ledger::new(vec![0.5], Discontinuity::jump(0.0), 10.0, &[]);
+        let mut discontinuities = Discontinuities::new(vec![0.5], Discontinuity::jump(0.0), 10.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = ledger.next() {
+        while let Some(next) = discontinuities.next() {
             seen.push(next);
-            ledger.arrive(next, 0.0);
+            discontinuities.arrive(next, 0.0);
         }
         let expected: Vec<_> =
             (1..=ORDER).map(|order| Discontinuity { time: 0.5 * f64::from(order), order }).collect();
@@ -152,11 +152,12 @@ mod tests {
 
     #[test]
     fn law_routes_that_differ_by_rounding_are_one_break() {
-        let mut ledger = Ledger::new(vec![1.0 / 3.0, 0.2], Discontinuity::kink(0.0), 1.0, &[]);
+        let mut discontinuities =
+            Discontinuities::new(vec![1.0 / 3.0, 0.2], Discontinuity::kink(0.0), 1.0, &[]);
         let mut seen = Vec::new();
-        while let Some(next) = ledger.next() {
+        while let Some(next) = discontinuities.next() {
             seen.push(next.time);
-            ledger.arrive(next, 0.0);
+            discontinuities.arrive(next, 0.0);
         }
         assert!(seen.windows(2).all(|w| w[1] - w[0] > 1e-3), "{seen:?}");
     }
@@ -164,7 +165,8 @@ mod tests {
     #[test]
     fn law_a_declared_time_is_kept_to_the_last_digit() {
         let declared = Discontinuity { time: 0.3, order: 3 };
-        let ledger = Ledger::new(vec![0.1 + 0.2], Discontinuity::jump(0.0), 1.0, &[declared]);
-        assert_eq!(ledger.next(), Some(Discontinuity { time: 0.3, order: 1 }));
+        let discontinuities =
+            Discontinuities::new(vec![0.1 + 0.2], Discontinuity::jump(0.0), 1.0, &[declared]);
+        assert_eq!(discontinuities.next(), Some(Discontinuity { time: 0.3, order: 1 }));
     }
 }

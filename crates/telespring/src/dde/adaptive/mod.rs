@@ -10,7 +10,7 @@
 //! | `interpolant` | the Runge-Kutta pair and the polynomial of one step |
 //! | `discontinuity` | break points: time, order, how they travel |
 //! | `crossing` | break points that come back through a varying delay |
-//! | `past` | lookups of delayed values |
+//! | `history` | lookups of delayed values |
 //! | `step` | one trial step, repeated where it looks into itself |
 //! | `solver` | the loop over steps and its step size |
 //! | `solution` | the polynomials of all steps, and how the computation ended |
@@ -22,9 +22,9 @@
 mod crossing;
 mod discontinuity;
 mod equation;
+mod history;
 mod interpolant;
 mod options;
-mod past;
 mod solution;
 mod solver;
 mod step;
@@ -36,7 +36,7 @@ pub use solution::{Solution, Status};
 
 use crate::error::{InvalidInput, Result};
 use equation::{Equation, Interrupt};
-use past::aside;
+use history::aside;
 
 /// Solves y'(t) = f(t, y(t), y(t − τ₁), …, y(t − τ_d)) over `span`.
 ///

@@ -1,13 +1,13 @@
 //! The loop over steps: where each ends, whether it is kept, and how long the next one is.
 
-use super::crossing::{State, Window};
-use super::discontinuity::{Discontinuity, Ledger, resolution};
+use super::crossing::{StateSource, Window};
+use super::discontinuity::{Discontinuities, Discontinuity, resolution};
 use super::equation::{Delayed, Equation, Interrupt};
+use super::history::{StateHistory, aside};
 use super::interpolant;
 use super::options::Checked;
-use super::past::{Past, aside};
 use super::solution::{Solution, Status};
-use super::step::{Ends, Outcome, Scale, Trial};
+use super::step::{Ends, Outcome, Scale, StepAttempt};
 
 /// The controller of Gustafsson as in Hairer, Nørsett and Wanner (1993), section IV.2 of volume II and DOPRI5:
 /// the weight of the last error, the safety factor and the limits of one change.
@@ -25,15 +25,15 @@ const CUTS: usize = 6;
 
 /// The computation under way.
 pub(super) struct Solver<'a, E, F, H> {
-    past: Past<'a, E, F, H>,
-    ledger: Ledger,
-    trial: Trial,
+    history: StateHistory<'a, E, F, H>,
+    discontinuities: Discontinuities,
+    attempt: StepAttempt,
     scale: Scale,
     options: Checked,
     /// Sorted times of the declared breaks.
     declared: Vec<f64>,
     end: f64,
-    /// The current state; the current time is `past.here`.
+    /// The current state; the current time is `history.here`.
     state: Vec<f64>,
     /// Whether the last stage of the last step still has to be replaced by a fresh first one.
     fresh: bool,
@@ -43,7 +43,7 @@ pub(super) struct Solver<'a, E, F, H> {
 
 /// Where a step is to end and what waits there.
 #[derive(Debug, Clone, Copy)]
-struct Target {
+struct StepEnd {
     end: f64,
     landing: Option<u32>,
 }
@@ -61,16 +61,17 @@ where
         options: Checked,
     ) -> Self {
         let dimension = equation.dimension;
-        let ledger = Ledger::new(equation.constant_delays(), start, end, &options.breakpoints);
-        let mut past = Past::new(equation, start.time, initial.clone());
-        past.jumps = ledger.jumps();
+        let discontinuities =
+            Discontinuities::new(equation.constant_delays(), start, end, &options.breakpoints);
+        let mut history = StateHistory::new(equation, start.time, initial.clone());
+        history.jumps = discontinuities.jumps();
         let scale = Scale { rtol: options.rtol.clone(), atol: options.atol.clone() };
         let mut declared: Vec<f64> = options.breakpoints.iter().map(|d| d.time).collect();
         declared.sort_by(f64::total_cmp);
         Self {
-            past,
-            ledger,
-            trial: Trial::new(dimension),
+            history,
+            discontinuities,
+            attempt: StepAttempt::new(dimension),
             scale,
             options,
             declared,
@@ -86,19 +87,19 @@ where
     pub(super) fn run(mut self) -> Solution<E> {
         let (status, failure) = match self.advance() {
             Ok(status) => (status, None),
-            Err(Interrupt::Callback(error)) => (Status::Stopped { at: self.past.here }, Some(error)),
-            Err(Interrupt::NonFinite) => (Status::NonFinite { at: self.past.here }, None),
+            Err(Interrupt::Callback(error)) => (Status::Stopped { at: self.history.here }, Some(error)),
+            Err(Interrupt::NonFinite) => (Status::NonFinite { at: self.history.here }, None),
             Err(Interrupt::Delay { at, delay, value }) => (Status::InvalidDelay { at, delay, value }, None),
         };
         Solution {
             status,
             failure,
-            steps: self.past.mesh.steps(),
+            steps: self.history.mesh.steps(),
             rejected: self.rejected,
-            evaluations: self.past.equation.evaluations,
-            discontinuities: self.ledger.since(self.past.start),
-            mesh: self.past.mesh,
-            initial: self.past.initial,
+            evaluations: self.history.equation.evaluations,
+            discontinuities: self.discontinuities.since(self.history.start),
+            mesh: self.history.mesh,
+            initial: self.history.initial,
         }
     }
 
@@ -108,9 +109,9 @@ where
         let mut not_finite = false;
         // Neither a rejected step nor one that did not settle is tried again at once.
         let (mut grow, mut ceiling) = (GROW, f64::INFINITY);
-        while self.past.here < self.end {
-            let here = self.past.here;
-            if self.past.mesh.steps() + self.rejected >= self.options.max_steps {
+        while self.history.here < self.end {
+            let here = self.history.here;
+            if self.history.mesh.steps() + self.rejected >= self.options.max_steps {
                 return Ok(Status::TooManySteps { at: here });
             }
             let mut target = self.target(width, cut.take())?;
@@ -123,7 +124,7 @@ where
             }
             let ends = Ends { start: here, end: target.end, seen_end: self.seen(target, -1.0) };
             self.prepare(ends)?;
-            let outcome = match self.trial.attempt(&mut self.past, ends, &self.state, &self.scale) {
+            let outcome = match self.attempt.run(&mut self.history, ends, &self.state, &self.scale) {
                 Err(Interrupt::NonFinite) => {
                     not_finite = true;
                     Outcome::Unsettled
@@ -165,7 +166,7 @@ where
                 }
                 continue;
             }
-            self.past.equation.judge_delays(ends.end, &self.trial.new)?;
+            self.history.equation.judge_delays(ends.end, &self.attempt.new)?;
             // A step cut short by a break says little about the step that the solution could bear.
             let next = ends.width() * factor.clamp(SHRINK, grow);
             width = if ends.width() < 0.99 * width && cuts == 0 { next.max(width) } else { next };
@@ -181,7 +182,7 @@ where
 
     /// The time that callbacks are shown at the end (`side` −1) or the start (1) of a step: a few roundings
     /// inside it where the caller declared a break.
-    fn seen(&self, target: Target, side: f64) -> f64 {
+    fn seen(&self, target: StepEnd, side: f64) -> f64 {
         let slack = resolution(target.end);
         let nearest = self.declared.partition_point(|d| *d < target.end - slack);
         match self.declared.get(nearest) {
@@ -192,40 +193,40 @@ where
 
     /// The smallest step that still moves the time and the solution.
     fn smallest(&self, here: f64) -> f64 {
-        0.5 * resolution(here.abs().max(1e-4 * (self.end - self.past.start)))
+        0.5 * resolution(here.abs().max(1e-4 * (self.end - self.history.start)))
     }
 
     /// Where a step of about `width` should end: on a break where one is near, never leaving a sliver before it.
     /// `cut` is the time at which a trial met a break through the state.
-    fn target(&mut self, width: f64, cut: Option<f64>) -> Result<Target, Interrupt<E>> {
-        let here = self.past.here;
+    fn target(&mut self, width: f64, cut: Option<f64>) -> Result<StepEnd, Interrupt<E>> {
+        let here = self.history.here;
         let width = width.min(self.options.max_step);
-        let (stop, order) = match self.ledger.next() {
+        let (stop, order) = match self.discontinuities.next() {
             Some(next) => (next.time, Some(next.order)),
             None => (self.end, None),
         };
         let distance = stop - here;
         let mut target = if let Some(end) = cut {
-            Target { end, landing: None }
+            StepEnd { end, landing: None }
         } else if distance <= 1.01 * width {
-            Target { end: stop, landing: order }
+            StepEnd { end: stop, landing: order }
         } else if distance < 2.0 * width {
-            Target { end: here + 0.5 * distance, landing: None }
+            StepEnd { end: here + 0.5 * distance, landing: None }
         } else {
-            Target { end: here + width, landing: None }
+            StepEnd { end: here + width, landing: None }
         };
-        let seen_start = self.seen(Target { end: here, landing: None }, 1.0);
-        for index in 0..self.past.equation.delays.len() {
-            if !self.past.equation.is_timed(index) {
+        let seen_start = self.seen(StepEnd { end: here, landing: None }, 1.0);
+        for index in 0..self.history.equation.delays.len() {
+            if !self.history.equation.is_timed(index) {
                 continue;
             }
             let window = Window {
                 start: here,
                 end: target.end,
                 seen: (seen_start, self.seen(target, -1.0)),
-                state: State::Unneeded(&self.state),
+                state: StateSource::Unneeded(&self.state),
             };
-            if let Some(found) = self.past.crossing(index, &window, &self.ledger)? {
+            if let Some(found) = self.history.crossing(index, &window, &self.discontinuities)? {
                 let order = match target.landing {
                     Some(known) if found.time >= target.end - resolution(target.end) => {
                         known.min(found.order)
@@ -234,7 +235,7 @@ where
                 };
                 let end =
                     if found.time >= target.end - resolution(target.end) { target.end } else { found.time };
-                target = Target { end, landing: Some(order) };
+                target = StepEnd { end, landing: Some(order) };
             }
         }
         Ok(target)
@@ -243,21 +244,21 @@ where
     /// Makes the first stage and a first guess of the step ready.
     fn prepare(&mut self, ends: Ends) -> Result<(), Interrupt<E>> {
         let here = ends.start;
-        self.past.state_slack = self.past.equation.state_slack * ends.width();
-        self.past.aim(ends.end, &self.state, &self.trial.stages[0])?;
+        self.history.state_slack = self.history.equation.state_slack * ends.width();
+        self.history.aim(ends.end, &self.state, &self.attempt.stages[0])?;
         if self.fresh {
-            let seen = self.seen(Target { end: here, landing: None }, 1.0);
-            self.past.slope(here, seen, &self.state, &mut self.trial.stages[0])?;
+            let seen = self.seen(StepEnd { end: here, landing: None }, 1.0);
+            self.history.slope(here, seen, &self.state, &mut self.attempt.stages[0])?;
             self.fresh = false;
         }
-        let predictor = &mut self.past.predictor;
-        let steps = self.past.mesh.steps();
+        let predictor = &mut self.history.predictor;
+        let steps = self.history.mesh.steps();
         // The last step's polynomial goes on for a while, unless the solution breaks here.
         let continues = steps > 0
-            && !self.ledger.breaks_at(here)
-            && ends.width() <= 2.0 * self.past.mesh.step(steps - 1).2;
+            && !self.discontinuities.breaks_at(here)
+            && ends.width() <= 2.0 * self.history.mesh.step(steps - 1).2;
         if continues {
-            let (coefficients, origin, width) = self.past.mesh.step(steps - 1);
+            let (coefficients, origin, width) = self.history.mesh.step(steps - 1);
             predictor.coefficients.copy_from_slice(coefficients);
             (predictor.origin, predictor.width) = (origin, width);
         } else {
@@ -265,7 +266,7 @@ where
             interpolant::straight(
                 ends.width(),
                 &self.state,
-                &self.trial.stages[0],
+                &self.attempt.stages[0],
                 &mut predictor.coefficients,
             );
         }
@@ -275,17 +276,17 @@ where
     /// The first break in the trial that comes through a state-dependent delay.
     fn state_crossing(&mut self, ends: Ends) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let mut first: Option<Discontinuity> = None;
-        for index in 0..self.past.equation.delays.len() {
-            if !self.past.equation.is_state_dependent(index) {
+        for index in 0..self.history.equation.delays.len() {
+            if !self.history.equation.is_state_dependent(index) {
                 continue;
             }
             let window = Window {
                 start: ends.start,
                 end: ends.end,
                 seen: (ends.start, ends.seen_end),
-                state: State::Trial(&self.trial.coefficients),
+                state: StateSource::Attempt(&self.attempt.coefficients),
             };
-            match self.past.crossing(index, &window, &self.ledger) {
+            match self.history.crossing(index, &window, &self.discontinuities) {
                 Ok(Some(found)) if first.is_none_or(|known| found.time < known.time) => first = Some(found),
                 Ok(_) | Err(Interrupt::NonFinite) => {}
                 Err(other) => return Err(other),
@@ -295,14 +296,14 @@ where
     }
 
     /// Takes the trial step over.
-    fn keep(&mut self, target: Target) {
-        self.past.mesh.push(target.end, &self.trial.coefficients);
-        self.past.here = target.end;
-        self.state.copy_from_slice(&self.trial.new);
-        let (first, last) = self.trial.stages.split_at_mut(1);
+    fn keep(&mut self, target: StepEnd) {
+        self.history.mesh.push(target.end, &self.attempt.coefficients);
+        self.history.here = target.end;
+        self.state.copy_from_slice(&self.attempt.new);
+        let (first, last) = self.attempt.stages.split_at_mut(1);
         first[0].copy_from_slice(&last[5]);
         if let Some(order) = target.landing {
-            self.ledger.arrive(Discontinuity { time: target.end, order }, self.past.start);
+            self.discontinuities.arrive(Discontinuity { time: target.end, order }, self.history.start);
             self.fresh = true;
             self.last_error = 1e-4;
         }
@@ -310,22 +311,24 @@ where
 
     /// The first step to try (Hairer, Nørsett and Wanner 1993, section II.4).
     fn first_width(&mut self) -> Result<f64, Interrupt<E>> {
-        let span = self.end - self.past.start;
+        let span = self.end - self.history.start;
         let small = 1e-6 * span;
         let seen = |time: f64| Ends { start: time, end: time + small, seen_end: time + small };
-        self.prepare(seen(self.past.here))?;
+        self.prepare(seen(self.history.here))?;
         if let Some(width) = self.options.initial_step {
             return Ok(width.min(span));
         }
-        let (state, first) = (self.state.clone(), self.trial.stages[0].clone());
+        let (state, first) = (self.state.clone(), self.attempt.stages[0].clone());
         let value = self.scale.measure(&state, &state, |i| state[i]);
         let slope = self.scale.measure(&state, &state, |i| first[i]);
         let probe = if value < 1e-5 || slope < 1e-5 { small } else { 0.01 * value / slope };
-        let probe = probe.min(span).min(self.ledger.next().map_or(span, |next| next.time - self.past.here));
+        let probe = probe
+            .min(span)
+            .min(self.discontinuities.next().map_or(span, |next| next.time - self.history.here));
         let moved: Vec<f64> = state.iter().zip(&first).map(|(y, v)| y + probe * v).collect();
         let mut second = vec![0.0; state.len()];
-        let time = self.past.here + probe;
-        let bend = match self.past.slope(time, time, &moved, &mut second) {
+        let time = self.history.here + probe;
+        let bend = match self.history.slope(time, time, &moved, &mut second) {
             Ok(()) => self.scale.measure(&state, &state, |i| second[i] - first[i]) / probe,
             Err(Interrupt::NonFinite) => return Ok(probe),
             Err(other) => return Err(other),

@@ -1,8 +1,8 @@
 //! One trial step: the seven stages, and their repetition where the step looks into itself.
 
 use super::equation::{Delayed, Interrupt};
+use super::history::StateHistory;
 use super::interpolant::{self, COEFFICIENTS, ERROR, NODES, STAGES, WEIGHTS};
-use super::past::Past;
 
 /// How often a step that looks into itself is repeated before it is given up.
 const REPETITIONS: usize = 12;
@@ -57,7 +57,7 @@ impl Scale {
 
 /// The room in which a step is tried.
 #[derive(Debug)]
-pub(super) struct Trial {
+pub(super) struct StepAttempt {
     pub(super) stages: [Vec<f64>; STAGES],
     pub(super) new: Vec<f64>,
     pub(super) coefficients: Vec<f64>,
@@ -75,7 +75,7 @@ pub(super) enum Outcome {
     Unsettled,
 }
 
-impl Trial {
+impl StepAttempt {
     pub(super) fn new(dimension: usize) -> Self {
         let room = || vec![0.0; dimension];
         Self {
@@ -90,9 +90,9 @@ impl Trial {
 
     /// Tries the step `ends` from `old`; the first stage is there already. Where lookups fall into the step, its
     /// own polynomial answers them, and the step is repeated until that polynomial settles.
-    pub(super) fn attempt<E, F, H>(
+    pub(super) fn run<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
+        history: &mut StateHistory<'_, E, F, H>,
         ends: Ends,
         old: &[f64],
         scale: &Scale,
@@ -105,15 +105,15 @@ impl Trial {
         let checkpoints = [ends.start + 0.5 * width, ends.end];
         let mut last_change = f64::INFINITY;
         for repetition in 0.. {
-            past.looked_ahead = false;
-            self.run_stages(past, ends, old)?;
+            history.looked_ahead = false;
+            self.run_stages(history, ends, old)?;
             interpolant::fit(width, old, &self.new, &self.stages, &mut self.coefficients);
-            if !past.looked_ahead {
+            if !history.looked_ahead {
                 break;
             }
             let mut change = 0.0;
             for (k, &time) in checkpoints.iter().enumerate() {
-                past.predictor.evaluate(time, &mut self.guess[k]);
+                history.predictor.evaluate(time, &mut self.guess[k]);
                 interpolant::evaluate(&self.coefficients, (time - ends.start) / width, &mut self.reached[k]);
                 let (guess, reached) = (&self.guess[k], &self.reached[k]);
                 let here = scale.measure(guess, reached, |i| reached[i] - guess[i]);
@@ -132,9 +132,9 @@ impl Trial {
                 return Ok(Outcome::Unsettled);
             }
             last_change = change;
-            past.predictor.coefficients.copy_from_slice(&self.coefficients);
-            past.predictor.origin = ends.start;
-            past.predictor.width = width;
+            history.predictor.coefficients.copy_from_slice(&self.coefficients);
+            history.predictor.origin = ends.start;
+            history.predictor.width = width;
         }
         let stages = &self.stages;
         let error = scale.measure(old, &self.new, |i| {
@@ -143,14 +143,14 @@ impl Trial {
         if error.is_nan() || error > 1.0 {
             return Ok(Outcome::Error(error));
         }
-        Ok(Outcome::Error(error.max(self.defect(past, ends, scale)? / DEFECT)))
+        Ok(Outcome::Error(error.max(self.defect(history, ends, scale)? / DEFECT)))
     }
 
     /// How far the polynomial misses the equation in the middle of the step, times the step, as a part of the
     /// tolerance.
     fn defect<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
+        history: &mut StateHistory<'_, E, F, H>,
         ends: Ends,
         scale: &Scale,
     ) -> Result<f64, Interrupt<E>>
@@ -162,7 +162,7 @@ impl Trial {
         let [state, rise] = &mut self.reached;
         interpolant::evaluate(&self.coefficients, 0.5, state);
         interpolant::differentiate(&self.coefficients, 0.5, width, rise);
-        past.slope(time, time, state, &mut self.argument)?;
+        history.slope(time, time, state, &mut self.argument)?;
         let slope = &self.argument;
         Ok(scale.measure(state, &self.new, |i| width * (rise[i] - slope[i])))
     }
@@ -170,7 +170,7 @@ impl Trial {
     /// The stages after the first; the last one's argument is the new state.
     fn run_stages<E, F, H>(
         &mut self,
-        past: &mut Past<'_, E, F, H>,
+        history: &mut StateHistory<'_, E, F, H>,
         ends: Ends,
         old: &[f64],
     ) -> Result<(), Interrupt<E>>
@@ -194,7 +194,7 @@ impl Trial {
                 let time = ends.start + NODES[stage] * width;
                 (time, time)
             };
-            past.slope(nominal, seen, &self.argument, &mut self.stages[stage])?;
+            history.slope(nominal, seen, &self.argument, &mut self.stages[stage])?;
         }
         self.new.copy_from_slice(&self.argument);
         if self.new.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }

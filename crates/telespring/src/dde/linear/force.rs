@@ -1,6 +1,6 @@
 //! The forces that act on a robot, as functions of that robot's own time.
 
-use super::LIMIT;
+use super::MAGNITUDE_LIMIT;
 use super::piecewise::PiecewisePolynomial;
 use super::series::{Coefficients, Instant};
 use crate::error::{InvalidInput, Result};
@@ -268,13 +268,13 @@ fn add_sine(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
 }
 
 pub(super) fn check_number(field: &str, value: f64, unit: &str) -> Result<()> {
-    if value.abs() <= LIMIT {
+    if value.abs() <= MAGNITUDE_LIMIT {
         return Ok(());
     }
     Err(InvalidInput::new(
         field,
         value,
-        format!("a finite number of at most {LIMIT:e} {unit} in magnitude is needed"),
+        format!("a finite number of at most {MAGNITUDE_LIMIT:e} {unit} in magnitude is needed"),
         "Replace missing or infinite values by numbers.",
     ))
 }

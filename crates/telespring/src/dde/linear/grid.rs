@@ -10,7 +10,7 @@ use super::output::Writer;
 use super::series::{
     Coefficients, Instant, MAX_DEGREE, Recurrence, STRIDE, Series, State, advance, degree_for, reexpand,
 };
-use super::{Outcome, Problem};
+use super::{Problem, RunOutcome};
 
 /// What a kink must amount to, relative to the signal, to be followed further.
 const NEGLIGIBLE: f64 = 1e-17;
@@ -91,7 +91,7 @@ struct Robot {
     force: Coefficients,
 }
 
-pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut Writer) -> Outcome {
+pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut Writer) -> RunOutcome {
     let delay = problem.delay;
     let cell = delay / cells as f64;
     let degree = degree_for(problem.fastest * cell);
@@ -140,7 +140,7 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
                 }
                 let delayed = partner.window(&mut partner_cursor, step.start, length, &mut scratch);
                 if !robot.advance(problem, i, local, degree, delayed, step) {
-                    return Outcome::Unresolved;
+                    return RunOutcome::Unresolved;
                 }
                 if let Some(at) = writer.write(i, local, step, robot.state) {
                     diverged = diverged.min(at);
@@ -149,13 +149,13 @@ pub(super) fn run(problem: &Problem, cells: usize, grid: &mut Grid, writer: &mut
             }
         }
         if diverged.is_finite() {
-            return Outcome::Diverged { at: diverged };
+            return RunOutcome::Diverged { at: diverged };
         }
         std::mem::swap(&mut grid.previous, &mut grid.current);
         std::mem::swap(&mut grid.kinks_before, &mut grid.kinks);
         interval += 1.0;
     }
-    Outcome::Completed
+    RunOutcome::Completed
 }
 
 impl Robot {

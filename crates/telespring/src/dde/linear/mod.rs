@@ -41,7 +41,7 @@ use series::Rates;
 
 /// A simulation ends as diverged where a position passes this magnitude, in m: numbers far beyond any
 /// robot, still far from overflow. It also bounds forces and histories.
-pub const LIMIT: f64 = 1e12;
+pub const MAGNITUDE_LIMIT: f64 = 1e12;
 
 /// Most outputs of one simulation.
 pub const MAX_OUTPUTS: usize = 1_000_000_000;
@@ -64,7 +64,7 @@ const SHORT_DELAY: f64 = 0.35;
 pub enum Status {
     /// Every output was reached.
     Completed,
-    /// A position passed [`LIMIT`]; outputs from that time on are left out.
+    /// A position passed [`MAGNITUDE_LIMIT`]; outputs from that time on are left out.
     Diverged {
         /// The first time, on the robot's clock, that is left out, s.
         at: f64,
@@ -126,7 +126,7 @@ impl Trajectory {
 
 /// How a simulation into the caller's arrays ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ending {
+pub struct SimulationOutcome {
     /// How it ended.
     pub status: Status,
     /// How many outputs were written, from the first on; the rest of the arrays is undefined.
@@ -217,18 +217,18 @@ impl Simulation<'_> {
         let count = output_count(self.duration, self.rate)?;
         let mut position = [vec![0.0; count], vec![0.0; count]];
         let mut velocity = [vec![0.0; count], vec![0.0; count]];
-        let ending = {
+        let outcome = {
             let ([x1, x2], [v1, v2]) = (&mut position, &mut velocity);
             self.run_into([x1, x2], Some([v1, v2]), workspace)?
         };
         for values in position.iter_mut().chain(&mut velocity) {
-            values.truncate(ending.outputs);
+            values.truncate(outcome.outputs);
         }
         Ok(Trajectory {
             rate: self.rate,
             position,
             velocity,
-            status: ending.status,
+            status: outcome.status,
             force_error: [self.forces[0].error(), self.forces[1].error()],
             history_error: [self.histories[0].error(), self.histories[1].error()],
         })
@@ -246,7 +246,7 @@ impl Simulation<'_> {
         position: [&mut [f64]; 2],
         velocity: Option<[&mut [f64]; 2]>,
         workspace: &mut Workspace,
-    ) -> Result<Ending> {
+    ) -> Result<SimulationOutcome> {
         let count = output_count(self.duration, self.rate)?;
         let shortest = position.iter().chain(velocity.iter().flatten()).map(|values| values.len()).min();
         if shortest.is_none_or(|length| length < count) {
@@ -261,11 +261,11 @@ impl Simulation<'_> {
         let mut writer = Writer::new(self.rate, count, position, velocity);
         let outcome = problem.solve(workspace, &mut writer)?;
         let (status, outputs) = match outcome {
-            Outcome::Completed => (Status::Completed, count),
-            Outcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
-            Outcome::Unresolved => return Err(too_stiff("a series does not converge", self.stiffness)),
+            RunOutcome::Completed => (Status::Completed, count),
+            RunOutcome::Diverged { at } => (Status::Diverged { at }, writer.count_before(at)),
+            RunOutcome::Unresolved => return Err(too_stiff("a series does not converge", self.stiffness)),
         };
-        Ok(Ending { status, outputs })
+        Ok(SimulationOutcome { status, outputs })
     }
 
     fn problem(&self, count: usize) -> Result<Problem<'_>> {
@@ -301,7 +301,7 @@ impl Simulation<'_> {
 }
 
 /// How one attempt ended.
-pub(in crate::dde::linear) enum Outcome {
+pub(in crate::dde::linear) enum RunOutcome {
     Completed,
     Diverged {
         at: f64,
@@ -340,7 +340,7 @@ impl Problem<'_> {
         found
     }
 
-    fn solve(&self, workspace: &mut Workspace, writer: &mut Writer) -> Result<Outcome> {
+    fn solve(&self, workspace: &mut Workspace, writer: &mut Writer) -> Result<RunOutcome> {
         let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
         let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };
         let cells = (self.delay * self.fastest / REACH).ceil().max(1.0);
@@ -352,7 +352,7 @@ impl Problem<'_> {
         }
         if !divides {
             let outcome = smooth::run(self, &mut workspace.smooth, writer);
-            if self.delay == 0.0 || !matches!(outcome, Outcome::Unresolved) {
+            if self.delay == 0.0 || !matches!(outcome, RunOutcome::Unresolved) {
                 return Ok(outcome);
             }
             writer.restart();
@@ -364,7 +364,7 @@ impl Problem<'_> {
                 return Err(too_stiff("too many steps would be needed within one delay", self.fastest));
             }
             match grid::run(self, cells as usize, &mut workspace.grid, writer) {
-                Outcome::Unresolved => {
+                RunOutcome::Unresolved => {
                     cells *= 2.0;
                     writer.restart();
                 }

@@ -1,11 +1,11 @@
 //! The caller's arrays, filled step by step.
 
-use super::LIMIT;
+use super::MAGNITUDE_LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
-/// True beyond [`LIMIT`] and for what is no number.
+/// True beyond [`MAGNITUDE_LIMIT`] and for what is no number.
 fn is_beyond(value: f64) -> bool {
-    value.is_nan() || value.abs() > LIMIT
+    value.is_nan() || value.abs() > MAGNITUDE_LIMIT
 }
 
 /// Writes positions and velocities at t = i/rate while the steps come in.
@@ -38,7 +38,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the outputs of `robot` that fall into this step, which starts at `start` on the robot's
-    /// clock and ends in `state`; returns the time from which positions are beyond [`LIMIT`], if so.
+    /// clock and ends in `state`; returns the time from which positions are beyond [`MAGNITUDE_LIMIT`], if so.
     pub(super) fn write(
         &mut self,
         robot: usize,

@@ -180,11 +180,11 @@ struct Fit<'a> {
 impl Fit<'_> {
     fn ask(&mut self, time: f64) -> Result<f64> {
         let value = (self.function)(time);
-        if value.is_nan() || value.abs() > super::LIMIT {
+        if value.is_nan() || value.abs() > super::MAGNITUDE_LIMIT {
             return Err(InvalidInput::new(
                 format!("function({time})"),
                 value,
-                format!("a function of time must return finite numbers up to {:e}", super::LIMIT),
+                format!("a function of time must return finite numbers up to {:e}", super::MAGNITUDE_LIMIT),
                 "Look at the function near this time.",
             ));
         }
@@ -258,13 +258,13 @@ fn interpolate<const N: usize>(values: &[f64; N]) -> [f64; N] {
 }
 
 fn check_value(field: &str, value: f64) -> Result<()> {
-    if value.abs() <= super::LIMIT {
+    if value.abs() <= super::MAGNITUDE_LIMIT {
         return Ok(());
     }
     Err(InvalidInput::new(
         field,
         value,
-        format!("a number must be finite and at most {:e} in magnitude", super::LIMIT),
+        format!("a number must be finite and at most {:e} in magnitude", super::MAGNITUDE_LIMIT),
         "Check the unit: SI units are expected.",
     ))
 }

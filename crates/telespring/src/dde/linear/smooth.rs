@@ -12,7 +12,7 @@ use super::series::{
     Coefficients, Instant, Pair, Recurrence, STRIDE, Series, State, advance, advance_both, degree_for,
     reexpand, resolved,
 };
-use super::{Outcome, Problem};
+use super::{Problem, RunOutcome};
 
 /// Largest (fastest rate · step length).
 const REACH: f64 = 2.0;
@@ -99,7 +99,7 @@ struct March<'a> {
     more_terms: usize,
 }
 
-pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -> Outcome {
+pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -> RunOutcome {
     memory.events.clear();
     for past in &mut memory.past {
         past.clear();
@@ -143,7 +143,7 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
             }
             (cut, march.more_terms) = (0.5 * cut, 0);
             if cut < 1e-3 {
-                return Outcome::Unresolved;
+                return RunOutcome::Unresolved;
             }
             continue;
         };
@@ -160,12 +160,12 @@ pub(super) fn run(problem: &Problem, memory: &mut Smooth, writer: &mut Writer) -
             }
         }
         if diverged.is_finite() {
-            return Outcome::Diverged { at: diverged };
+            return RunOutcome::Diverged { at: diverged };
         }
         (march.clock, march.clock_rest) = (next, rest);
         march.forget();
     }
-    Outcome::Completed
+    RunOutcome::Completed
 }
 
 type Advanced = [Option<(Instant, State)>; 2];

@@ -19,11 +19,11 @@ const SMALLEST_STEP: f64 = 1e-7;
 const HALVINGS: usize = 44;
 /// Steps that a span is given, and more for each second of it. The arms of people and robots with their
 /// masses take a few for 1 ms; a trial of 30 s at 1 kHz that needs all of them takes about 10 s.
-const MOST_STEPS: f64 = 300.0;
-const MOST_STEPS_PER_SECOND: f64 = 1e5;
+const MAX_STEPS: f64 = 300.0;
+const MAX_STEPS_PER_SECOND: f64 = 1e5;
 /// Events in one span after which the rest of it is run as it is: only rounding could bring about more,
 /// where an axis starts with next to no force left over.
-const MOST_EVENTS: usize = 64;
+const MAX_EVENTS: usize = 64;
 
 /// The coefficients of E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I,
 /// 1993, table II.5.2; the last row is the step itself.
@@ -159,7 +159,7 @@ pub(super) fn advance(
     let mut balance = work.balance(*state)?;
     work.contact = contacts(&balance, halves(*state).1, level);
     let mut slope = work.derivative(*state, &balance);
-    let mut steps_left = MOST_STEPS + MOST_STEPS_PER_SECOND * span;
+    let mut steps_left = MAX_STEPS + MAX_STEPS_PER_SECOND * span;
     while left > 0.0 {
         if work.contact == [Contact::Stuck; 2] {
             // nothing moves, so nothing changes until other forces act
@@ -196,7 +196,7 @@ pub(super) fn advance(
             continue;
         }
         let (end, next) = (trial.state, trial.derivative);
-        let event = if events < MOST_EVENTS { work.first_event(*state, slope, trial, length)? } else { None };
+        let event = if events < MAX_EVENTS { work.first_event(*state, slope, trial, length)? } else { None };
         match event {
             None => {
                 *state = end;

@@ -19,13 +19,13 @@ use std::collections::VecDeque;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::Network;
+use super::NetworkImpairments;
 use crate::session::Nanoseconds;
 use crate::session::wire::LENGTH;
 
 /// One direction of the network.
 #[derive(Debug, Clone)]
-pub(crate) struct Link {
+pub(crate) struct Channel {
     delay: Nanoseconds,
     jitter: f64,
     loss: f64,
@@ -34,9 +34,9 @@ pub(crate) struct Link {
     travelling: VecDeque<(Nanoseconds, [u8; LENGTH])>,
 }
 
-impl Link {
+impl Channel {
     /// A network whose packets take `delay` at least.
-    pub(crate) fn new(network: &Network, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
+    pub(crate) fn new(network: &NetworkImpairments, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
         Self { delay, jitter: network.jitter, loss: network.loss, random, travelling: VecDeque::new() }
     }
 
@@ -77,9 +77,9 @@ mod tests {
 
     const PERIOD: Nanoseconds = Nanoseconds(1_000_000);
 
-    fn link(jitter: f64, loss: f64, delay: f64) -> Link {
+    fn link(jitter: f64, loss: f64, delay: f64) -> Channel {
         let delay = Nanoseconds::from_seconds(delay).before(PERIOD).unwrap_or_default();
-        Link::new(&Network { jitter, loss }, delay, generator(3, Stream::Network(0)))
+        Channel::new(&NetworkImpairments { jitter, loss }, delay, generator(3, Stream::Network(0)))
     }
 
     /// The packet sent at tick `n` carries n in its first bytes.
@@ -90,7 +90,7 @@ mod tests {
     }
 
     /// For every packet that came, its number and how long it took (s), looked for every 10 µs.
-    fn passage(link: &mut Link, packets: u64) -> Vec<(u64, f64)> {
+    fn passage(link: &mut Channel, packets: u64) -> Vec<(u64, f64)> {
         let mut came = Vec::new();
         for step in 0..(packets + 500) * 100 {
             let now = Nanoseconds(step * 10_000);

@@ -13,21 +13,25 @@
 mod any_network;
 mod bounded_delay;
 mod contour;
-mod held;
-mod local_loop;
+mod gain;
 mod network;
 mod operators;
 mod paper;
 mod sampled;
+mod sampled_characteristic;
+mod sampled_gain;
+mod sampled_roots;
+mod zero_order_hold;
 
 pub use network::{DelayBudget, Network};
 pub use operators::{AxisTier, OperatorPoint, OperatorRange};
 pub use paper::PaperVerdict;
-pub use sampled::{SampledCertificate, SampledSpectrum, sampled_spectral_radius};
+pub use sampled::sampled_spectral_radius;
+pub use sampled_roots::{SampledCertificate, SampledSpectrum};
 
 use operators::{Examined, OperatorBox};
 
-use super::{maximum_delay, minimum_damping};
+use crate::criteria::{maximum_delay, minimum_damping};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis};
 use crate::quantity;
@@ -94,7 +98,7 @@ pub enum Unavailable {
 
 /// How far a stiffness is from a bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Margin {
+pub struct StiffnessMargin {
     /// Bound over stiffness: above 1 is inside.
     pub ratio: f64,
     /// Bound minus stiffness, N/m.
@@ -115,7 +119,7 @@ pub struct Verdict {
     /// A constant delay (tier 4) may be stable above the bound: it can lie in a later stable interval.
     pub satisfied: bool,
     /// How far the stiffness is from the bound.
-    pub margin: Option<Margin>,
+    pub margin: Option<StiffnessMargin>,
     /// The axis with the least bound.
     pub worst_axis: Option<usize>,
     /// The operators with the least bound on that axis.
@@ -222,7 +226,7 @@ impl Verdicts {
 ///
 /// ```
 /// use telespring::{Delay, hman};
-/// use telespring::criteria::verdicts::{Network, Tier, verdicts};
+/// use telespring::verdicts::{Network, Tier, verdicts};
 /// let network = Network::constant(Delay::each_way(0.1)?);
 /// let verdicts = verdicts(&hman(), None, 71.2, &network)?;
 /// assert!(verdicts.tier(Tier::ConstantDelay).satisfied);
@@ -383,7 +387,7 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
             verdict.attained = here.attained;
             verdict.worst_axis = Some(i);
             verdict.worst_operators = Some(here.operators);
-            verdict.margin = Some(Margin { ratio: bound / k, difference: bound - k });
+            verdict.margin = Some(StiffnessMargin { ratio: bound / k, difference: bound - k });
         }
     }
     verdict.satisfied = axes.iter().all(|axis| axis.tiers[index].satisfied);

@@ -1,6 +1,6 @@
 //! What Du, Kulkarni, Kager and Campolo would say: Eq. 5, Eq. 6–9 and Eq. 11, as printed.
 
-use super::super::{paper_critical_stiffness, paper_maximum_delay};
+use crate::criteria::{paper_critical_stiffness, paper_maximum_delay};
 use crate::error::Result;
 use crate::model::{DyadAxis, Side};
 

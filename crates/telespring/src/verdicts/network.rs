@@ -9,7 +9,7 @@ use crate::quantity;
 /// # Examples
 ///
 /// ```
-/// use telespring::{Delay, criteria::verdicts::Network};
+/// use telespring::{Delay, verdicts::Network};
 /// let network = Network::new(Delay::each_way(0.05)?, 0.01, 0.004, 0.001, 0.0)?;
 /// assert!((network.oldest_partner_sample()[0] - 0.065).abs() < 1e-15);
 /// # Ok::<(), telespring::InvalidInput>(())

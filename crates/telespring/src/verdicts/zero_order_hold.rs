@@ -11,7 +11,7 @@ type Matrix = [[f64; 2]; 2];
 /// Mass, damper and ground spring between two ticks: X⁺ = (1 + Ψ) X + Γ_new F_n + Γ_old F_(n−1), where
 /// X is (position, velocity) and F_n is computed from the samples of tick n.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct HeldSide {
+pub(super) struct SampledPlant {
     /// Ψ = e^(A h) − 1.
     pub change: Matrix,
     /// Γ_new: the effect of the force that is computed at this tick.
@@ -22,7 +22,7 @@ pub(super) struct HeldSide {
     pub computes: bool,
 }
 
-impl HeldSide {
+impl SampledPlant {
     /// The side over one period (s), the force switching `computing_time` (s) after the tick.
     pub fn new(side: &Side, period: f64, computing_time: f64) -> Self {
         let (change, whole) = advance(side, period);

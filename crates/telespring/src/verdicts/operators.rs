@@ -1,9 +1,9 @@
 //! Verdicts over a range of operators: a grip varies, and the worst one counts.
 
-use super::super::intervals::contains;
-use super::super::{critical_stiffness, is_delay_independent, maximum_stiffness, stable_delays};
-use super::held::HeldSide;
-use super::{Network, Tier, any_network, bounded_delay, local_loop};
+use super::zero_order_hold::SampledPlant;
+use super::{Network, Tier, any_network, bounded_delay, sampled_gain};
+use crate::criteria::is_in_any;
+use crate::criteria::{critical_stiffness, is_delay_independent, maximum_stiffness, stable_delays};
 use crate::error::{InvalidInput, Result};
 use crate::model::{Dyad, DyadAxis, Operator, Side};
 
@@ -24,7 +24,7 @@ impl OperatorRange {
     /// # Examples
     ///
     /// ```
-    /// use telespring::{Operator, criteria::verdicts::OperatorRange};
+    /// use telespring::{Operator, verdicts::OperatorRange};
     /// let loose = Operator::new(vec![0.0], vec![0.0], vec![0.0])?;
     /// let firm = Operator::new(vec![1.5], vec![10.0], vec![300.0])?;
     /// assert!(OperatorRange::new(loose.clone(), firm.clone()).is_ok());
@@ -229,8 +229,8 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         if network.sample_period() > 0.0 && !axis.is_free() && axis.coupling_damping == 0.0 {
             let held = axis
                 .sides
-                .map(|side| HeldSide::new(&side, network.sample_period(), network.computing_time()));
-            if held.iter().map(|side| local_loop::gain(side, bound)).product::<f64>() < 1.0 {
+                .map(|side| SampledPlant::new(&side, network.sample_period(), network.computing_time()));
+            if held.iter().map(|side| sampled_gain::sampled_gain(side, bound)).product::<f64>() < 1.0 {
                 continue;
             }
         }
@@ -293,7 +293,7 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
             Ok(keeps(bound, is_attained(&axis, bound), k) || is_delay_independent(&axis, k)?)
         } else {
             // Above the bound the delay may lie in a later stable interval.
-            Ok(contains(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
+            Ok(is_in_any(&stable_delays(&axis, k, 2.0 * delay + 1.0)?, delay))
         }
     };
     let grid = region.grid(LEVELS);

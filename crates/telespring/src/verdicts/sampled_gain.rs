@@ -1,18 +1,18 @@
 //! Tier 1 under sampling: the loop of one robot around its own held position sample.
 
-use super::any_network::{last_true, log_gain};
-use super::held::HeldSide;
+use super::gain::{largest_holding, unit_gain_stiffness};
+use super::zero_order_hold::SampledPlant;
 use crate::model::DyadAxis;
 
 /// The stiffness (N/m) up to which two free, sampled sides never widen their common hull.
 ///
 /// Without a coupling damper this is where the two slow poles of the local loop stop being real and
 /// positive: up to there its response to the partner is a weighted mean of the partner's past.
-pub(super) fn free_bound(sides: &[HeldSide; 2], damper: f64) -> f64 {
+pub(super) fn free_stiffness(sides: &[SampledPlant; 2], damper: f64) -> f64 {
     if sides[0].computes {
         return sides.iter().map(breakaway).fold(f64::INFINITY, f64::min);
     }
-    last_true(|k| sides.iter().all(|side| keeps_hull(side, k, damper)))
+    largest_holding(|k| sides.iter().all(|side| keeps_hull(side, k, damper)))
 }
 
 /// True where one period maps x and y = x + v/λ of a side, together with the partner's x and y, to
@@ -20,7 +20,7 @@ pub(super) fn free_bound(sides: &[HeldSide; 2], damper: f64) -> f64 {
 ///
 /// All weights sum to 1, so they have to be shown positive only. The weight of x in y⁺ is a quadratic
 /// in 1/λ; its discriminant without damper is that of the poles of the local loop.
-fn keeps_hull(side: &HeldSide, stiffness: f64, damper: f64) -> bool {
+fn keeps_hull(side: &SampledPlant, stiffness: f64, damper: f64) -> bool {
     let [[_, travel], [_, lost]] = side.change;
     let [to_position, to_velocity] = side.new_force;
     let travel = travel - damper * to_position;
@@ -41,7 +41,7 @@ fn keeps_hull(side: &HeldSide, stiffness: f64, damper: f64) -> bool {
 /// On E < z < 1 (E = e^(−Bh/M), the velocity's pole) a real pole lies at z for k = −z p(z)/n(z). This is
 /// 0 at both ends and log-concave between (n has only zeros left of 0), so its one maximum is the bound.
 /// The third pole stays small and negative; with it the response still has no negative sample.
-fn breakaway(side: &HeldSide) -> f64 {
+fn breakaway(side: &SampledPlant) -> f64 {
     let lost = -side.change[1][1];
     if lost == 0.0 {
         return 0.0;
@@ -66,11 +66,11 @@ fn breakaway(side: &HeldSide) -> f64 {
 ///
 /// Below the continuous bound the levels are walked before the bisection: that the sampled gain grows
 /// with k is not proven, so the first level that fails counts.
-pub(super) fn grounded_bound(axis: &DyadAxis, sides: &[HeldSide; 2]) -> f64 {
+pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> f64 {
     const LEVELS: u32 = 24;
-    let continuous = last_true(|k| axis.sides.iter().map(|side| log_gain(side, k)).sum::<f64>() < 0.0);
+    let continuous = unit_gain_stiffness(&axis.sides);
     let holds = |k: f64| {
-        let [first, second] = sides.each_ref().map(|side| gain(side, k));
+        let [first, second] = sides.each_ref().map(|side| sampled_gain(side, k));
         first * second < 1.0
     };
     let mut low = 0.0;
@@ -105,14 +105,14 @@ fn product(a: &Loop, b: &Loop) -> Loop {
     })
 }
 
-fn norm(a: &Loop) -> f64 {
+fn row_sum_norm(a: &Loop) -> f64 {
     a.iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max)
 }
 
 /// The l¹ norm of the sampled map from partner position to own position, rounded up by a proven bound
 /// of the part that is not summed (at most 1e-13 of it, unless the loop is so slow that the sum stops
 /// after 2^18 samples: the value is then an upper bound still). Infinite where the loop is unstable.
-pub(super) fn gain(side: &HeldSide, stiffness: f64) -> f64 {
+pub(super) fn sampled_gain(side: &SampledPlant, stiffness: f64) -> f64 {
     // Velocity and force in units that make all entries of one size: m per period and N per N/m.
     let unit = side.change[0][1];
     let [[a, b], [c, d]] = side.change;
@@ -121,9 +121,9 @@ pub(super) fn gain(side: &HeldSide, stiffness: f64) -> f64 {
         [[1.0 + a - new[0], b / unit, old[0]], [c * unit - new[1], 1.0 + d, old[1]], [-1.0, 0.0, 0.0]];
     // Powers 1, 2, 4, … until one contracts.
     let mut powers = vec![step];
-    while norm(&powers[powers.len() - 1]) > 0.5 {
+    while row_sum_norm(&powers[powers.len() - 1]) > 0.5 {
         let last = &powers[powers.len() - 1];
-        if powers.len() > 60 || !norm(last).is_finite() {
+        if powers.len() > 60 || !row_sum_norm(last).is_finite() {
             return f64::INFINITY;
         }
         powers.push(product(last, last));
@@ -155,7 +155,7 @@ pub(super) fn gain(side: &HeldSide, stiffness: f64) -> f64 {
 fn tail_bound(powers: &[Loop], doublings: usize, rows: f64, state: &[f64; 3]) -> f64 {
     let size = state.iter().map(|value| value.abs()).fold(0.0, f64::max);
     // Over 2^(j+1) samples the rows sum to at most (1 + ‖M^(2^j)‖) times those over 2^j.
-    let rows: f64 = powers.iter().skip(doublings).fold(rows, |sum, power| sum * (1.0 + norm(power)));
-    let contraction = norm(&powers[powers.len() - 1]);
+    let rows: f64 = powers.iter().skip(doublings).fold(rows, |sum, power| sum * (1.0 + row_sum_norm(power)));
+    let contraction = row_sum_norm(&powers[powers.len() - 1]);
     rows * size / (1.0 - contraction)
 }

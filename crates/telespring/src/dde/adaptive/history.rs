@@ -29,7 +29,7 @@ impl Predictor {
 }
 
 /// The equation together with its solution so far: all that an evaluation of the slope needs.
-pub(super) struct Past<'a, E, F, H> {
+pub(super) struct StateHistory<'a, E, F, H> {
     pub(super) equation: Equation<'a, E, F, H>,
     pub(super) mesh: Mesh,
     pub(super) initial: Vec<f64>,
@@ -49,7 +49,7 @@ pub(super) struct Past<'a, E, F, H> {
     delayed: Vec<f64>,
 }
 
-impl<'a, E, F, H> Past<'a, E, F, H>
+impl<'a, E, F, H> StateHistory<'a, E, F, H>
 where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,

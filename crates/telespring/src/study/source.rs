@@ -1,0 +1,81 @@
+//! The text of a study, and refusals that quote a value of it with its line.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::keys::{SECTIONS, nearest};
+use crate::error::InvalidInput;
+
+/// The text of a study file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source<'a>(pub(super) &'a str);
+
+/// A key that the study format does not know.
+pub(super) struct UnknownKey<'k> {
+    /// Its dotted field.
+    pub field: &'k str,
+    /// The key as written.
+    pub key: &'k str,
+    /// The position of the key in the text, in bytes.
+    pub position: usize,
+    /// The section it stands in; `None` at the top level.
+    pub section: Option<&'k str>,
+    /// A sentence that lists the keys allowed in its place.
+    pub allowed: String,
+    /// Those keys.
+    pub keys: &'k [&'k str],
+}
+
+impl Source<'_> {
+    /// The line of a byte position, counted from 1.
+    pub fn line(&self, position: usize) -> usize {
+        1 + self.0.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
+    }
+
+    /// The value as written in the file, cut to one short line.
+    fn excerpt(&self, span: std::ops::Range<usize>) -> String {
+        const LONGEST_EXCERPT: usize = 60;
+        let raw = self.0.get(span).unwrap_or("").trim();
+        let line = raw.lines().next().unwrap_or("");
+        let short: String = line.chars().take(LONGEST_EXCERPT).collect();
+        if short.len() < raw.len() { format!("{short} …") } else { short }
+    }
+
+    /// Refuses a value of the file and names its line.
+    pub fn refuse(
+        &self,
+        field: &str,
+        value: &Spanned<DeValue<'_>>,
+        allowed: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> InvalidInput {
+        let excerpt = match value.get_ref() {
+            DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
+            _ => self.excerpt(value.span()),
+        };
+        let refusal = InvalidInput::new(field, excerpt, allowed, remedy);
+        self.with_line(refusal, value.span().start)
+    }
+
+    /// Adds the line of a byte position to the remedy of a refusal.
+    pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
+        refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
+        refusal
+    }
+
+    /// Refuses an unknown key: names the section it belongs to, else the nearest known key.
+    pub fn refuse_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
+        let UnknownKey { field, key, position, section, allowed, keys } = unknown;
+        let home = SECTIONS
+            .iter()
+            .find(|(name, keys)| Some(*name) != section && keys.all().contains(&key) && key != "kind")
+            .map(|(name, _)| format!("It belongs under [{name}]."));
+        let remedy = home
+            .or_else(|| nearest(key, keys).map(|key| format!("Did you mean \"{key}\"?")))
+            .unwrap_or_else(|| "Remove it, or correct its name.".to_owned());
+        let field: String = field.chars().take(80).collect();
+        let excerpt =
+            if value.get_ref().is_table() { "a section".to_owned() } else { self.excerpt(value.span()) };
+        self.with_line(InvalidInput::new(field, excerpt, allowed, remedy), position)
+    }
+}

@@ -1,0 +1,41 @@
+//! Tier 1, "any network": whatever the network does, as long as its gaps are bounded.
+//!
+//! Each side alone, fed by an arbitrary past of its partner, must not amplify: the L¹ norm γᵢ of the
+//! map from partner position to own position is 1 for a free, overdamped side, and the loop of both
+//! is safe where γ₁ γ₂ < 1. With a coupling damper the hull of x and x + v/λ takes the place of the norm.
+
+use super::gain::unit_gain_stiffness;
+use super::zero_order_hold::SampledPlant;
+use super::{Network, sampled_gain};
+use crate::model::{DyadAxis, Side};
+
+/// The largest stiffness (N/m) of the tier for one axis and whether it is itself allowed; `None` where
+/// no rule is known (a coupling damper with a grounded operator, or with a computing time).
+pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<(f64, bool)> {
+    let damper = axis.coupling_damping;
+    if damper > 0.0 && (!axis.is_free() || network.computing_time() > 0.0) {
+        return None;
+    }
+    if network.sample_period() > 0.0 {
+        let held = axis
+            .sides
+            .map(|side| SampledPlant::new(&side, network.sample_period(), network.computing_time()));
+        return Some(if axis.is_free() {
+            (sampled_gain::free_stiffness(&held, damper), true)
+        } else {
+            (sampled_gain::grounded_stiffness(axis, &held), false)
+        });
+    }
+    Some(if axis.is_free() {
+        let [first, second] = axis.sides.map(|side| free_side_stiffness(&side, damper));
+        (first.min(second), true)
+    } else {
+        (unit_gain_stiffness(&axis.sides), false)
+    })
+}
+
+/// The stiffness up to which a free side's hull never grows.
+fn free_side_stiffness(side: &Side, damper: f64) -> f64 {
+    let b = side.damping;
+    if damper <= b { (b + damper) * (b + damper) / (4.0 * side.mass) } else { b * damper / side.mass }
+}

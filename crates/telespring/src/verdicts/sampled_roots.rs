@@ -1,0 +1,146 @@
+//! The slowest multiplier of a sampled axis, found by counting the multipliers outside circles.
+//!
+//! The search runs in s = ln(z)/h and bisects on the count, so that a delay of 100 s at 1 kHz costs
+//! milliseconds and no multiplier is missed.
+
+use num_complex::Complex64;
+
+use super::contour::{self, CountFailure};
+use super::sampled_characteristic::SampledCharacteristic;
+
+/// The slowest multiplier of the sampled dyad; the rigid-body multiplier z = 1 is set apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampledSpectrum {
+    /// The largest |z|: below 1 the sampled dyad is stable.
+    pub radius: f64,
+    /// ln(radius)/h, 1/s: to compare with the spectral abscissa of the continuous dyad.
+    pub abscissa_equivalent: f64,
+    /// |arg z|/h, rad/s: the frequency at which this multiplier turns.
+    pub frequency: f64,
+    /// What is proven about it.
+    pub certificate: SampledCertificate,
+}
+
+impl SampledSpectrum {
+    /// True where all multipliers but the rigid-body one lie inside the unit circle.
+    pub fn is_stable(&self) -> bool {
+        self.radius < 1.0
+    }
+}
+
+/// What is proven about a [`SampledSpectrum`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SampledCertificate {
+    /// A multiplier was refined at this radius, and a count on a circle just outside found no other.
+    Complete,
+    /// All multipliers lie within this radius; none was resolved on it (they decay within a few ticks).
+    UpperBound,
+    /// The count ended before it could decide: the radius is the best found, a larger one may exist.
+    Incomplete,
+}
+
+impl SampledCharacteristic {
+    /// Newton from `s`: the root and the size of the last step, where it converges.
+    fn refine_multiplier(&self, start: Complex64, scale: f64) -> Option<(Complex64, f64)> {
+        let mut s = start;
+        let mut step = f64::INFINITY;
+        for _ in 0..60 {
+            let (value, slope) = self.value_and_derivative(s);
+            let change = value / slope;
+            if !change.is_finite() {
+                return (value == Complex64::ZERO).then_some((s, 0.0));
+            }
+            s -= change;
+            let previous = step;
+            step = change.norm();
+            if step <= 1e-15 * scale || (step <= 1e-11 * scale && step >= 0.5 * previous) {
+                return Some((s, step));
+            }
+        }
+        (step <= 1e-6 * scale).then_some((s, step))
+    }
+
+    /// The count of multipliers with |z| > e^(σ h) and places near which they may lie. Where a root lies
+    /// on the circle, a circle beside it by 1e-9 of `scale` is taken.
+    fn count_right_of(&self, rate: f64, scale: f64) -> Option<(usize, Vec<Complex64>)> {
+        for shift in [0.0, 1e-9, -1.7e-9, 1.3e-8] {
+            match contour::count_outside_circle(self, rate + shift * scale) {
+                Ok(count) => return Some(count),
+                Err(CountFailure::TooLong) => return None,
+                Err(CountFailure::RootOnCircle) => {}
+            }
+        }
+        None
+    }
+
+    /// The rightmost s = ln(z)/h.
+    pub fn rightmost_root(&self, scale: f64) -> (Complex64, SampledCertificate) {
+        let incomplete = |s: Complex64| (s, SampledCertificate::Incomplete);
+        let Some((outside, mut places)) = self.count_right_of(0.0, scale) else {
+            return incomplete(Complex64::ZERO);
+        };
+        // Bracket: some multiplier right of `low`, none right of `high`.
+        let (mut low, mut high) = (0.0, 0.0);
+        let mut reach = scale;
+        loop {
+            let rate = if outside == 0 { (-reach).max(self.deepest_rate()) } else { reach };
+            match self.count_right_of(rate, scale) {
+                Some((0, _)) if outside == 0 => high = rate,
+                Some((_, found)) if outside == 0 => {
+                    (low, places) = (rate, found);
+                    break;
+                }
+                Some((0, _)) => {
+                    high = rate;
+                    break;
+                }
+                Some((_, found)) => (low, places) = (rate, found),
+                None => return incomplete(Complex64::from(high.max(low))),
+            }
+            if rate <= self.deepest_rate() {
+                return (Complex64::from(high), SampledCertificate::UpperBound);
+            }
+            reach *= 2.0;
+        }
+        for _ in 0..80 {
+            if let Some((root, error)) = self.rightmost_refined(&places, low, high, scale) {
+                let beside = root.re + (1e-9 * (scale + root.norm())).max(10.0 * error);
+                match contour::count_outside_circle(self, beside) {
+                    Ok((0, _)) => return (root, SampledCertificate::Complete),
+                    Ok((_, found)) => {
+                        (low, places) = (beside, found);
+                        high = high.max(low);
+                    }
+                    Err(_) => return incomplete(root),
+                }
+            }
+            let middle = 0.5 * (low + high);
+            if high - low <= 1e-12 * (scale + high.abs()) {
+                break;
+            }
+            match self.count_right_of(middle, scale) {
+                Some((0, _)) => high = middle,
+                Some((_, found)) => (low, places) = (middle, found),
+                None => break,
+            }
+        }
+        incomplete(Complex64::from(high))
+    }
+
+    /// The rightmost root that Newton's method finds from the places, within the bracket.
+    fn rightmost_refined(
+        &self,
+        places: &[Complex64],
+        low: f64,
+        high: f64,
+        scale: f64,
+    ) -> Option<(Complex64, f64)> {
+        let slack = 1e-8 * scale;
+        places
+            .iter()
+            .filter_map(|&place| self.refine_multiplier(place, scale + place.norm()))
+            .filter(|(root, _)| root.re >= low - slack && root.re <= high + slack)
+            .max_by(|a, b| a.0.re.total_cmp(&b.0.re))
+    }
+}
