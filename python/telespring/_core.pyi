@@ -1,6 +1,6 @@
 # What crates/telespring-py compiles to; a test compares the two.
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Final, Literal, final
 
@@ -38,6 +38,7 @@ __all__ = [
     "arm_operator",
     "characteristic_roots",
     "critical_stiffness",
+    "cross_inertia",
     "crossings",
     "decay_stiffness",
     "frequency_grid",
@@ -50,6 +51,8 @@ __all__ = [
     "nyquist",
     "open_loop",
     "partner_response",
+    "pose_stability",
+    "pose_system",
     "simulate",
     "simulate_handle",
     "solve_dde",
@@ -374,4 +377,23 @@ def simulate_handle(
     position0: Sequence[float],
     velocity0: Sequence[float] = ...,
 ) -> dict[str, Any]: ...
+def pose_stability(
+    dyad: Dyad,
+    arms: tuple[Mapping[str, Any] | None, Mapping[str, Any] | None],
+    stiffness: float,
+    delay: Delay,
+    positions: ArrayLike,
+    agent_stiffness: tuple[float, float],
+) -> tuple[FloatArray, FloatArray, bool]: ...
+def cross_inertia(
+    dyad: Dyad, arms: tuple[Mapping[str, Any] | None, Mapping[str, Any] | None], positions: ArrayLike
+) -> FloatArray: ...
+def pose_system(
+    dyad: Dyad,
+    arms: tuple[Mapping[str, Any] | None, Mapping[str, Any] | None],
+    stiffness: float,
+    delay: Delay,
+    position: ArrayLike,
+    agent_stiffness: tuple[float, float],
+) -> DelaySystem: ...
 def arm_operator(arm: dict[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

@@ -12,6 +12,7 @@ mod errors;
 mod experiment;
 mod model;
 mod plant;
+mod poses;
 mod response;
 mod rig;
 mod simulation;
@@ -43,6 +44,8 @@ mod _core {
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
+    #[pymodule_export]
+    use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,

@@ -97,7 +97,8 @@ fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
     Ok(handle)
 }
 
-fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<Arm> {
+/// An arm from the dictionary of its values.
+pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<Arm> {
     let mut table = Table::new("arm", value)?;
     let arm = match table.text("kind", &["massless", "lumped", "two-link"])?.as_deref() {
         Some("two-link") => {

@@ -14,6 +14,7 @@
 //! | [`session`] | one side of a live coupling: bytes and time in, force and bytes out |
 //! | [`rig`] | the virtual laboratory that drives two sessions in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
+//! | [`poses`] | a dyad in jointed arms, one frozen pose at a time |
 //! | [`quantity`] | the quantities that enter, with their units and ranges |
 //! | [`error`] | what is refused at the door, and how it is told |
 //!
@@ -27,6 +28,7 @@ pub mod dde;
 pub mod delay_system;
 pub mod error;
 pub mod model;
+pub mod poses;
 pub mod quantity;
 pub mod response;
 pub mod rig;
