@@ -1,4 +1,4 @@
-"""What the numbers of a calibration say, in sentences; each is written from the numbers alone."""
+"""Sentences on the result of a calibration, written from its numbers alone."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["signed", "statements"]
 #: From here on two unknowns count as hard to tell apart.
 _CORRELATED = 0.7
 
-_WORDS = {
+_NAMES = {
     "arm_mass": "arm mass",
     "arm_damping": "arm damping",
     "coulomb": "Coulomb friction",
@@ -37,91 +37,75 @@ def statements(
     predictions: Mapping[str, Prediction],
     scores: Mapping[str, Mapping[str, Score]],
 ) -> list[str]:
-    """Say how good the fit is, what the unknowns are worth, and what does not agree and why.
-
-    Parameters
-    ----------
-    table
-        The published rows.
-    fitted, held_out
-        Their places.
-    fits
-        Per variant.
-    alternative
-        By least squares.
-    predictions, scores
-        By laboratory.
-
-    Returns
-    -------
-    list of str
-        Sentences.
-    """
-    seen = ", ".join(table[i].label for i in fitted)
-    said = [
+    """Write sentences on the quality of the fits, on the unknowns, and on what disagrees and why."""
+    used = ", ".join(table[i].label for i in fitted)
+    sentences = [
         (
-            f"The conditions are run at the stiffness and delay that the table prints, not at the unrounded "
-            f"multiples of K and Δ. The fit sees {seen}; the other {len(held_out)} are predicted."
+            f"The conditions are run at the printed stiffness and delay, not at the unrounded multiples of K "
+            f"and Δ. Only {used} are fitted; the other {len(held_out)} conditions are predicted."
         )
     ]
-    for name, found in fits.items():
-        said += _of_fit(name, found, table, fitted)
-    said += _of_variants(fits, alternative, scores)
+    for name, fit in fits.items():
+        sentences += _of_fit(name, fit, table, fitted)
+    sentences += _of_variants(fits, alternative, scores)
     # one model need not be described twice
-    same = len({tuple(np.round(found.point, 2)) for found in fits.values()}) == 1
+    same = len({tuple(np.round(fit.point, 2)) for fit in fits.values()}) == 1
     titles = {"inside": "either variant"} if same and "inside" in fits else dict(_TITLES)
     for name, title in titles.items():
-        said += _of_held_out(name, title, scores)
-        said += _of_shape(title, predictions[name], table)
-    said += _of_growth(predictions, table)
-    said += _of_scatter(predictions, table)
-    return said
+        sentences += _of_held_out(name, title, scores)
+        sentences += _of_effects(title, predictions[name], table)
+    sentences += _of_growth(predictions, table)
+    sentences += _of_scatter(predictions, table)
+    return sentences
 
 
-def _of_fit(name: str, found: Fit, table: Sequence[PublishedRow], fitted: Sequence[int]) -> list[str]:
+def _of_fit(name: str, fit: Fit, table: Sequence[PublishedRow], fitted: Sequence[int]) -> list[str]:
     sampling = Likelihood.of([table[i] for i in fitted]).sampling_variance ** 0.5
-    common, difference = found.misfit
-    said = [
-        f"With {_TITLES[name]} the fit is {_listed(found.values)}. It misses the mean of TE1 and TE2 of a "
-        f"condition by {_mm(common)} (root mean square) and half their difference by {_mm(difference)}; the "
-        f"sampling error of either is {_mm(sampling)}. "
+    common, difference = fit.misfit
+    title = _TITLES[name]
+    sentences = [
+        f"With {title} the fit is {_listed(fit.values)}. Its root-mean-square error is {_mm(common)} in the "
+        f"mean of TE1 and TE2 of a condition and {_mm(difference)} in half their difference; the sampling "
+        f"error of either is {_mm(sampling)}. "
         + (
-            "The model does not hold to within that error."
+            "The model does not fit to within that error."
             if max(common, difference) > 2 * sampling
-            else "The model holds to within twice that error."
+            else "The model fits to within twice that error."
         )
     ]
     if name == "inside":
-        said.append(
-            "With the arm's inertia inside Table III the moving mass is Table III's, whatever part of it is "
-            "the arm's: the arm mass has no effect on any cell and is not an unknown."
+        sentences.append(
+            "With the arm's inertia inside Table III the moving mass is that of Table III, whatever part of "
+            "it is the arm's: the arm mass affects no cell and is not an unknown."
         )
-    at_zero = [_WORDS[key] for key, value in found.values.items() if value < 1e-3 * _high(key)]
+    at_zero = [_NAMES[key] for key, value in fit.values.items() if value < 1e-3 * _high(key)]
     if at_zero:
-        said.append(
-            f"With {_TITLES[name]} the best {' and '.join(at_zero)} is none: the deviance only rises from "
-            "there."
+        sentences.append(
+            f"With {title} the best fit has no {' and no '.join(at_zero)}: any raises the deviance."
         )
     unbounded = [
-        f"{_WORDS[key]} ({_interval(found, key)}"
-        + (", the whole range that was searched)" if each.open_below and each.open_above else ")")
-        for key, each in found.profiles.items()
-        if each.open_below or each.open_above
+        f"{_NAMES[key]} ({_interval(fit, key)}"
+        + (", the whole searched range)" if profile.open_below and profile.open_above else ")")
+        for key, profile in fit.profiles.items()
+        if profile.open_below or profile.open_above
     ]
     if unbounded:
-        said.append(
-            f"With {_TITLES[name]} the 95 % profile interval reaches an end of the searched range for "
+        sentences.append(
+            f"With {title} the 95 % profile interval reaches an end of the searched range for "
             f"{', '.join(unbounded)}."
         )
-    close = [
-        f"{_WORDS[one]} and {_WORDS[two]} ({signed(found.correlation[i, j], 2)})"
-        for i, one in enumerate(found.values)
-        for j, two in enumerate(found.values)
-        if i < j and abs(found.correlation[i, j]) >= _CORRELATED
+    correlated = [
+        f"{_NAMES[one]} and {_NAMES[two]} ({signed(fit.correlation[i, j], 2)})"
+        for i, one in enumerate(fit.values)
+        for j, two in enumerate(fit.values)
+        if i < j and abs(fit.correlation[i, j]) >= _CORRELATED
     ]
-    if close:
-        said.append(f"With {_TITLES[name]} hard to tell apart, by their correlation: {'; '.join(close)}.")
-    return said
+    if correlated:
+        sentences.append(
+            f"With {title} these unknowns are hard to tell apart, by their correlation: "
+            f"{'; '.join(correlated)}."
+        )
+    return sentences
 
 
 def _of_variants(
@@ -134,46 +118,46 @@ def _of_variants(
     if mass < 1e-3 * _high("arm_mass"):
         interval = _interval(fits["on top"], "arm_mass")
         sentence = (
-            "Let free, an arm mass on top of Table III goes to none under the chosen likelihood, where both "
-            f"variants are one model; its interval is {interval}."
+            "With the arm mass free on top of Table III, the chosen likelihood puts it at zero, where both "
+            f"variants are the same model; its interval is {interval}."
         )
     else:
         sentence = (
-            f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f}, with one "
-            f"unknown more; {fits['on top'].threshold:.1f} would be significant at 95 %."
+            f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f} with one more "
+            f"unknown; {fits['on top'].threshold:.1f} would be significant at 95 %."
         )
     return [sentence, *_of_likelihood(fits["on top"], alternative, scores)]
 
 
 def _of_likelihood(
-    found: Fit, alternative: LeastSquares, scores: Mapping[str, Mapping[str, Score]]
+    fit: Fit, alternative: LeastSquares, scores: Mapping[str, Mapping[str, Score]]
 ) -> list[str]:
-    """Say that the likelihood was chosen, what another gives, and what holds under both."""
+    """Compare the chosen likelihood with plain least squares, and report what holds under both."""
     both = scores["least squares"]["both"]
     held_out = (
-        f"the held-out cells are then missed by {_mm(both.rms_error)} (r.m.s.); rank correlation: "
+        f"its r.m.s. error over the held-out cells is {_mm(both.rms_error)}, with rank correlations of "
         f"{_ranks(scores['least squares'])}, both together {_rank(both)}"
         if np.isfinite(both.rms_error)
-        else "in held-out conditions trials then diverge, so that there is no score"
+        else "trials of held-out conditions then diverge, so that there is no score"
     )
-    low, high = found.profiles["arm_mass"].interval
-    masses = (found.values["arm_mass"], alternative.values["arm_mass"])
+    low, high = fit.profiles["arm_mass"].interval
+    masses = (fit.values["arm_mass"], alternative.values["arm_mass"])
     same = abs(masses[0] - masses[1]) < 0.05 * _high("arm_mass")
     return [
         (
-            "The likelihood is a choice: it takes the mean of a condition's two errors and half their "
-            "difference apart, each with a misfit of its own, because one coupled motion is behind both. "
+            "The likelihood is a choice: it separates the mean of a condition's two errors from half their "
+            "difference, each with its own misfit, because both errors come from one coupled motion. "
             "Plain least squares over the same fitted cells, with inertia on top, gives "
-            f"{_listed(alternative.values)}, at {_mm(alternative.rms)} (r.m.s. over those cells) in the "
-            f"place of {_mm(alternative.rms_of_fit)}; {held_out}."
+            f"{_listed(alternative.values)}, with an r.m.s. error over those cells of {_mm(alternative.rms)} "
+            f"instead of {_mm(alternative.rms_of_fit)}; {held_out}."
         ),
         (
             f"Under either likelihood the arm mass on top is about {masses[0]:.2f} kg."
             if same
             else f"The arm mass on top depends on that choice, {masses[0]:.2f} kg or {masses[1]:.2f} kg: the "
-            "fitted cells do not tell it"
+            "fitted cells do not determine it"
             + (
-                f", and its interval, {low:.2f} to {high:.2f} kg, holds both."
+                f", and its interval, {low:.2f} to {high:.2f} kg, contains both."
                 if low <= masses[1] <= high
                 else "."
             )
@@ -185,13 +169,13 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
     ours, null = scores[name]["both"], scores["as unconnected"]["both"]
     if not np.isfinite(ours.rms_error):
         return [f"With {title} trials of the held-out conditions diverged: there is no score."]
-    better = "nearer to" if ours.rms_error < null.rms_error else "farther from"
+    better = "smaller" if ours.rms_error < null.rms_error else "larger"
     return [
         (
-            f"With {title} the {ours.cells} held-out cells are missed by {_mm(ours.rms_error)} (r.m.s., "
-            f"mean {_signed(ours.mean_error)} mm), {better} the published ones than the prediction that "
-            f"nothing changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the "
-            f"published means: {_ranks(scores[name])}."
+            f"With {title} the r.m.s. error over the {ours.cells} held-out cells is {_mm(ours.rms_error)} "
+            f"(mean {_signed(ours.mean_error)} mm), {better} than that of the null prediction, that nothing "
+            f"changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the published "
+            f"means: {_ranks(scores[name])}."
         ),
         _of_pooled_rank(title, ours, null),
     ]
@@ -199,75 +183,86 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
 
 def _of_pooled_rank(title: str, ours: Score, null: Score) -> str:
     """Compare with the null prediction, which ranks nothing but the two robots."""
-    said = f"With {title}, over TE1 and TE2 together, the rank correlation is {_rank(ours)}; "
-    said += f"that of the null prediction, which knows only that TE2 is the larger, is {_rank(null)}"
+    sentence = (
+        f"With {title} the rank correlation over TE1 and TE2 together is {_rank(ours)}; that of the null "
+        f"prediction, which knows only that TE2 is the larger, is {_rank(null)}"
+    )
     if ours.rank_correlation is None or null.rank_correlation is None:
-        return said + "."
-    return said + (": higher." if null.rank_correlation > ours.rank_correlation else ": not higher.")
+        return sentence + "."
+    return sentence + (": higher." if null.rank_correlation > ours.rank_correlation else ": not higher.")
 
 
-def _of_shape(title: str, found: Prediction, table: Sequence[PublishedRow]) -> list[str]:
+def _of_effects(title: str, prediction: Prediction, table: Sequence[PublishedRow]) -> list[str]:
     """Compare effects, not values: of the delay, of connecting, and the gap between both agents."""
-    said: list[str] = []
-    stronger = 0
     measured = np.array([row.mean for row in table])
-    for stiffness in sorted({row.stiffness for row in table if row.stiffness is not None}, reverse=True):
-        rows = [i for i, row in enumerate(table) if row.stiffness == stiffness]
-        first, last = min(rows, key=lambda i: table[i].delay), max(rows, key=lambda i: table[i].delay)
-        ours, theirs = (each[last] - each[first] for each in (found.mean, measured))
-        if np.isfinite(ours).all() and (np.abs(ours - theirs) > 2e-3).any():
-            said.append(
-                f"With {title}, {stiffness:.0f} N/m: the longest delay changes TE1 and TE2 by "
-                f"{_pair(ours)} in the model and by {_pair(theirs)} in the table."
-            )
-            stronger += int((ours > theirs).all())
-    if stronger > 1 and stronger == len(said):
-        said.append(
-            f"With {title} the model overstates the delay's effect wherever it misses it: the unknowns act "
-            "on each side alone, and none of them lets a delayed spring of known stiffness do less."
-        )
+    sentences = _of_delay(title, prediction, table, measured)
     at_zero = [i for i, row in enumerate(table) if row.stiffness is not None and row.delay == 0.0]
     baseline = next((i for i, row in enumerate(table) if row.stiffness is None), None)
     if baseline is not None and at_zero:
         softest = min(at_zero, key=lambda i: table[i].stiffness or 0.0)
         stiffest = max(at_zero, key=lambda i: table[i].stiffness or 0.0)
-        ours, theirs = (each[softest] - each[baseline] for each in (found.mean, measured))
+        ours, theirs = (mean[softest] - mean[baseline] for mean in (prediction.mean, measured))
         if np.isfinite(ours).all() and abs(ours[0] - theirs[0]) > 1e-3:
-            said.append(
+            sentences.append(
                 f"With {title}, connecting the robots by {table[softest].stiffness:.0f} N/m without delay "
                 f"changes TE1 by {_signed(ours[0])} mm in the model and by {_signed(theirs[0])} mm in "
                 "the table"
                 + (
-                    ": nothing in the model lets the skilled agent gain from a partner who is worse."
+                    ": nothing in the model lets the skilled agent gain from a less skilled partner."
                     if theirs[0] < 0
                     else "."
                 )
             )
-        gap, published_gap = (float(each[stiffest, 1] - each[stiffest, 0]) for each in (found.mean, measured))
+        gap, published_gap = (
+            float(mean[stiffest, 1] - mean[stiffest, 0]) for mean in (prediction.mean, measured)
+        )
         alone, published_alone = (
-            float(each[baseline, 1] - each[baseline, 0]) for each in (found.mean, measured)
+            float(mean[baseline, 1] - mean[baseline, 0]) for mean in (prediction.mean, measured)
         )
         if np.isfinite(gap) and published_gap - gap > 1e-3:
-            said.append(
-                f"With {title}, TE2 less TE1 falls from {_plain(alone)} mm alone to {_plain(gap)} mm at "
-                f"{table[stiffest].stiffness:.0f} N/m without delay, for a stiff spring makes both handles "
+            sentences.append(
+                f"With {title}, TE2 minus TE1 falls from {_plain(alone)} mm unconnected to {_plain(gap)} mm at "
+                f"{table[stiffest].stiffness:.0f} N/m without delay, because a stiff spring makes both handles "
                 f"move alike; in the table it goes from {_plain(published_alone)} to "
-                f"{_plain(published_gap)} mm: as if the real spring coupled the handles less than its "
-                "stiffness says."
+                f"{_plain(published_gap)} mm, as if the real spring coupled the handles less than its "
+                "stiffness implies."
             )
-    agree = found.arrows_agreeing(table)
+    agreement = prediction.arrows_agreeing(table)
     wrong = [
         f"TE{robot + 1} {row.label}"
-        for row, one in zip(table, agree, strict=True)
+        for row, agrees in zip(table, agreement, strict=True)
         for robot in (0, 1)
-        if one[robot] is False
+        if agrees[robot] is False
     ]
-    count = sum(one is not None for pair in agree for one in pair)
-    said.append(
-        f"With {title}, {count - len(wrong)} of {count} arrows agree"
-        + (f"; not those of {', '.join(wrong)}." if wrong else ".")
+    count = sum(agrees is not None for pair in agreement for agrees in pair)
+    sentences.append(
+        f"With {title} {count - len(wrong)} of {count} arrows agree"
+        + (f"; these do not: {', '.join(wrong)}." if wrong else ".")
     )
-    return said
+    return sentences
+
+
+def _of_delay(
+    title: str, prediction: Prediction, table: Sequence[PublishedRow], measured: FloatArray
+) -> list[str]:
+    sentences: list[str] = []
+    stronger = 0
+    for stiffness in sorted({row.stiffness for row in table if row.stiffness is not None}, reverse=True):
+        rows = [i for i, row in enumerate(table) if row.stiffness == stiffness]
+        first, last = min(rows, key=lambda i: table[i].delay), max(rows, key=lambda i: table[i].delay)
+        ours, theirs = (mean[last] - mean[first] for mean in (prediction.mean, measured))
+        if np.isfinite(ours).all() and (np.abs(ours - theirs) > 2e-3).any():
+            sentences.append(
+                f"With {title}, at {stiffness:.0f} N/m, the longest delay changes TE1 and TE2 by "
+                f"{_pair(ours)} in the model and by {_pair(theirs)} in the table."
+            )
+            stronger += int((ours > theirs).all())
+    if stronger > 1 and stronger == len(sentences):
+        sentences.append(
+            f"With {title} the model overstates every effect of the delay that it misses: the unknowns act "
+            "on each side alone, and none of them weakens a delayed spring of known stiffness."
+        )
+    return sentences
 
 
 def _of_growth(predictions: Mapping[str, Prediction], table: Sequence[PublishedRow]) -> list[str]:
@@ -283,10 +278,10 @@ def _of_growth(predictions: Mapping[str, Prediction], table: Sequence[PublishedR
         return []
     return [
         (
-            f"In the study's own laboratory the handles run away in {', '.join(grown)}; nothing like it "
-            "was published. More damping or friction in the real arms and robots is one possible "
-            "explanation; less delay or stiffness than was set, or agents who act otherwise than modelled, "
-            "are others, and nothing here tells them apart."
+            f"In the study's own laboratory the handles run away in {', '.join(grown)}; the paper reports "
+            "nothing similar. More damping or friction in the real arms and robots is one possible "
+            "explanation; others are less delay or stiffness than was set, or agents who behave differently "
+            "from the model. These data cannot tell them apart."
         )
     ]
 
@@ -296,30 +291,31 @@ def _of_scatter(predictions: Mapping[str, Prediction], table: Sequence[Published
     if baseline is None:
         return []
     ours = ", ".join(
-        f"{1e3 * each.standard_deviation[baseline, 0]:.1f} mm ({name})" for name, each in predictions.items()
+        f"{1e3 * prediction.standard_deviation[baseline, 0]:.1f} mm ({name})"
+        for name, prediction in predictions.items()
     )
     theirs = 1e3 * table[baseline].standard_deviation[0]
     return [
         (
-            f"Alone, TE1 scatters by {theirs:.1f} mm between the published trials and by {ours} between "
-            "simulated ones: the real skilled agent was not as exact a copy of itself, and no unknown here "
-            "stands for that."
+            f"In the unconnected mode TE1 has a standard deviation of {theirs:.1f} mm over the published trials "
+            f"and of {ours} over the simulated ones: the real skilled agent repeats itself less exactly, and "
+            "no unknown here represents that."
         )
     ]
 
 
 def _listed(values: Mapping[str, float]) -> str:
-    units = {each.name: each.unit for each in UNKNOWNS}
-    return ", ".join(f"{_WORDS[key]} {value:.2f} {units[key]}" for key, value in values.items())
+    units = {unknown.name: unknown.unit for unknown in UNKNOWNS}
+    return ", ".join(f"{_NAMES[key]} {value:.2f} {units[key]}" for key, value in values.items())
 
 
-def _interval(found: Fit, key: str) -> str:
-    low, high = found.profiles[key].interval
-    return f"{low:.2f} to {high:.2f} {next(each.unit for each in UNKNOWNS if each.name == key)}"
+def _interval(fit: Fit, key: str) -> str:
+    low, high = fit.profiles[key].interval
+    return f"{low:.2f} to {high:.2f} {next(unknown.unit for unknown in UNKNOWNS if unknown.name == key)}"
 
 
 def _high(key: str) -> float:
-    return next(each.high for each in UNKNOWNS if each.name == key)
+    return next(unknown.high for unknown in UNKNOWNS if unknown.name == key)
 
 
 def _mm(length: float) -> str:
@@ -331,7 +327,7 @@ def _pair(change: FloatArray) -> str:
 
 
 def signed(value: float, digits: int) -> str:
-    """Write a number with its sign, a minus as it is printed; what rounds to zero has none.
+    """Write a number with its sign, with a typographic minus; what rounds to zero has none.
 
     Examples
     --------
@@ -354,8 +350,8 @@ def _ranks(scores: Mapping[str, Score]) -> str:
     return ", ".join(f"{key.upper()} {_rank(scores[key])}" for key in ("te1", "te2"))
 
 
-def _rank(found: Score) -> str:
-    if found.rank_correlation is None or found.p_value is None:
+def _rank(score: Score) -> str:
+    if score.rank_correlation is None or score.p_value is None:
         return "none"
-    p = f"p = {found.p_value:.3f}" if found.p_value >= 0.001 else "p < 0.001"
-    return f"{signed(found.rank_correlation, 2)} ({p})"
+    p = f"p = {score.p_value:.3f}" if score.p_value >= 0.001 else "p < 0.001"
+    return f"{signed(score.rank_correlation, 2)} ({p})"
