@@ -60,8 +60,8 @@ def test_cross_without_disturbance_every_position_is_the_same(
     ours = laboratory(mass, damping, coulomb, None).run(stiffness, delay, 1, 4.0, 1000.0)
     theirs = oracle.simulate(setup(mass, damping, coulomb), stiffness, delay, 4.0)
     # both are exact within a period: what differs is the rounding of 4000 of them, 1e-16 m in each
-    assert np.abs(ours["position"] - theirs.position[0]).max() < 1e-12
-    assert np.abs(ours["velocity"] - theirs.velocity[0]).max() < 1e-11
+    assert np.abs(ours.position - theirs.position[0]).max() < 1e-12
+    assert np.abs(ours.velocity - theirs.velocity[0]).max() < 1e-11
     if coulomb >= 1.5:
         resting = np.diff(theirs.position[0], axis=0) == 0.0
         assert resting[1000:].any()
@@ -80,8 +80,8 @@ def test_cross_with_disturbance_the_tracking_errors_have_one_distribution(
         duration,
         100.0,
     )
-    kept = ours["time"] >= discard
-    found = np.linalg.norm(ours["position"][:, kept, 1] - ours["target"][:, kept], axis=-1).mean(axis=1)
+    kept = ours.time >= discard
+    found = np.linalg.norm(ours.position[:, kept, 1] - ours.target[:, kept], axis=-1).mean(axis=1)
     generator = np.random.default_rng(20)
     motion = oracle.simulate(setup(*unknowns), stiffness, delay, duration, trials, generator)
     expected = motion.tracking_error(discard)[:, 1]

@@ -114,16 +114,17 @@ def run_both(
     steps: int,
     integrator: str,
     elbow: str = "right",
-) -> tuple[dict[str, Any], FloatArray]:
+) -> tuple[_core.HandleMotion, FloatArray]:
     """Ours, and MuJoCo's positions under the torques that ours held."""
     position = np.array([-0.04 if elbow == "right" else 0.1, 0.02])
     arm = {**ARM, "elbow": elbow}
     ours = _core.simulate_handle(
         robot, arm, hand_force, robot_force, TICK, position.tolist(), velocity.tolist()
     )
-    assert ours["status"] == "completed"
+    assert ours.status == "completed"
     start = joint_state(elbow, position, velocity)
-    return ours, run_mujoco(robot, ours["torque"], robot_force, start, steps, integrator)
+    assert ours.torque is not None
+    return ours, run_mujoco(robot, ours.torque, robot_force, start, steps, integrator)
 
 
 @pytest.mark.parametrize("elbow", ["left", "right"])
@@ -135,8 +136,8 @@ def test_cross_fast_movement(elbow: str) -> None:
     off = []
     for steps in (1, 2, 4):
         ours, theirs = run_both(ROBOT, hand, push, np.array([0.0, -1.2]), steps, "RK4", elbow)
-        off.append(np.abs(ours["position"] - theirs).max())
-    speed = np.linalg.norm(ours["velocity"], axis=1)
+        off.append(np.abs(ours.position - theirs).max())
+    speed = np.linalg.norm(ours.velocity, axis=1)
     assert speed.max() > 1.5
     assert np.median(speed) > 1.0
     # 2e-10 m at 1 ms over a way of 0.2 m: MuJoCo's Runge-Kutta error, as it falls with the fourth power of
@@ -155,11 +156,11 @@ def test_cross_stick_and_slip() -> None:
         ours, theirs = run_both(
             rough, hand, np.zeros_like(hand), np.array([0.2, -0.1]), steps, "implicitfast"
         )
-        off[steps] = np.abs(ours["position"] - theirs).max()
+        off[steps] = np.abs(ours.position - theirs).max()
         # first order: 0.06 mm at 0.2 ms, 4 µm at 12.5 µs, over ways of 55 and 25 mm
         assert off[steps] < 0.3 * TICK / steps
     assert off[80] < off[20] / 3 < off[5] / 9 * 2
-    stuck = ours["velocity"] == 0
+    stuck = ours.velocity == 0
     changes = np.abs(np.diff(stuck.astype(int), axis=0)).sum(axis=0)
     assert (stuck.mean(axis=0) > 0.15).all(), "both axes are to stick for a while"
     assert (changes >= 5).all(), "both axes are to stick and start again"
@@ -207,9 +208,9 @@ def test_law_a_misspelt_or_missing_value_is_named() -> None:
 def test_law_leaving_the_reach_ends_the_record() -> None:
     push = np.tile([0.0, 40.0], (2000, 1))
     found = _core.simulate_handle(ROBOT, ARM, 0 * push, push, TICK, [0.0, 0.1])
-    assert found["status"] == "out of reach"
-    ticks = len(found["position"])
-    assert found["ended_at"] == pytest.approx((ticks - 1) * TICK)
+    assert found.status == "out of reach"
+    ticks = len(found.position)
+    assert found.ended_at == pytest.approx((ticks - 1) * TICK)
     assert ticks < 500
     assert all(len(found[name]) == ticks for name in ("velocity", "handle_force", "torque"))
-    assert np.isfinite(found["position"]).all()
+    assert np.isfinite(found.position).all()

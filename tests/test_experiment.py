@@ -24,7 +24,8 @@ from telespring import _core, cli
 from telespring.rehearsal import run_protocol, trial_file
 from telespring.rehearsal.encoding import SIGNALS
 from telespring.rehearsal.lock import LOCK, locked
-from telespring.rehearsal.schedule import condition_labels, schedule
+from telespring.rehearsal.schedule import schedule
+from telespring.study.conditions import condition_labels
 
 # Short trials of the paper's robots; 1500 N/m over 0.1 s is so unstable that it diverges within 2 s.
 STUDY = """
@@ -120,7 +121,7 @@ def test_law_the_dataset_holds_what_the_laboratory_gave(short: ts.Study, undistu
     assert undisturbed.attrs["schema"] == "telespring rehearsal 1"
     assert undisturbed.attrs["discard"] == 0.5
     assert undisturbed.attrs["sample_period"] == experiment.sample_period
-    assert json.loads(undisturbed.attrs["agents"]) == experiment.agents
+    assert json.loads(undisturbed.attrs["agents"]) == [agent.to_dict() for agent in experiment.agents]
     assert json.loads(undisturbed.attrs["robots"])[0]["mass"] == [0.8334, 1.0649]
 
 

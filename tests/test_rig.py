@@ -25,44 +25,45 @@ got = _core.Laboratory.paper().run_many(
     [np.nan, 17.8, 142.4] * 3, np.repeat([0.0, 0.0836, 0.3344], 3),
     [_core.trial_seed(1, 0, i) for i in range(n)], 1.5, 100.0)
 digest = hashlib.sha256()
-for name in sorted(got):
-    digest.update(np.ascontiguousarray(got[name]).tobytes())
+for name, values in sorted(got.to_dict().items()):
+    digest.update(np.ascontiguousarray(values).tobytes())
 print(digest.hexdigest())
 """
 
 
 def test_law_arrays_have_the_documented_shapes() -> None:
     got = LABORATORY.run(71.2, 0.0836, 1, 2.0, 100.0)
-    assert got["status"] == "completed"
-    assert np.isnan(got["ended_at"])
-    assert got["time"].shape == (201,)
-    np.testing.assert_array_equal(got["time"], np.arange(201) / 100.0)
-    assert got["target"].shape == (201, 2)
+    assert got.status == "completed"
+    assert got.ended_at is None
+    assert got.time.shape == (201,)
+    np.testing.assert_array_equal(got.time, np.arange(201) / 100.0)
+    assert got.target.shape == (201, 2)
     for name in VARIABLES:
         assert got[name].shape == (201, 2, 2), name
         assert np.isfinite(got[name]).all()
     # robot 1's agent sees the target itself, robot 2's the mean of its spots
-    np.testing.assert_array_equal(got["aim"][:, 0], got["target"])
-    assert np.abs(got["aim"][:, 1] - got["target"]).max() > 0.01
+    np.testing.assert_array_equal(got.aim[:, 0], got.target)
+    assert np.abs(got.aim[:, 1] - got.target).max() > 0.01
 
 
 def test_law_many_trials_are_the_single_ones() -> None:
     stiffness, delay = [np.nan, 35.6, 500.0], [0.0, 0.167, 0.3]
     seed = [_core.trial_seed(3, 0, trial) for trial in range(3)]
     many = LABORATORY.run_many(stiffness, delay, seed, 30.0, 50.0)
-    assert many["position"].shape == (3, 1501, 2, 2)
-    assert many["status"] == ["completed", "completed", "diverged"]
+    assert many.position.shape == (3, 1501, 2, 2)
+    assert many.status == ["completed", "completed", "diverged"]
     for trial in range(3):
         one = LABORATORY.run(
             None if np.isnan(stiffness[trial]) else stiffness[trial], delay[trial], seed[trial], 30.0, 50.0
         )
-        rows = len(one["time"])
-        np.testing.assert_array_equal(many["target"][trial, :rows], one["target"])
+        rows = len(one.time)
+        np.testing.assert_array_equal(many.target[trial, :rows], one.target)
         for name in VARIABLES:
             np.testing.assert_array_equal(many[name][trial, :rows], one[name])
             assert np.isnan(many[name][trial, rows:]).all()
-        np.testing.assert_array_equal(many["ended_at"][trial], one["ended_at"])
-    assert many["ended_at"][2] > 0.0
+        ended_at = np.nan if one.ended_at is None else one.ended_at
+        np.testing.assert_array_equal(many.ended_at[trial], ended_at)
+    assert many.ended_at[2] > 0.0
     assert rows < 1501
 
 
@@ -86,12 +87,12 @@ def test_law_a_sampled_target_is_followed_where_the_figure_eight_was() -> None:
     own = LABORATORY.run(71.2, 0.05, 1, 1.0, 100.0)
     given = LABORATORY.run(71.2, 0.05, 1, 1.0, 100.0, target=eight)
     # sines of numpy and Rust may differ in the last bit
-    np.testing.assert_allclose(given["position"], own["position"], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(given.position, own.position, rtol=0, atol=1e-14)
 
 
 def test_law_different_delays_each_way_and_a_damper_are_taken() -> None:
     got = LABORATORY.run(71.2, (0.02, 0.05), 1, 0.2, 1000.0, coupling_damping=1.0)
-    first = [int(np.flatnonzero(got["coupling_force"][:, robot, 0])[0]) for robot in range(2)]
+    first = [int(np.flatnonzero(got.coupling_force[:, robot, 0])[0]) for robot in range(2)]
     assert first == [50, 20]
 
 
@@ -162,12 +163,12 @@ def test_law_a_target_may_be_any_array_like(kind: Any) -> None:
     ones = np.ones((101, 2))
     given = ones.tolist() if kind is list else ones.astype(kind)
     got = LABORATORY.run(20.0, 0.0, 1, 0.1, 100.0, target=given)
-    np.testing.assert_array_equal(got["target"], np.ones((11, 2)))
+    np.testing.assert_array_equal(got.target, np.ones((11, 2)))
 
 
 def test_law_the_target_is_told_without_a_trial() -> None:
     got = LABORATORY.run(20.0, 0.0, 1, 2.0, 50.0)
-    np.testing.assert_array_equal(LABORATORY.target(2.0, 50.0), got["target"])
+    np.testing.assert_array_equal(LABORATORY.target(2.0, 50.0), got.target)
 
 
 @pytest.mark.parametrize(
@@ -208,7 +209,7 @@ def test_law_friction_that_just_balances_the_force_gives_numbers() -> None:
     )
     for name in ("position", "velocity", "handle_force"):
         assert np.isfinite(got[name]).all()
-    assert (got["velocity"][2:] == 0.0).all()
+    assert (got.velocity[2:] == 0.0).all()
 
 
 def test_law_ctrl_c_ends_a_long_run_of_many() -> None:

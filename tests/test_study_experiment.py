@@ -65,20 +65,20 @@ def test_ref_the_paper_experiment() -> None:
     assert (experiment.trials, experiment.duration, experiment.discard) == (20, 29.111, 4.852)
     assert (experiment.record_rate, experiment.seed, experiment.order) == (100.0, 1, "blocks")
     assert (experiment.sample_period, experiment.coupling_damping) == (0.001, 0.0)
-    assert [agent["kind"] for agent in experiment.agents] == ["skilled", "blurred"]
-    assert experiment.task == {
+    assert [agent.kind for agent in experiment.agents] == ["skilled", "blurred"]
+    assert experiment.task.to_dict() == {
         "kind": "figure-eight",
         "amplitude": [0.05, 0.1],
         "angular_frequency": 2.59,
     }
-    assert experiment.arms == [{"kind": "massless"}, {"kind": "massless"}]
+    assert [arm.to_dict() for arm in experiment.arms] == [{"kind": "massless"}, {"kind": "massless"}]
 
 
 def test_ref_the_second_example_is_another_experiment(root: Path) -> None:
     study = ts.Study.read(root / "examples" / "two-link.toml")
     experiment = experiment_of(study)
-    assert [arm["elbow"] for arm in experiment.arms] == ["right", "left"]
-    assert experiment.arms[1]["torque_limit"] == [np.inf, np.inf]
+    assert [arm.elbow for arm in experiment.arms] == ["right", "left"]
+    assert experiment.arms[1].torque_limit == (np.inf, np.inf)
     assert experiment.conditions[2] == (40.0, 0.04)
     assert experiment.order == "shuffled"
     first, second = study.uncertainty
@@ -113,15 +113,20 @@ def test_ref_options_of_python_arrive_as_python_values() -> None:
         },
     )
     experiment = experiment_of(study)
-    assert experiment.agents[1] == {"kind": "python", "class": "patients:Tremor", "options": options}
-    assert [type(value) for value in experiment.agents[1]["options"].values()] == [
+    agent = experiment.agents[1]
+    assert agent.to_dict() == {"kind": "python", "class": "patients:Tremor", "options": options}
+    assert (agent.kind, agent.class_, agent.stiffness) == ("python", "patients:Tremor", None)
+    assert agent.options is not None
+    assert [type(value) for value in agent.options.values()] == [
         float,
         bool,
         int,
         list,
         str,
     ]
-    assert experiment.task == {"kind": "python", "function": "targets:circle", "options": {}}
+    assert experiment.task.to_dict() == {"kind": "python", "function": "targets:circle", "options": {}}
+    with pytest.raises(ts.InvalidInput, match="Python function"):
+        experiment.task.positions([0.0])
 
 
 def test_ref_what_cannot_be_rehearsed_says_so() -> None:
@@ -152,7 +157,8 @@ def test_law_with_values_changes_what_it_names_only() -> None:
     assert changed.dyad == paper.dyad
     assert changed.uncertainty[0] == ts.Uncertainty([0.01, 0.01], [0.0, 0.0], [0.0, 0.0])
     experiment = experiment_of(changed)
-    assert experiment.agents[1] == {**experiment_of(paper).agents[1], "spot_velocity": 0.1}
+    less_skilled = experiment_of(paper).agents[1].to_dict()
+    assert experiment.agents[1].to_dict() == {**less_skilled, "spot_velocity": 0.1}
     assert experiment.conditions == experiment_of(paper).conditions
     # another kind starts the section anew, None takes a key away, and back we are
     back = with_values(
@@ -172,26 +178,76 @@ def test_law_with_values_changes_what_it_names_only() -> None:
     assert back == paper
 
 
+def test_law_parts_of_an_experiment_are_values_and_stand_for_their_sections(root: Path) -> None:
+    other = experiment_of(ts.Study.read(root / "examples" / "two-link.toml"))
+    paper = ts.Study.paper()
+    parts = (*other.agents, *other.arms, other.task, other.settings, *other.conditions)
+    for part in parts:
+        assert pickle.loads(pickle.dumps(part)) == part
+        assert copy.deepcopy(part) == part
+        assert eval(repr(part), vars(ts), {"inf": np.inf}) == part
+    with pytest.raises(AttributeError):
+        other.arms[0].base = (0.0, 0.0)  # type: ignore[misc]
+    changed = paper.replace(arm1=other.arms[0], agent2=other.agents[1], laboratory=other.settings)
+    experiment = experiment_of(changed)
+    assert experiment.arms == (other.arms[0], experiment_of(paper).arms[1])
+    assert experiment.agents == (experiment_of(paper).agents[0], other.agents[1])
+    assert experiment.settings == other.settings
+    assert changed.replace(arm1=None, agent2=None, laboratory=None) == paper
+
+
+def test_law_a_condition_is_a_pair() -> None:
+    condition = ts.Condition(35.6, 0.1)
+    stiffness, delay = condition
+    assert (stiffness, delay) == (condition.stiffness, condition.delay) == condition
+    assert hash(condition) == hash((35.6, 0.1))
+    assert condition != ts.Condition(None)
+    assert condition != (35.6, 0.2)
+    assert len(condition) == 2
+    assert ts.Condition(None).to_dict() == {"stiffness": None, "delay": 0.0}
+
+
+def test_law_a_study_knows_whether_it_names_what_holds_the_handles(root: Path) -> None:
+    paper = ts.Study.paper()
+    assert not paper.names_arms_or_agents
+    assert not paper.replace(protocol={"trials": 3}).names_arms_or_agents
+    named = paper.replace(arm1={"kind": "massless"})
+    assert named.names_arms_or_agents
+    assert named == paper
+    assert named.with_robot(1, ROBOT).names_arms_or_agents
+    assert ts.Study.read(root / "examples" / "two-link.toml").names_arms_or_agents
+
+
+def test_law_friction_has_a_value_for_each_robot_and_axis() -> None:
+    rough = ts.Study.paper().replace(robot2={"coulomb": 0.3})
+    assert rough.coulomb.tolist() == [[0.0, 0.0], [0.3, 0.3]]
+
+
 def test_law_conditions_and_lists_take_each_others_place() -> None:
     listed = with_values(
         ts.Study.paper(), {"protocol": {"conditions": [{"stiffness": 20.0, "delay": 0.1}], "trials": 3}}
     )
-    assert experiment_of(listed).conditions == [(None, 0.0), (20.0, 0.1)]
+    assert list(experiment_of(listed).conditions) == [(None, 0.0), (20.0, 0.1)]
     combined = with_values(listed, {"protocol": {"stiffness": [10.0, 20.0], "delay": [0.0]}})
-    assert experiment_of(combined).conditions == [(None, 0.0), (10.0, 0.0), (20.0, 0.0)]
+    assert list(experiment_of(combined).conditions) == [(None, 0.0), (10.0, 0.0), (20.0, 0.0)]
     assert experiment_of(combined).trials == 3
 
 
 def test_ref_a_refusal_names_no_line_of_a_text_that_nobody_wrote() -> None:
-    for values, field in (
+    refusals: tuple[tuple[dict[str, dict[str, object]], str], ...] = (
         ({"arm1": {"mass": 1.0}}, "arm1.mass"),
         ({"coupling": {"stiffness": float("nan")}}, "coupling.stiffness"),
         ({"agent1": {"kind": object()}}, "agent1.kind"),
-    ):
+        ({"protocol": {"seed": 2**64}}, "protocol.seed"),
+        ({"arms": {}}, "arms"),
+    )
+    for values, field in refusals:
         with pytest.raises(ts.InvalidInput) as refused:
             with_values(ts.Study.paper(), values)
         assert refused.value.field == field
         assert "line" not in str(refused.value)
+    with pytest.raises(ts.InvalidInput, match="is a section with the keys stiffness, damping"):
+        ts.Study.paper().replace(coupling=20.0)
 
 
 def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
@@ -219,7 +275,7 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),
         ("[robot1]\nmass = 1\ndamping = 5", "has the section [robot]"),
         ("", "no section [robot]"),
-        (ROBOT + "[coupling]\nstiffness = 5", "Give a whole study as the study itself"),
+        (ROBOT + "[coupling]\nstiffness = 5", "Pass a whole study as the study itself"),
     ],
 )
 def test_ref_a_wrong_robot_file_is_refused_by_its_name(tmp_path: Path, text: str, said: str) -> None:

@@ -5,15 +5,20 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 
 from telespring._errors import InvalidInput
 from telespring.model import (
+    Agent,
+    Arm,
+    Condition,
     Coupling,
     DelaySystem,
     Dyad,
     Experiment,
+    LaboratorySettings,
     Network,
     Operator,
     OperatorRange,
     Robot,
     Study,
+    Task,
     Uncertainty,
     hman,
 )
@@ -69,9 +74,12 @@ from telespring.theory.verdicts import (
 )
 
 __all__ = [
+    "Agent",
+    "Arm",
     "AxisTier",
     "AxisVerdict",
     "CertificateWarning",
+    "Condition",
     "Coupling",
     "Crossing",
     "DelayBudget",
@@ -83,6 +91,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "InvalidInput",
+    "LaboratorySettings",
     "Network",
     "Nyquist",
     "Operator",
@@ -100,6 +109,7 @@ __all__ = [
     "StiffnessAllowed",
     "StiffnessMargin",
     "Study",
+    "Task",
     "Trajectory",
     "Uncertainty",
     "Verdict",

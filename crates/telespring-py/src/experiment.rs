@@ -1,75 +1,192 @@
-//! The experiment of a study as Python sees it: plain values, labels and lists.
+//! The experiment of a study as Python sees it: its trials, who takes part, and the laboratory.
 
-use numpy::{PyArray1, ToPyArray};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
-use telespring::rig::{Arm, Elbow, Protocol};
-use telespring::study::{AgentChoice, OptionValue, PythonObject, Task};
+use pyo3::types::{PyDict, PyTuple};
+use telespring::rig::Protocol;
 
 use crate::errors::Outcome;
+use crate::participants::{Agent, Arm, Task};
 use crate::rig::Laboratory;
-use crate::study::Study;
 
-/// How far a robot's identified parameters may be off, per axis.
+/// A condition of an experiment: a spring and a delay, or no spring.
 ///
-/// Mass and damping of one axis are normal with these standard deviations and this correlation; axes and
-/// robots are independent. `Study.uncertainty` gives it.
+/// It unpacks and compares as the pair (stiffness, delay).
+///
+/// Parameters
+/// ----------
+/// stiffness : float or None
+///     Stiffness of the virtual spring, N/m; None is the unconnected mode.
+/// delay : float
+///     One-way delay, each way, s.
 ///
 /// Examples
 /// --------
 /// >>> import telespring as ts
-/// >>> study = ts.Study.from_toml('''
-/// ... robot1 = {mass = 1, damping = 5, mass_sd = 0.02, damping_sd = 0.1}
-/// ... robot2 = {mass = 1, damping = 5}
-/// ... coupling.stiffness = 20
-/// ... network.delay = 0.05
-/// ... ''')
-/// >>> first, second = study.uncertainty
-/// >>> first.mass_sd, second is None
-/// (array([0.02]), True)
-#[pyclass(frozen, eq, module = "telespring")]
+/// >>> unconnected, first, *_ = ts.Study.paper().experiment.conditions
+/// >>> unconnected
+/// Condition(stiffness=None, delay=0.0)
+/// >>> stiffness, delay = first
+/// >>> round(stiffness, 1), delay
+/// (17.8, 0.0)
+#[pyclass(frozen, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uncertainty(pub telespring::study::Uncertainty);
+pub struct Condition {
+    stiffness: Option<f64>,
+    delay: f64,
+}
+
+type ConditionPair = (Option<f64>, f64);
 
 #[pymethods]
-impl Uncertainty {
+impl Condition {
     #[new]
-    fn new(mass_sd: Vec<f64>, damping_sd: Vec<f64>, correlation: Vec<f64>) -> Self {
-        Self(telespring::study::Uncertainty { mass_sd, damping_sd, correlation })
+    #[pyo3(signature = (stiffness, delay=0.0))]
+    fn new(stiffness: Option<f64>, delay: f64) -> Self {
+        Self { stiffness, delay }
     }
 
-    /// Standard deviation of the mass per axis, kg.
+    /// Stiffness of the virtual spring, N/m; None in the unconnected mode.
     #[getter]
-    fn mass_sd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.0.mass_sd.to_pyarray(py)
+    fn stiffness(&self) -> Option<f64> {
+        self.stiffness
     }
 
-    /// Standard deviation of the damping per axis, N·s/m.
+    /// One-way delay, each way, s.
     #[getter]
-    fn damping_sd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.0.damping_sd.to_pyarray(py)
+    fn delay(&self) -> f64 {
+        self.delay
     }
 
-    /// Correlation of mass and damping per axis, −1 to 1.
-    #[getter]
-    fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.0.correlation.to_pyarray(py)
+    /// Both attributes by their names.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("stiffness", self.stiffness)?;
+        dict.set_item("delay", self.delay)?;
+        Ok(dict)
+    }
+
+    fn pair(&self) -> ConditionPair {
+        (self.stiffness, self.delay)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.pair().into_pyobject(py)?.call_method0("__iter__")
+    }
+
+    fn __len__(&self) -> usize {
+        2
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
+        match index {
+            0 | -2 => Ok(self.stiffness.into_pyobject(py)?),
+            1 | -1 => Ok(self.delay.into_pyobject(py)?.into_any()),
+            _ => Err(PyIndexError::new_err("a condition is a pair")),
+        }
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        match other.cast::<Self>() {
+            Ok(other) => self == other.get(),
+            Err(_) => {
+                other.is_instance_of::<PyTuple>() && other.extract().is_ok_and(|other| self.pair() == other)
+            }
+        }
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.pair().into_pyobject(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
-        let each = &self.0;
-        format!(
-            "Uncertainty(mass_sd={:?}, damping_sd={:?}, correlation={:?})",
-            each.mass_sd, each.damping_sd, each.correlation
-        )
+        let stiffness = self.stiffness.map_or_else(|| "None".to_owned(), |value| format!("{value:?}"));
+        format!("Condition(stiffness={stiffness}, delay={:?})", self.delay)
     }
 
-    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        (self.0.mass_sd.clone(), self.0.damping_sd.clone(), self.0.correlation.clone())
+    fn __getnewargs__(&self) -> ConditionPair {
+        self.pair()
     }
 }
 
-/// What a study says of its rehearsal: conditions, trials, who takes part. `Study.experiment` gives it.
+/// Imperfections of the controllers and the network of a virtual laboratory; the defaults have none.
+///
+/// Parameters
+/// ----------
+/// computing_tick : bool
+///     Whether a force acts one sample period after the sample it was computed from.
+/// actuator_lag : float
+///     Time constant of the robots' actuators, s.
+/// encoder_resolution : float
+///     Step to which measured positions are rounded, m; 0 is none.
+/// jitter : float
+///     Largest delay of a packet beyond that of the condition, s.
+/// loss : float
+///     Probability that a packet is lost.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.Study.paper().experiment.settings == ts.LaboratorySettings()
+/// True
+#[pyclass(frozen, eq, get_all, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaboratorySettings {
+    /// Whether a force acts one sample period after the sample it was computed from.
+    computing_tick: bool,
+    /// Time constant of the robots' actuators, s.
+    actuator_lag: f64,
+    /// Step to which measured positions are rounded, m; 0 is none.
+    encoder_resolution: f64,
+    /// Largest delay of a packet beyond that of the condition, s.
+    jitter: f64,
+    /// Probability that a packet is lost.
+    loss: f64,
+}
+
+#[pymethods]
+impl LaboratorySettings {
+    #[new]
+    #[pyo3(signature = (computing_tick=false, actuator_lag=0.0, encoder_resolution=0.0, jitter=0.0, loss=0.0))]
+    fn new(computing_tick: bool, actuator_lag: f64, encoder_resolution: f64, jitter: f64, loss: f64) -> Self {
+        Self { computing_tick, actuator_lag, encoder_resolution, jitter, loss }
+    }
+
+    /// The attributes by their names, which are those of the section `[laboratory]` of a study file.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("computing_tick", self.computing_tick)?;
+        dict.set_item("actuator_lag", self.actuator_lag)?;
+        dict.set_item("encoder_resolution", self.encoder_resolution)?;
+        dict.set_item("jitter", self.jitter)?;
+        dict.set_item("loss", self.loss)?;
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        let Self { computing_tick, actuator_lag, encoder_resolution, jitter, loss } = self;
+        let tick = if *computing_tick { "True" } else { "False" };
+        format!(
+            "LaboratorySettings(computing_tick={tick}, actuator_lag={actuator_lag:?}, \
+             encoder_resolution={encoder_resolution:?}, jitter={jitter:?}, loss={loss:?})"
+        )
+    }
+
+    fn __getnewargs__(&self) -> (bool, f64, f64, f64, f64) {
+        (self.computing_tick, self.actuator_lag, self.encoder_resolution, self.jitter, self.loss)
+    }
+}
+
+/// The rehearsal that a study describes: conditions, trials and who takes part. `Study.experiment` returns
+/// it.
 ///
 /// Examples
 /// --------
@@ -77,32 +194,41 @@ impl Uncertainty {
 /// >>> experiment = ts.Study.paper().experiment
 /// >>> len(experiment.conditions), experiment.trials, experiment.duration
 /// (17, 20, 29.111)
-/// >>> experiment.conditions[0]
-/// (None, 0.0)
-/// >>> experiment.agents[1]["spots"]
+/// >>> experiment.conditions[0].stiffness is None  # the unconnected mode
+/// True
+/// >>> experiment.agents[1].spots
 /// 10
 #[pyclass(frozen, eq, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
-    study: Study,
+    study: telespring::study::Study,
     protocol: Protocol,
     sample_period: f64,
 }
 
 impl Experiment {
-    /// That of a study whose robots have the axes of a rehearsal.
-    pub fn of(study: &Study) -> Outcome<Self> {
-        let inner = &study.0;
-        Ok(Self { study: study.clone(), protocol: inner.protocol()?, sample_period: inner.sample_period()? })
+    /// The experiment of a study whose robots have the axes of a rehearsal.
+    pub fn of(study: &telespring::study::Study) -> Outcome<Self> {
+        Ok(Self { study: study.clone(), protocol: study.protocol()?, sample_period: study.sample_period()? })
     }
 }
 
 #[pymethods]
 impl Experiment {
-    /// Conditions in order: stiffness, N/m, None in the unconnected mode, and one-way delay, s.
+    /// The experiment of a study's text.
+    #[staticmethod]
+    fn _from_toml(text: &str) -> Outcome<Self> {
+        Self::of(&telespring::study::Study::from_toml(text)?)
+    }
+
+    /// The conditions in order.
     #[getter]
-    fn conditions(&self) -> Vec<(Option<f64>, f64)> {
-        self.protocol.conditions.clone()
+    fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let conditions = self.protocol.conditions.iter();
+        PyTuple::new(
+            py,
+            conditions.map(|&(stiffness, delay)| Condition { stiffness, delay }).collect::<Vec<_>>(),
+        )
     }
 
     /// Trials of each condition.
@@ -111,7 +237,7 @@ impl Experiment {
         self.protocol.trials
     }
 
-    /// Length of a trial, s.
+    /// Duration of a trial, s.
     #[getter]
     fn duration(&self) -> f64 {
         self.protocol.duration
@@ -123,13 +249,13 @@ impl Experiment {
         self.protocol.discard
     }
 
-    /// Samples kept per second, Hz.
+    /// Recorded samples per second, Hz.
     #[getter]
     fn record_rate(&self) -> f64 {
         self.protocol.record_rate
     }
 
-    /// From which every trial's own seed is drawn.
+    /// The seed from which the seed of every trial is drawn.
     #[getter]
     fn seed(&self) -> u64 {
         self.protocol.seed
@@ -141,50 +267,55 @@ impl Experiment {
         if self.protocol.shuffled { "shuffled" } else { "blocks" }
     }
 
-    /// Period of the controllers, s.
+    /// Sample period of the controllers, s.
     #[getter]
     fn sample_period(&self) -> f64 {
         self.sample_period
     }
 
-    /// Both agents as the study file names them, defaults filled in.
+    /// Both agents, defaults filled in.
     #[getter]
-    fn agents<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        self.study.0.setup().agents.iter().map(|each| agent(py, each)).collect()
+    fn agents(&self) -> (Agent, Agent) {
+        self.study.setup().agents.clone().map(Agent).into()
     }
 
-    /// What the agents follow as the study file names it, defaults filled in.
+    /// The target that both agents follow, defaults filled in.
     #[getter]
-    fn task<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        match &self.study.0.setup().task {
-            Task::FigureEight { amplitude, angular_frequency } => {
-                let dict = kind(py, "figure-eight")?;
-                dict.set_item("amplitude", amplitude.to_vec())?;
-                dict.set_item("angular_frequency", angular_frequency)?;
-                Ok(dict)
-            }
-            Task::Python(object) => python(py, "function", object),
+    fn task(&self) -> Task {
+        Task(self.study.setup().task.clone())
+    }
+
+    /// Both arms, defaults filled in.
+    #[getter]
+    fn arms(&self) -> (Arm, Arm) {
+        self.study.setup().arms.map(Arm).into()
+    }
+
+    /// Imperfections of the controllers and the network.
+    #[getter]
+    fn settings(&self) -> LaboratorySettings {
+        let setup = self.study.setup();
+        LaboratorySettings {
+            computing_tick: setup.computing_tick,
+            actuator_lag: setup.actuator_lag,
+            encoder_resolution: setup.encoder_resolution,
+            jitter: setup.jitter,
+            loss: setup.loss,
         }
     }
 
-    /// Both arms as the study file names them, defaults filled in.
-    #[getter]
-    fn arms<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        self.study.0.setup().arms.iter().map(|each| arm(py, each)).collect()
-    }
-
-    /// The damper beside the spring, N·s/m.
+    /// Damping beside the spring, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
-        self.study.0.coupling().damping
+        self.study.coupling().damping
     }
 
     /// The virtual laboratory: robots, arms, agents, target, controllers and network.
     ///
-    /// An agent of Python is to be given to its `run`, and so is a target of Python.
+    /// Its `run` needs the agents and the target that are written in Python as arguments.
     #[getter]
     fn laboratory(&self) -> Outcome<Laboratory> {
-        Ok(Laboratory(self.study.0.laboratory()?))
+        Ok(Laboratory(self.study.laboratory()?))
     }
 
     fn __repr__(&self) -> String {
@@ -192,88 +323,7 @@ impl Experiment {
         format!("<Experiment of {} conditions, {trials} trials each, {duration:?} s long>", conditions.len())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Study, &'static str))> {
-        Ok((py.import("builtins")?.getattr("getattr")?, (self.study.clone(), "experiment")))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("_from_toml")?, (self.study.to_toml(),)))
     }
-}
-
-fn kind<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("kind", kind)?;
-    Ok(dict)
-}
-
-fn agent<'py>(py: Python<'py>, agent: &AgentChoice) -> PyResult<Bound<'py, PyDict>> {
-    match agent {
-        AgentChoice::Skilled { stiffness, damping } => {
-            let dict = kind(py, "skilled")?;
-            dict.set_item("stiffness", stiffness)?;
-            dict.set_item("damping", damping)?;
-            Ok(dict)
-        }
-        AgentChoice::Blurred { stiffness, spots } => {
-            let dict = kind(py, "blurred")?;
-            dict.set_item("stiffness", stiffness)?;
-            dict.set_item("spots", spots.count)?;
-            dict.set_item("spot_velocity", spots.velocity)?;
-            dict.set_item("spot_lifetime", spots.lifetime)?;
-            Ok(dict)
-        }
-        AgentChoice::Python(object) => python(py, "class", object),
-    }
-}
-
-fn arm<'py>(py: Python<'py>, arm: &Arm) -> PyResult<Bound<'py, PyDict>> {
-    match arm {
-        Arm::Lumped { mass, damping } if mass.iter().chain(damping).all(|&each| each == 0.0) => {
-            kind(py, "massless")
-        }
-        Arm::Lumped { mass, damping } => {
-            let dict = kind(py, "lumped")?;
-            dict.set_item("mass", mass.to_vec())?;
-            dict.set_item("damping", damping.to_vec())?;
-            Ok(dict)
-        }
-        Arm::TwoLink(arm) => {
-            let dict = kind(py, "two-link")?;
-            dict.set_item("elbow", if arm.elbow == Elbow::Left { "left" } else { "right" })?;
-            for (key, pair) in [
-                ("base", arm.base),
-                ("link_length", arm.link_length),
-                ("link_mass", arm.link_mass),
-                ("link_centre", arm.link_centre),
-                ("link_inertia", arm.link_inertia),
-                ("joint_damping", arm.joint_damping),
-                ("rotor_inertia", arm.rotor_inertia),
-                ("torque_limit", arm.torque_limit),
-            ] {
-                dict.set_item(key, pair.to_vec())?;
-            }
-            Ok(dict)
-        }
-    }
-}
-
-fn python<'py>(py: Python<'py>, key: &str, object: &PythonObject) -> PyResult<Bound<'py, PyDict>> {
-    let dict = kind(py, "python")?;
-    dict.set_item(key, &object.path)?;
-    let options = PyDict::new(py);
-    for (name, value) in &object.options {
-        options.set_item(name, option(py, value)?)?;
-    }
-    dict.set_item("options", options)?;
-    Ok(dict)
-}
-
-fn option<'py>(py: Python<'py>, value: &OptionValue) -> PyResult<Bound<'py, PyAny>> {
-    Ok(match value {
-        OptionValue::Boolean(value) => value.into_pyobject(py)?.to_owned().into_any(),
-        OptionValue::Whole(value) => value.into_pyobject(py)?.into_any(),
-        OptionValue::Number(value) => value.into_pyobject(py)?.into_any(),
-        OptionValue::Text(text) => text.into_pyobject(py)?.into_any(),
-        OptionValue::List(items) => {
-            let items = items.iter().map(|item| option(py, item)).collect::<PyResult<Vec<_>>>()?;
-            PyList::new(py, items)?.into_any()
-        }
-    })
 }

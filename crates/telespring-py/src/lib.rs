@@ -11,13 +11,16 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod model;
+mod participants;
 mod plant;
 mod poses;
+mod recording;
 mod response;
 mod rig;
 mod simulation;
 mod spectrum;
 mod study;
+mod study_values;
 mod verdicts;
 
 use pyo3::prelude::*;
@@ -39,13 +42,17 @@ mod _core {
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
-    use crate::experiment::{Experiment, Uncertainty};
+    use crate::experiment::{Condition, Experiment, LaboratorySettings};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::participants::{Agent, Arm, Task};
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
     use crate::poses::{cross_inertia, pose_stability, pose_system};
+    #[pymodule_export]
+    use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
     use crate::response::{
         frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
@@ -58,7 +65,7 @@ mod _core {
     #[pymodule_export]
     use crate::spectrum::{characteristic_roots, spectral_abscissa};
     #[pymodule_export]
-    use crate::study::{Coupling, Network, OperatorRange, Study};
+    use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
     #[pymodule_export]
     use crate::verdicts::verdicts;
 }

@@ -2,14 +2,17 @@
 
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyMapping};
 use telespring::InvalidInput;
 use telespring::quantity::{FORCE, PLACE, Quantity, SAMPLE_PERIOD, VELOCITY};
 use telespring::rig::plant::{Halt, Plant};
-use telespring::rig::{Arm, Elbow, Handle, TwoLinkArm};
+use telespring::rig::{self, Handle};
 
 use crate::arguments::{Argument, Number, rows, written};
 use crate::errors::Outcome;
+use crate::participants::Arm;
+use crate::recording::HandleMotion;
+use crate::study_values::to_table;
 
 /// A dictionary of named values, each to be taken out once.
 struct Table<'py> {
@@ -30,17 +33,6 @@ impl<'py> Table<'py> {
     fn get(&mut self, key: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.known.push(key);
         self.dict.get_item(key)
-    }
-
-    fn text(&mut self, key: &'static str, choices: &[&str]) -> Outcome<Option<String>> {
-        let Some(value) = self.get(key)? else { return Ok(None) };
-        let text = value.str()?.to_string();
-        if choices.contains(&text.as_str()) {
-            return Ok(Some(text));
-        }
-        let refusal =
-            InvalidInput::new(key, text, format!("one of {choices:?} is needed"), "Write one of them.");
-        Err(refusal.within(self.name).into())
     }
 
     /// Two numbers, or one for both.
@@ -97,33 +89,16 @@ fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
     Ok(handle)
 }
 
-/// An arm from the dictionary of its values.
-pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<Arm> {
-    let mut table = Table::new("arm", value)?;
-    let arm = match table.text("kind", &["massless", "lumped", "two-link"])?.as_deref() {
-        Some("two-link") => {
-            let elbow = table.text("elbow", &["left", "right"])?;
-            Arm::TwoLink(TwoLinkArm {
-                base: table.pair("base", None)?,
-                elbow: if elbow.as_deref() == Some("left") { Elbow::Left } else { Elbow::Right },
-                link_length: table.pair("link_length", None)?,
-                link_mass: table.pair("link_mass", None)?,
-                link_centre: table.pair("link_centre", None)?,
-                link_inertia: table.pair("link_inertia", None)?,
-                joint_damping: table.pair("joint_damping", Some([0.0; 2]))?,
-                rotor_inertia: table.pair("rotor_inertia", Some([0.0; 2]))?,
-                torque_limit: table.pair("torque_limit", Some([f64::INFINITY; 2]))?,
-            })
-        }
-        Some("lumped") => Arm::Lumped {
-            mass: table.pair("mass", Some([0.0; 2]))?,
-            damping: table.pair("damping", Some([0.0; 2]))?,
-        },
-        _ => Arm::Lumped { mass: [0.0; 2], damping: [0.0; 2] },
+/// An `Arm`, or a mapping of the keys that it has in a study file.
+pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
+    if let Ok(arm) = value.cast::<Arm>() {
+        return Ok(arm.get().0);
+    }
+    let Ok(keys) = value.cast::<PyMapping>() else {
+        let allowed = "an Arm, or a mapping of its values, is needed";
+        return Err(InvalidInput::new("arm", written(value), allowed, "Pass an Arm.").into());
     };
-    table.end()?;
-    arm.check().map_err(|refusal| refusal.within("arm"))?;
-    Ok(arm)
+    Ok(rig::Arm::from_table(&to_table("arm", keys)?)?)
 }
 
 /// Rows (x, y) of forces, N, each in its range.
@@ -149,9 +124,9 @@ fn pair(name: &str, given: Argument<[f64; 2]>, quantity: Quantity) -> Outcome<[f
     Ok(values)
 }
 
-fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Py<PyArray2<f64>>> {
     let shape = [values.len(), 2];
-    values.into_flattened().into_pyarray(py).reshape(shape)
+    Ok(values.into_flattened().into_pyarray(py).reshape(shape)?.unbind())
 }
 
 /// What was recorded of one run.
@@ -168,16 +143,16 @@ struct Record {
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "tests name them")]
 #[pyo3(signature = (handle, arm, hand_force, robot_force, sample_period, position0, velocity0=Argument::Given([0.0, 0.0])))]
-pub fn simulate_handle<'py>(
-    py: Python<'py>,
-    handle: &Bound<'py, PyAny>,
-    arm: &Bound<'py, PyAny>,
-    hand_force: &Bound<'py, PyAny>,
-    robot_force: &Bound<'py, PyAny>,
+pub fn simulate_handle(
+    py: Python<'_>,
+    handle: &Bound<'_, PyAny>,
+    arm: &Bound<'_, PyAny>,
+    hand_force: &Bound<'_, PyAny>,
+    robot_force: &Bound<'_, PyAny>,
     sample_period: Number,
     position0: Argument<[f64; 2]>,
     velocity0: Argument<[f64; 2]>,
-) -> Outcome<Bound<'py, PyDict>> {
+) -> Outcome<HandleMotion> {
     let (handle, arm) = (handle_of(handle)?, arm_of(arm)?);
     let (hand, robot) = (forces("hand_force", hand_force)?, forces("robot_force", robot_force)?);
     let position0 = pair("position0", position0, PLACE)?;
@@ -194,22 +169,21 @@ pub fn simulate_handle<'py>(
     }
     let plant = Plant::new(handle, &arm, position0).map_err(|refusal| refusal.within("arm"))?;
     let record = py.detach(|| run(plant.with_velocity(velocity0), &hand, &robot, period));
-    let out = PyDict::new(py);
-    let ended_at = period * (record.position.len() - 1) as f64;
+    let last = period * (record.position.len() - 1) as f64;
     let (status, ended_at) = match record.halt {
-        None => ("completed", f64::NAN),
-        Some(Halt::OutOfReach(_)) => ("out of reach", ended_at),
-        Some(_) => ("too stiff", ended_at),
+        None => ("completed", None),
+        Some(Halt::OutOfReach(_)) => ("out of reach", Some(last)),
+        Some(_) => ("too stiff", Some(last)),
     };
-    out.set_item("status", status)?;
-    out.set_item("ended_at", ended_at)?;
-    out.set_item("position", columns(py, record.position)?)?;
-    out.set_item("velocity", columns(py, record.velocity)?)?;
-    out.set_item("handle_force", columns(py, record.handle_force)?)?;
-    if matches!(arm, Arm::TwoLink(_)) {
-        out.set_item("torque", columns(py, record.torque)?)?;
-    }
-    Ok(out)
+    let has_joints = matches!(arm, rig::Arm::TwoLink(_));
+    Ok(HandleMotion {
+        position: columns(py, record.position)?,
+        velocity: columns(py, record.velocity)?,
+        handle_force: columns(py, record.handle_force)?,
+        torque: has_joints.then(|| columns(py, record.torque)).transpose()?,
+        status,
+        ended_at,
+    })
 }
 
 fn run(mut plant: Plant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> Record {
@@ -248,8 +222,8 @@ pub fn arm_operator<'py>(
     let (mut mass, mut damping) = (Vec::new(), Vec::new());
     for (index, position) in positions.iter().enumerate() {
         let (m, d) = match &arm {
-            Arm::Lumped { mass, damping } => (diagonal(*mass), diagonal(*damping)),
-            Arm::TwoLink(arm) => arm.operator_at(*position).map_err(|outside| {
+            rig::Arm::Lumped { mass, damping } => (diagonal(*mass), diagonal(*damping)),
+            rig::Arm::TwoLink(arm) => arm.operator_at(*position).map_err(|outside| {
                 InvalidInput::new(
                     format!("positions[{index}]"),
                     format!("{position:?}"),

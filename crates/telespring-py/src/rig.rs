@@ -2,19 +2,18 @@
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 use telespring::rig::{
-    self, Agent, ConnectedMode, Observation, Record, Recording, Row, Schedule, Status, Target, Trial,
-    TrialOutcome,
+    self, Agent, ConnectedMode, Observation, Record, Row, Schedule, Status, Target, Trial, TrialOutcome,
 };
 use telespring::{Delay, InvalidInput, quantity};
 
 use crate::arguments::{Argument, DelayChoice, Number, rows, written};
 use crate::errors::{Failure, Outcome};
+use crate::recording::{Recording, Recordings};
 
 /// Two robots in two arms, their agents, a target and a network, in virtual time.
 ///
@@ -23,7 +22,7 @@ use crate::errors::{Failure, Outcome};
 /// >>> from telespring import _core
 /// >>> laboratory = _core.Laboratory.paper()
 /// >>> trial = laboratory.run(71.2, 0.0836, seed=1, duration=2.0, record_rate=100.0)
-/// >>> trial["position"].shape, trial["status"]
+/// >>> trial.position.shape, trial.status
 /// ((201, 2, 2), 'completed')
 #[pyclass(frozen, eq, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
@@ -92,14 +91,8 @@ impl Laboratory {
     ///
     /// Returns
     /// -------
-    /// dict
-    ///     Row j is at tick j/record_rate; the arrays end where the trial ended. ``time`` (n,), s;
-    ///     ``target`` (n, 2), m; each (n, 2 robots, 2 axes): ``position``, m, ``velocity``, m/s,
-    ///     ``coupling_force`` of the robot on its handle, ``agent_force`` of the agent on its arm and
-    ///     ``handle_force`` of the arm on the handle, N, all from that tick on, ``aim``, where the agent
-    ///     takes the target to be, m. ``status`` is "completed", "diverged" (a handle went beyond 10 m),
-    ///     "out of reach" (of a two-link arm) or "too stiff" (a robot in a two-link arm whose time constants
-    ///     are too short to follow), ``ended_at`` the first tick that is left out, s, NaN where completed.
+    /// Recording
+    ///     Its signals at every recorded instant, up to an early end.
     ///
     /// Raises
     /// ------
@@ -109,19 +102,19 @@ impl Laboratory {
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=Argument::Given(None), target=None, coupling_damping=Number::Given(0.0), watch=None),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0, watch=None)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
-    fn run<'py>(
+    fn run(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         stiffness: Argument<Option<f64>>,
         delay: DelayChoice,
         seed: Argument<u64>,
         duration: Number,
         record_rate: Number,
         agents: Argument<Option<[Option<Program>; 2]>>,
-        target: Option<&Bound<'py, PyAny>>,
+        target: Option<&Bound<'_, PyAny>>,
         coupling_damping: Number,
         watch: Option<Program>,
-    ) -> Outcome<Bound<'py, PyDict>> {
+    ) -> Outcome<Recording> {
         let stiffness = stiffness.named("stiffness")?;
         let coupling = coupling(stiffness, delay.check()?, coupling_damping.named("coupling_damping")?);
         let seed = seed.named("seed")?;
@@ -161,27 +154,34 @@ impl Laboratory {
             Trial { laboratory: &laboratory, coupling, seed, schedule }
                 .record_interruptible::<Failure>(callbacks, &mut looked)
         })?;
-        let Recording { outcome, target, position, velocity, coupling_force, agent_force, handle_force, aim } =
-            recording;
-        let result = PyDict::new(py);
-        result.set_item("time", times(py, &schedule, outcome.rows, laboratory.controller.sample_period))?;
+        let rig::Recording {
+            outcome,
+            target,
+            position,
+            velocity,
+            coupling_force,
+            agent_force,
+            handle_force,
+            aim,
+        } = recording;
         let rows = outcome.rows;
-        result.set_item("target", target.into_flattened().into_pyarray(py).reshape([rows, 2])?)?;
-        for (name, values) in [
-            ("position", position),
-            ("velocity", velocity),
-            ("coupling_force", coupling_force),
-            ("agent_force", agent_force),
-            ("handle_force", handle_force),
-            ("aim", aim),
-        ] {
+        let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
-            result.set_item(name, flat.into_pyarray(py).reshape([rows, 2, 2])?)?;
-        }
+            Ok(flat.into_pyarray(py).reshape([rows, 2, 2])?.unbind())
+        };
         let (status, ended_at) = ended(&outcome);
-        result.set_item("status", status)?;
-        result.set_item("ended_at", ended_at)?;
-        Ok(result)
+        Ok(Recording {
+            time: times(py, &schedule, rows, laboratory.controller.sample_period).unbind(),
+            target: target.into_flattened().into_pyarray(py).reshape([rows, 2])?.unbind(),
+            position: signal(position)?,
+            velocity: signal(velocity)?,
+            coupling_force: signal(coupling_force)?,
+            agent_force: signal(agent_force)?,
+            handle_force: signal(handle_force)?,
+            aim: signal(aim)?,
+            status,
+            ended_at,
+        })
     }
 
     /// Many trials on all cores, each with the numbers that `run` gives it.
@@ -199,9 +199,8 @@ impl Laboratory {
     ///
     /// Returns
     /// -------
-    /// dict
-    ///     As of `run`, with the trial as first dimension, NaN after an early end; ``time`` (n,);
-    ///     ``status`` a list, ``ended_at`` (trials,).
+    /// Recordings
+    ///     As of `run`, with the trial as first dimension, NaN after an early end.
     ///
     /// Raises
     /// ------
@@ -210,16 +209,16 @@ impl Laboratory {
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, coupling_damping=Number::Given(0.0)),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, coupling_damping=0.0)")]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
-    fn run_many<'py>(
+    fn run_many(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         stiffness: Argument<Vec<f64>>,
         delay: Argument<Vec<f64>>,
         seed: Argument<Vec<u64>>,
         duration: Number,
         record_rate: Number,
         coupling_damping: Number,
-    ) -> Outcome<Bound<'py, PyDict>> {
+    ) -> Outcome<Recordings> {
         let (stiffness, delay) = (stiffness.named("stiffness")?, delay.named("delay")?);
         let (seed, trials) = (seed.named("seed")?, stiffness.len());
         for (name, length) in [("delay", delay.len()), ("seed", seed.len())] {
@@ -296,19 +295,25 @@ impl Laboratory {
                 .collect::<telespring::Result<_>>()
                 .map_err(Failure::from)
         })??;
-        let result = PyDict::new(py);
-        result.set_item("time", times(py, &schedule, rows, laboratory.controller.sample_period))?;
-        result.set_item("target", targets.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?)?;
-        let names = ["position", "velocity", "coupling_force", "agent_force", "handle_force", "aim"];
-        for (name, block) in names.into_iter().zip(blocks) {
-            let block: Vec<Row> = block;
-            let flat = block.into_flattened().into_flattened();
-            result.set_item(name, flat.into_pyarray(py).reshape([trials, rows, 2, 2])?)?;
-        }
+        let signal = |values: Vec<Row>| -> PyResult<_> {
+            let flat = values.into_flattened().into_flattened();
+            Ok(flat.into_pyarray(py).reshape([trials, rows, 2, 2])?.unbind())
+        };
+        let [position, velocity, coupling_force, agent_force, handle_force, aim] = blocks;
         let (status, ended_at): (Vec<_>, Vec<_>) = outcomes.iter().map(ended).unzip();
-        result.set_item("status", status)?;
-        result.set_item("ended_at", ended_at.into_pyarray(py))?;
-        Ok(result)
+        let ended_at: Vec<_> = ended_at.into_iter().map(|time| time.unwrap_or(f64::NAN)).collect();
+        Ok(Recordings {
+            time: times(py, &schedule, rows, laboratory.controller.sample_period).unbind(),
+            target: targets.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.unbind(),
+            position: signal(position)?,
+            velocity: signal(velocity)?,
+            coupling_force: signal(coupling_force)?,
+            agent_force: signal(agent_force)?,
+            handle_force: signal(handle_force)?,
+            aim: signal(aim)?,
+            status,
+            ended_at: ended_at.into_pyarray(py).unbind(),
+        })
     }
 }
 
@@ -442,12 +447,12 @@ fn times<'py>(
     (0..rows).map(|row| schedule.time(row, sample_period)).collect::<Vec<_>>().into_pyarray(py)
 }
 
-/// The status by its name, and when the trial ended early, s.
-fn ended(outcome: &TrialOutcome) -> (&'static str, f64) {
+/// The status by its name, and the time (s) of an early end.
+fn ended(outcome: &TrialOutcome) -> (&'static str, Option<f64>) {
     match outcome.status {
-        Status::Diverged { at } => ("diverged", at),
-        Status::OutOfReach { at } => ("out of reach", at),
-        Status::TooStiff { at } => ("too stiff", at),
-        _ => ("completed", f64::NAN),
+        Status::Diverged { at } => ("diverged", Some(at)),
+        Status::OutOfReach { at } => ("out of reach", Some(at)),
+        Status::TooStiff { at } => ("too stiff", Some(at)),
+        _ => ("completed", None),
     }
 }

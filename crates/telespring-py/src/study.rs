@@ -1,14 +1,17 @@
-//! What a study file says: coupling, network, ranges of operators, and the study itself.
+//! What a study file describes: coupling, network, ranges of operators, uncertainty, and the study itself.
 
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyString, PyTuple, PyType};
+use telespring::study::RobotFile;
 use telespring::verdicts;
 use telespring::{InvalidInput, quantity};
 
-use crate::arguments::{DelayChoice, Number};
+use crate::arguments::{DelayChoice, Number, written};
 use crate::errors::Outcome;
-use crate::experiment::{Experiment, Uncertainty};
+use crate::experiment::Experiment;
 use crate::model::{Dyad, Operator};
+use crate::study_values::replacements;
 
 /// The virtual spring and the damper beside it.
 ///
@@ -258,6 +261,62 @@ impl OperatorRange {
     }
 }
 
+/// How far a robot's identified parameters may be off, per axis.
+///
+/// Mass and damping of one axis are normal with these standard deviations and this correlation; axes and
+/// robots are independent. `Study.uncertainty` returns it.
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> study = ts.Study.from_toml('''
+/// ... robot1 = {mass = 1, damping = 5, mass_sd = 0.02, damping_sd = 0.1}
+/// ... robot2 = {mass = 1, damping = 5}
+/// ... coupling.stiffness = 20
+/// ... network.delay = 0.05
+/// ... ''')
+/// >>> first, second = study.uncertainty
+/// >>> first.mass_sd, second is None
+/// (array([0.02]), True)
+#[pyclass(frozen, eq, module = "telespring")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty(pub telespring::study::Uncertainty);
+
+#[pymethods]
+impl Uncertainty {
+    #[new]
+    fn new(mass_sd: Vec<f64>, damping_sd: Vec<f64>, correlation: Vec<f64>) -> Self {
+        Self(telespring::study::Uncertainty { mass_sd, damping_sd, correlation })
+    }
+
+    /// Standard deviation of the mass per axis, kg.
+    #[getter]
+    fn mass_sd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.mass_sd.to_pyarray(py)
+    }
+
+    /// Standard deviation of the damping per axis, N·s/m.
+    #[getter]
+    fn damping_sd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.damping_sd.to_pyarray(py)
+    }
+
+    /// Correlation of mass and damping per axis, −1 to 1.
+    #[getter]
+    fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.correlation.to_pyarray(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let telespring::study::Uncertainty { mass_sd, damping_sd, correlation } = &self.0;
+        format!("Uncertainty(mass_sd={mass_sd:?}, damping_sd={damping_sd:?}, correlation={correlation:?})")
+    }
+
+    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        (self.0.mass_sd.clone(), self.0.damping_sd.clone(), self.0.correlation.clone())
+    }
+}
+
 /// What one study file says: two robots, who holds them, how they are coupled, over which network, and
 /// the experiment to rehearse on them.
 ///
@@ -357,21 +416,96 @@ impl Study {
     /// FileNotFoundError: [Errno 2] No such file or directory: 'missing.toml'
     #[staticmethod]
     fn read(path: &Bound<'_, PyAny>) -> Outcome<Self> {
-        let py = path.py();
-        // Python's own reading raises OSError with the file's name
-        let bytes = py.import("pathlib")?.getattr("Path")?.call1((path,))?.call_method0("read_bytes")?;
-        let bytes: Vec<u8> = bytes.extract()?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-            InvalidInput::new(
-                path.to_string(),
-                format!("a byte on line {line}"),
-                "a study file is text in UTF-8",
-                "Save it in that encoding.",
-            )
-        })?;
-        Self::from_toml(py, &text)
+        Self::from_toml(path.py(), &read_text(path, "a study file")?)
+    }
+
+    /// The study with some values replaced.
+    ///
+    /// Parameters
+    /// ----------
+    /// **sections
+    ///     Sections of a study file, each a mapping from keys to new values: numbers, texts, booleans, lists,
+    ///     mappings or numpy arrays. None removes a key, so that its default holds; None in place of a section
+    ///     removes the section. Keys that are not named keep their values, with two exceptions: a new `kind`
+    ///     starts its section anew, and the `conditions` of a protocol exclude its lists of `stiffness` and
+    ///     `delay`. An `Agent`, `Arm`, `Task` or `LaboratorySettings` may stand for its section; `name` is
+    ///     the study's name.
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     The new study, checked as if it had been read from a file.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where a value is refused, by its dotted field.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> study = ts.Study.paper().replace(coupling={"stiffness": 140.0}, protocol={"trials": 5})
+    /// >>> study.stiffness, study.experiment.trials
+    /// (140.0, 5)
+    /// >>> study.replace(coupling={"stiffness": -1.0})
+    /// Traceback (most recent call last):
+    /// telespring._errors.InvalidInput: coupling.stiffness = -1.0: a coupling stiffness must be ...
+    #[pyo3(signature = (**sections))]
+    fn replace(&self, py: Python<'_>, sections: Option<&Bound<'_, PyDict>>) -> Outcome<Self> {
+        let Some(sections) = sections else { return Ok(self.clone()) };
+        let sections = replacements(sections)?;
+        py.detach(|| Ok(Self(self.0.replace(&sections)?)))
+    }
+
+    /// The study with one of its robots replaced by that of a robot file.
+    ///
+    /// A robot file, as `telespring identify` writes it, has the section `[robot]` with the keys that
+    /// `[robot1]` and `[robot2]` have in a study. Its section `[identification]`, if any, is a record that
+    /// `robot_record` reads.
+    ///
+    /// Parameters
+    /// ----------
+    /// side : int
+    ///     1 or 2: the robot to replace, whole.
+    /// robot_file : path_like or str
+    ///     The file's path, or its text where it is a `str`.
+    ///
+    /// Returns
+    /// -------
+    /// Study
+    ///     The new study, checked.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where the text is no robot file, or the study refuses the robot.
+    /// OSError
+    ///     Where the file cannot be read.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> text = "[robot]\nmass = [0.84, 1.07]\ndamping = [7.7, 10.1]\nmass_sd = 0.01"
+    /// >>> study = ts.Study.paper().with_robot(1, text)
+    /// >>> study.dyad.robots[0].mass, study.uncertainty[0].mass_sd
+    /// (array([0.84, 1.07]), array([0.01, 0.01]))
+    fn with_robot(&self, side: &Bound<'_, PyAny>, robot_file: &Bound<'_, PyAny>) -> Outcome<Self> {
+        let robot = match side.extract() {
+            Ok(number @ 1..=2_usize) => number - 1,
+            _ => {
+                let allowed = "a dyad has the robots 1 and 2";
+                return Err(InvalidInput::new("side", written(side), allowed, "Choose one of them.").into());
+            }
+        };
+        let file = read_robot_file(robot_file)?;
+        Ok(Self(self.0.with_robot(robot, &file)?))
+    }
+
+    /// Whether the study file has one of the sections `[arm1]`, `[arm2]`, `[agent1]` and `[agent2]`: whether
+    /// it names itself what holds the handles in the rehearsal. Equality and text of a study ignore it.
+    #[getter]
+    fn names_arms_or_agents(&self) -> bool {
+        self.0.names_arms_or_agents()
     }
 
     /// The study as TOML text that reads back to the same study.
@@ -441,7 +575,14 @@ impl Study {
     /// How far each robot's parameters may be off; None where they are certain.
     #[getter]
     fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {
-        self.0.uncertainty().map(|each| each.cloned().map(Uncertainty)).into()
+        self.0.uncertainty().map(|robot| robot.cloned().map(Uncertainty)).into()
+    }
+
+    /// Coulomb friction of both robots per axis, N, (2, axes).
+    #[getter]
+    fn coulomb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let friction = self.0.coulomb();
+        friction.concat().into_pyarray(py).reshape([2, friction[0].len()])
     }
 
     /// The experiment to rehearse, or None where the robots have other axes than x and y.
@@ -453,7 +594,7 @@ impl Study {
     ///     of, as one without damping.
     #[getter]
     fn experiment(&self) -> Outcome<Option<Experiment>> {
-        if self.0.is_planar() { Experiment::of(self).map(Some) } else { Ok(None) }
+        if self.0.is_planar() { Experiment::of(&self.0).map(Some) } else { Ok(None) }
     }
 
     fn __repr__(&self) -> String {
@@ -463,4 +604,101 @@ impl Study {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((PyType::new::<Self>(py).getattr("from_toml")?, (self.to_toml(),)))
     }
+}
+
+/// What identification recorded in a robot file beside the robot's parameters.
+///
+/// Examples
+/// --------
+/// >>> from telespring.study.robot_file import RobotRecord
+/// >>> RobotRecord(independent=False, warnings=("The axes are not independent.",))
+/// RobotRecord(independent=False, warnings=('The axes are not independent.',))
+#[pyclass(frozen, eq, module = "telespring.study.robot_file")]
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RobotRecord(telespring::study::RobotRecord);
+
+#[pymethods]
+impl RobotRecord {
+    #[new]
+    #[pyo3(signature = (independent=None, warnings=Vec::new()), text_signature = "(independent=None, warnings=())")]
+    fn new(independent: Option<bool>, warnings: Vec<String>) -> Self {
+        Self(telespring::study::RobotRecord { independent, warnings })
+    }
+
+    /// Whether the axes are free of inertial coupling; None where that is unknown.
+    #[getter]
+    fn independent(&self) -> Option<bool> {
+        self.0.independent
+    }
+
+    /// Reservations about the estimates, as sentences.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, &self.0.warnings)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let independent = self.0.independent.into_pyobject(py)?.repr()?;
+        Ok(format!("RobotRecord(independent={independent}, warnings={})", self.warnings(py)?.repr()?))
+    }
+
+    fn __getnewargs__(&self) -> (Option<bool>, Vec<String>) {
+        (self.0.independent, self.0.warnings.clone())
+    }
+}
+
+/// What identification recorded in a robot file, in its section `[identification]`.
+///
+/// Parameters
+/// ----------
+/// robot_file : path_like or str
+///     The file's path, or its text where it is a `str`.
+///
+/// Returns
+/// -------
+/// RobotRecord
+///     Nothing known and no warnings where the section is missing.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     Where the text is no robot file.
+/// OSError
+///     Where the file cannot be read.
+///
+/// Examples
+/// --------
+/// >>> from telespring.study.robot_file import robot_record
+/// >>> text = "[robot]\nmass = 0.84\ndamping = 7.7\n[identification]\naxes_independent = false"
+/// >>> robot_record(text)
+/// RobotRecord(independent=False, warnings=())
+#[pyfunction]
+pub fn robot_record(robot_file: &Bound<'_, PyAny>) -> Outcome<RobotRecord> {
+    Ok(RobotRecord(read_robot_file(robot_file)?.record()?))
+}
+
+/// A robot file by its path, or by its text.
+fn read_robot_file(path_or_text: &Bound<'_, PyAny>) -> Outcome<RobotFile> {
+    Ok(match path_or_text.cast::<PyString>() {
+        Ok(text) => RobotFile::from_toml(&text.to_cow()?, "the robot's text")?,
+        Err(_) => RobotFile::from_toml(&read_text(path_or_text, "a robot file")?, &path_or_text.to_string())?,
+    })
+}
+
+/// The text of a file in UTF-8; `kind` names it in a refusal.
+fn read_text(path: &Bound<'_, PyAny>, kind: &str) -> Outcome<String> {
+    // Python's own reading raises OSError with the file's name
+    let bytes = path.py().import("pathlib")?.getattr("Path")?.call1((path,))?.call_method0("read_bytes")?;
+    let bytes: Vec<u8> = bytes.extract()?;
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        InvalidInput::new(
+            path.to_string(),
+            format!("a byte on line {line}"),
+            format!("{kind} is text in UTF-8"),
+            "Save it in that encoding.",
+        )
+        .into()
+    })
 }

@@ -1,9 +1,12 @@
 //! Laws of the rehearsal in study files: what is written reads back the same, bit for bit, and no text
 //! makes the reader panic.
 
+use std::collections::BTreeMap;
+
 use proptest::collection::{btree_map, vec};
 use proptest::prelude::*;
-use telespring::study::Study;
+use telespring::rig::Arm;
+use telespring::study::{AgentChoice, Replacement, Study, Table, Task, Value};
 
 const SECTIONS: [&str; 7] = ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
 
@@ -275,6 +278,39 @@ proptest! {
                 _ => continue,
             };
             prop_assert_eq!(written.contains(&format!("\n[{name}]\n")), !same, "{}", name);
+        }
+    }
+
+    #[test]
+    fn law_replacing_nothing_or_a_section_by_itself_changes_nothing(text in study()) {
+        let Some(study) = read(&text)? else { return Ok(()) };
+        prop_assert_eq!(study.replace(&BTreeMap::new()), Ok(study.clone()));
+        let tables: Table = study.to_toml().parse().expect("a study writes TOML");
+        for (name, section) in &tables {
+            let replacement = match section {
+                Value::Table(keys) => Replacement::Keys(
+                    keys.iter().map(|(key, value)| (key.clone(), Some(value.clone()))).collect(),
+                ),
+                value => Replacement::Value(value.clone()),
+            };
+            let replaced = study.replace(&[(name.clone(), replacement)].into());
+            prop_assert_eq!(replaced, Ok(study.clone()), "{}", name);
+        }
+    }
+
+    #[test]
+    fn law_a_section_alone_reads_as_in_its_study(text in study()) {
+        let Some(study) = read(&text)? else { return Ok(()) };
+        let tables: Table = study.to_toml().parse().expect("a study writes TOML");
+        let section = |name: &str| tables.get(name).and_then(Value::as_table);
+        if let Some(arm) = section("arm2") {
+            prop_assert_eq!(Arm::from_table(arm), Ok(study.setup().arms[1]));
+        }
+        if let Some(agent) = section("agent2") {
+            prop_assert_eq!(AgentChoice::from_table(agent), Ok(study.setup().agents[1].clone()));
+        }
+        if let Some(task) = section("task") {
+            prop_assert_eq!(Task::from_table(task), Ok(study.setup().task.clone()));
         }
     }
 

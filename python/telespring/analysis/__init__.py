@@ -13,7 +13,8 @@ from telespring.analysis.statistics import (
     kruskal_wallis,
     superiority_interval,
 )
-from telespring.analysis.trials import Trials, condition_label, take_trials
+from telespring.analysis.trials import Trials, take_trials
+from telespring.study.conditions import condition_label
 
 __all__ = [
     "Comparison",

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.study.conditions import condition_label
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "condition_label", "status_of", "take_trials"]
+__all__ = ["Trials", "status_of", "take_trials"]
 
 #: Share of a sample by which a sample's time may miss the end of the discarded part, for rounding.
 _ROUNDING = 1e-6
@@ -73,29 +74,6 @@ class Trials:
     def ended_early(self) -> NDArray[np.bool_]:
         """Which trials were begun and did not reach their end, (condition, trial)."""
         return np.asarray((self.status != "completed") & (self.status != "absent"))
-
-
-def condition_label(stiffness: float, delay: float) -> str:
-    """Name a condition as the paper does.
-
-    Parameters
-    ----------
-    stiffness
-        N/m; NaN in the unconnected mode.
-    delay
-        One-way delay, s.
-
-    Returns
-    -------
-    str
-        "UM", or "CM-" with the stiffness in N/m and the delay in ms, both rounded.
-
-    Examples
-    --------
-    >>> condition_label(35.61599, 0.16719), condition_label(float("nan"), 0.0)
-    ('CM-36-167', 'UM')
-    """
-    return "UM" if math.isnan(stiffness) else f"CM-{stiffness:.0f}-{1e3 * delay:.0f}"
 
 
 def take_trials(dataset: xr.Dataset, discard: float | None = None) -> Trials:

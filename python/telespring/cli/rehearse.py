@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.text import Text
 
-from telespring.model import Study
+from telespring.model import Arm, Study
 from telespring.rehearsal.preflight import warnings_of
 from telespring.show.screens.decision import refusal_screen
 
@@ -108,9 +109,7 @@ def rehearse(
     console.print(f"Dataset: {outcome.dataset}", markup=False)
 
 
-def _arm_at_its_end(
-    position: Any, arms: list[dict[str, Any]], gone: NDArray[np.bool_], ended_at: FloatArray
-) -> str:
+def _arm_at_its_end(position: Any, arms: Sequence[Arm], gone: NDArray[np.bool_], ended_at: FloatArray) -> str:
     """Name the arm that was nearest to an end of its reach when the first trial of a condition left it."""
     import numpy as np
 
@@ -120,10 +119,10 @@ def _arm_at_its_end(
     places = places[np.isfinite(places).all(axis=(-2, -1))]
     room = []
     for robot, arm in enumerate(arms):
-        if arm["kind"] != "two-link" or not len(places):
+        if arm.link_length is None or arm.base is None or not len(places):
             continue
-        upper, lower = arm["link_length"]
-        distance = float(np.hypot(*(places[-1, robot] - np.asarray(arm["base"]))))
+        upper, lower = arm.link_length
+        distance = float(np.hypot(*(places[-1, robot] - np.asarray(arm.base))))
         room.append((min(upper + lower - distance, distance - abs(upper - lower)), robot + 1))
     return f" of arm {min(room)[1]}" if room else ""
 
@@ -164,7 +163,7 @@ def _tell_conditions(console: Console, outcome: Outcome, study: Study, modules: 
     from rich.table import Table
 
     from telespring.decision.arms import stability_in_arms
-    from telespring.rehearsal.schedule import condition_labels
+    from telespring.study.conditions import condition_labels
 
     experiment = study.experiment
     assert experiment is not None  # it has been rehearsed

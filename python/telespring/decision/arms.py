@@ -246,10 +246,7 @@ def names_arms_or_agents(study_file: Path) -> bool:
     bool
         True where it has one of the sections `[arm1]`, `[arm2]`, `[agent1]` and `[agent2]`.
     """
-    import tomllib
-
-    named = {"arm1", "arm2", "agent1", "agent2"}
-    return not named.isdisjoint(tomllib.loads(study_file.read_bytes().decode("utf-8-sig")))
+    return Study.read(study_file).names_arms_or_agents
 
 
 def _on_axes(holding: Holding, stiffness: float, delay: tuple[float, float]) -> ConditionInArms:

@@ -11,7 +11,8 @@ import numpy as np
 
 from telespring._types import FloatArray
 from telespring.model import Dyad, Operator, Study
-from telespring.rehearsal.target import figure_of_eight, path_of_program
+from telespring.rehearsal.target import path_of_program
+from telespring.study.target import figure_eight_path
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
@@ -132,8 +133,8 @@ def holding_of(study: Study, experiment: Experiment) -> Holding:
     first, second = experiment.agents
     stiffness = (float(first["stiffness"]), float(second["stiffness"]))
     damping = (float(first.get("damping", 0.0)), float(second.get("damping", 0.0)))
-    lumped = [arm if arm["kind"] == "lumped" else {} for arm in experiment.arms]
-    jointed = [arm if arm["kind"] == "two-link" else None for arm in experiment.arms]
+    lumped = [arm.to_dict() if arm.kind == "lumped" else {} for arm in experiment.arms]
+    jointed = [arm.to_dict() if arm.kind == "two-link" else None for arm in experiment.arms]
     mass, drag = ([_per_axis(arm.get(key, 0.0)) for arm in lumped] for key in ("mass", "damping"))
     operators = [
         Operator(list(mass[i]), [each + damping[i] for each in drag[i]], [stiffness[i]] * 2) for i in range(2)
@@ -181,7 +182,7 @@ def places_of(experiment: Experiment, modules: Path | None = None) -> tuple[Floa
     (31, 'one period of the target')
     """
     if experiment.task["kind"] != "python":
-        path, whole = figure_of_eight(experiment, POSES)
+        path, whole = figure_eight_path(experiment, POSES)
         # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
         places = np.unique(np.round(path, 12) + 0.0, axis=0)
         return places, f"{'one period' if whole else 'the trial'} of the target"

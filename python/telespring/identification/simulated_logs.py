@@ -6,7 +6,6 @@ the handle by a sensor, or instead of the latter the force that the arm's joint 
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import Any
 
@@ -170,18 +169,15 @@ def rig_log(
 def _bare_robots(robots: Study | Dyad | None) -> list[dict[str, list[float]]]:
     """List mass, damping and Coulomb friction of both robots, per axis."""
     dyad = hman() if robots is None else robots.dyad if isinstance(robots, Study) else robots
-    tables = tomllib.loads(robots.to_toml()) if isinstance(robots, Study) else {}
-    sections = []
-    for side, robot in enumerate(dyad.robots, start=1):
-        friction = tables.get(f"robot{side}", {}).get("coulomb", 0.0)
-        sections.append(
-            {
-                "mass": robot.mass.tolist(),
-                "damping": robot.damping.tolist(),
-                "coulomb": np.broadcast_to(friction, robot.mass.shape).tolist(),
-            }
-        )
-    return sections
+    friction = robots.coulomb if isinstance(robots, Study) else np.zeros((2, len(dyad.axes)))
+    return [
+        {
+            "mass": robot.mass.tolist(),
+            "damping": robot.damping.tolist(),
+            "coulomb": friction[index].tolist(),
+        }
+        for index, robot in enumerate(dyad.robots)
+    ]
 
 
 def _run(

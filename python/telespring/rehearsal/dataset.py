@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,13 +19,13 @@ from telespring._files import replacing
 from telespring._types import FloatArray
 from telespring.rehearsal.encoding import SIGNALS, STATUSES, TARGET, rounded
 from telespring.rehearsal.identity import Identity
-from telespring.rehearsal.preflight import PERFECT_LABORATORY
-from telespring.rehearsal.schedule import Trial, condition_labels, sample_count, sample_times
+from telespring.rehearsal.schedule import Trial, sample_count, sample_times
 from telespring.rehearsal.store import RehearsalFolder
 from telespring.rehearsal.trial_file import Record
+from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
-    from telespring._core import Experiment
+    from telespring._core import Experiment, Study
 
 __all__ = ["write_dataset"]
 
@@ -37,6 +36,7 @@ _DIMENSIONS = ("condition", "trial", "time", "robot", "axis")
 def write_dataset(
     home: RehearsalFolder,
     identity: Identity,
+    study: Study,
     experiment: Experiment,
     trials: list[Trial],
     target: FloatArray,
@@ -63,7 +63,7 @@ def write_dataset(
     """
     records = _Records(home, trials)
     with _told_as_disk_trouble(home.dataset), replacing(home.dataset) as beside:
-        small = _labels_and_outcomes(identity, experiment, records, target)
+        small = _labels_and_outcomes(identity, study, experiment, records, target)
         none_missing = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
         small.to_netcdf(beside, engine="h5netcdf", encoding=none_missing)
         count = sample_count(experiment)
@@ -109,7 +109,11 @@ def _told_as_disk_trouble(dataset: Path) -> Iterator[None]:
 
 
 def _labels_and_outcomes(
-    identity: Identity, experiment: Experiment, records: _Records, target: FloatArray
+    identity: Identity,
+    study: Study,
+    experiment: Experiment,
+    records: _Records,
+    target: FloatArray,
 ) -> xr.Dataset:
     """Make the dataset without its signals."""
     conditions = experiment.conditions
@@ -174,7 +178,7 @@ def _labels_and_outcomes(
             "robot": ("robot", np.array([1, 2]), _described("1", "number of the robot")),
             "axis": ("axis", np.array(["x", "y"], dtype=object), _described("1", "axis of motion")),
         },
-        attrs=_attributes(identity, experiment),
+        attrs=_attributes(identity, study, experiment),
     )
 
 
@@ -182,12 +186,8 @@ def _described(units: str, long_name: str, **more: Any) -> dict[str, Any]:
     return {"units": units, "long_name": long_name, **more}
 
 
-def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
+def _attributes(identity: Identity, study: Study, experiment: Experiment) -> dict[str, Any]:
     """Everything that the dataset was made from; no time stamps, so that the same study gives the same."""
-    study = tomllib.loads(identity.study)
-    laboratory = (
-        PERFECT_LABORATORY | study.get("laboratory", {}) | {"sample_period": experiment.sample_period}
-    )
     return identity.to_attributes() | {
         "duration": experiment.duration,
         "discard": experiment.discard,
@@ -196,13 +196,28 @@ def _attributes(identity: Identity, experiment: Experiment) -> dict[str, Any]:
         "trials": experiment.trials,
         "master_seed": np.uint64(experiment.seed),
         "order": experiment.order,
-        "agents": _json(experiment.agents),
-        "arms": _json(experiment.arms),
-        "task": _json(experiment.task),
-        "robots": _json([study["robot1"], study["robot2"]]),
-        "coupling_damping": float(study["coupling"].get("damping", 0.0)),
-        "laboratory": _json(laboratory),
+        "agents": _json([agent.to_dict() for agent in experiment.agents]),
+        "arms": _json([arm.to_dict() for arm in experiment.arms]),
+        "task": _json(experiment.task.to_dict()),
+        "robots": _json([_robot_keys(study, index) for index in range(2)]),
+        "coupling_damping": experiment.coupling_damping,
+        "laboratory": _json(experiment.settings.to_dict() | {"sample_period": experiment.sample_period}),
     }
+
+
+def _robot_keys(study: Study, index: int) -> dict[str, Any]:
+    """List the keys that a robot has in the text of its study, where those at their defaults are left out."""
+    robot, name = study.dyad.robots[index], study.robot_names[index]
+    friction, uncertainty = study.coulomb[index], study.uncertainty[index]
+    keys: dict[str, Any] = {} if name is None else {"name": name}
+    keys |= {"axes": robot.axes, "mass": robot.mass.tolist(), "damping": robot.damping.tolist()}
+    if friction.any():
+        keys["coulomb"] = friction.tolist()
+    if uncertainty is not None:
+        keys["mass_sd"] = uncertainty.mass_sd.tolist()
+        keys["damping_sd"] = uncertainty.damping_sd.tolist()
+        keys["mass_damping_correlation"] = uncertainty.correlation.tolist()
+    return keys
 
 
 def _json(value: Any) -> str:

@@ -2,65 +2,33 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._core import Arm, LaboratorySettings
 from telespring._types import FloatArray
-from telespring.rehearsal.target import figure_of_eight, path_of_program
+from telespring.rehearsal.target import path_of_program
+from telespring.study.target import figure_eight_path
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
     from telespring.model import Study
 
-__all__ = ["PERFECT_LABORATORY", "laboratory_settings", "target_path", "warnings_of"]
+__all__ = ["laboratory_settings", "target_path", "warnings_of"]
 
 #: m; how near to an end of its reach an arm may come before a warning.
 _NEAR = 0.03
 #: Points of one period of the figure of eight: between two of them it moves by less than 1 % of its size.
 _POINTS = 720
-#: What a study that does not mention its laboratory has.
-PERFECT_LABORATORY = {
-    "computing_tick": False,
-    "actuator_lag": 0.0,
-    "encoder_resolution": 0.0,
-    "jitter": 0.0,
-    "loss": 0.0,
-}
 
 
 def laboratory_settings(study: Study) -> dict[str, Any]:
-    """Read what a study says of its simulated controllers, network and friction.
-
-    Parameters
-    ----------
-    study
-        Any study.
-
-    Returns
-    -------
-    dict
-        ``computing_tick`` (bool), ``actuator_lag`` (s), ``encoder_resolution`` (m), ``jitter`` (s), ``loss``
-        (1) and ``coulomb``, per robot and axis (N).
-
-    Examples
-    --------
-    >>> import telespring as ts
-    >>> laboratory_settings(ts.Study.paper())["coulomb"]
-    [[0.0, 0.0], [0.0, 0.0]]
-    """
-    tables = tomllib.loads(study.to_toml())
-    said = tables.get("laboratory", {})
-    count = len(study.dyad.axes)
-    return {
-        **{key: said.get(key, value) for key, value in PERFECT_LABORATORY.items()},
-        "coulomb": [
-            np.broadcast_to(np.asarray(tables[robot].get("coulomb", 0.0), float), count).tolist()
-            for robot in ("robot1", "robot2")
-        ],
-    }
+    """List the settings of a study's laboratory, and its friction."""
+    experiment = study.experiment
+    settings = LaboratorySettings() if experiment is None else experiment.settings
+    return settings.to_dict() | {"coulomb": study.coulomb.tolist()}
 
 
 def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArray:
@@ -89,8 +57,8 @@ def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArr
     >>> abs(target_path(ts.Study.paper().experiment)).max(axis=0).round(6).tolist()
     [0.05, 0.1]
     """
-    if experiment.task["kind"] != "python":
-        return figure_of_eight(experiment, _POINTS)[0]
+    if experiment.task.kind != "python":
+        return figure_eight_path(experiment, _POINTS)[0]
     found = path_of_program(experiment, modules)
     return found[:: max(1, len(found) // 4000)]
 
@@ -129,18 +97,18 @@ def warnings_of(study: Study, modules: Path | None = None) -> list[str]:
     experiment = study.experiment
     if experiment is None:
         return []
-    settings = laboratory_settings(study)
+    settings = experiment.settings
     found = []
-    if settings["jitter"] >= experiment.duration:
+    if settings.jitter >= experiment.duration:
         found.append(
-            f"laboratory.jitter = {settings['jitter']:g} s is no shorter than a trial of "
+            f"laboratory.jitter = {settings.jitter:g} s is no shorter than a trial of "
             f"{experiment.duration:g} s: most packets arrive after its end."
         )
-    if settings["loss"] >= 1.0:
+    if settings.loss >= 1.0:
         found.append(
             "laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began."
         )
-    jointed = [(i, arm) for i, arm in enumerate(experiment.arms, start=1) if arm["kind"] == "two-link"]
+    jointed = [(i, arm) for i, arm in enumerate(experiment.arms, start=1) if arm.kind == "two-link"]
     if jointed:
         path = target_path(experiment, modules)
         for i, arm in jointed:
@@ -148,9 +116,10 @@ def warnings_of(study: Study, modules: Path | None = None) -> list[str]:
     return found
 
 
-def _at_the_end_of_its_reach(number: int, arm: dict[str, Any], path: FloatArray) -> list[str]:
-    upper, lower = arm["link_length"]
-    distance = np.hypot(*(path - np.asarray(arm["base"], float)).T)
+def _at_the_end_of_its_reach(number: int, arm: Arm, path: FloatArray) -> list[str]:
+    assert arm.link_length is not None  # a two-link arm
+    upper, lower = arm.link_length
+    distance = np.hypot(*(path - np.asarray(arm.base, float)).T)
     ends = (
         ("full reach", upper + lower, upper + lower - distance, "beyond"),
         ("shortest reach", abs(upper - lower), distance - abs(upper - lower), "inside of"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Generator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -18,17 +17,11 @@ from telespring._types import FloatArray
 from telespring.rehearsal.encoding import SIGNALS, pack
 from telespring.rehearsal.identity import SCHEMA, Identity, version
 from telespring.rehearsal.lock import locked
-from telespring.rehearsal.schedule import (
-    Trial,
-    condition_labels,
-    sample_count,
-    schedule,
-    tick_count,
-    tick_stride,
-)
+from telespring.rehearsal.schedule import Trial, sample_count, schedule, tick_count, tick_stride
 from telespring.rehearsal.store import RehearsalFolder
 from telespring.rehearsal.trial_file import Record
 from telespring.rehearsal.user_code import ProgramFailed, Programs, Stopped, programs_of
+from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -188,7 +181,7 @@ def run_protocol(
                     progress(done, len(trials))
         from telespring.rehearsal.dataset import write_dataset
 
-        write_dataset(home, identity, experiment, trials, _kept_target(experiment, target))
+        write_dataset(home, identity, study, experiment, trials, _kept_target(experiment, target))
         home.settle()
         home.tidy()
     return Outcome(home.dataset, len(trials), len(finished))
@@ -270,7 +263,7 @@ def _run(
     def one(trial: Trial) -> tuple[Trial, Record]:
         stiffness, delay = experiment.conditions[trial.condition]
         try:
-            found = experiment.laboratory.run(
+            recording = experiment.laboratory.run(
                 stiffness,
                 delay,
                 trial.seed,
@@ -289,17 +282,17 @@ def _run(
                 place,
                 f"{failed.remedy} Finished trials are kept; they count as long as its file stays as it is.",
             ) from failed
-        rows = len(found["time"])
+        rows = len(recording.time)
         assert rows <= count
         return trial, Record(
             fingerprint=fingerprint,
             condition=trial.condition,
             trial=trial.trial,
             seed=trial.seed,
-            status=found["status"],
-            ended_at=None if math.isnan(found["ended_at"]) else found["ended_at"],
+            status=recording.status,
+            ended_at=recording.ended_at,
             rows=rows,
-            chunks={signal.name: pack(signal, found[signal.name], count) for signal in SIGNALS},
+            chunks={signal.name: pack(signal, recording[signal.name], count) for signal in SIGNALS},
         )
 
     waiting = iter(trials)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Trial",
-    "condition_labels",
     "sample_count",
     "sample_times",
     "schedule",
@@ -105,41 +103,3 @@ def sample_times(experiment: Experiment) -> FloatArray:
     ticks = tick_stride(experiment) * np.arange(sample_count(experiment), dtype=np.float64)
     # A division by the rate gives 0.35 s at 1 kHz as it is written.
     return ticks / (1.0 / experiment.sample_period)
-
-
-def condition_labels(conditions: Sequence[tuple[float | None, float]]) -> list[str]:
-    """Name every condition as the paper does, by whole N/m and ms where that tells them apart.
-
-    Parameters
-    ----------
-    conditions
-        Stiffness, N/m (None: unconnected), and one-way delay, s.
-
-    Returns
-    -------
-    list of str
-        "UM" for the unconnected mode, else such as "CM-36-167". All are different: where rounding
-        would make two alike, digits are added, and a condition that is really repeated is counted.
-
-    Examples
-    --------
-    >>> condition_labels([(None, 0.0), (35.616, 0.0), (35.616, 0.16719)])
-    ['UM', 'CM-36-0', 'CM-36-167']
-    >>> condition_labels([(35.6, 0.1), (36.2, 0.1), (36.2, 0.1)])
-    ['CM-35.6-100.0', 'CM-36.2-100.0', 'CM-36.2-100.0 (2)']
-    """
-    different = len({(k, delay if k is not None else 0.0) for k, delay in conditions})
-    for digits in range(13):
-        labels = [_label(k, delay, digits) for k, delay in conditions]
-        if len(set(labels)) == different:
-            break
-    counted: dict[str, int] = {}
-    found = []
-    for label in labels:
-        counted[label] = counted.get(label, 0) + 1
-        found.append(label if counted[label] == 1 else f"{label} ({counted[label]})")
-    return found
-
-
-def _label(stiffness: float | None, delay: float, digits: int) -> str:
-    return "UM" if stiffness is None else f"CM-{stiffness:.{digits}f}-{1e3 * delay:.{digits}f}"

@@ -2,49 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from telespring._types import FloatArray
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
 
-__all__ = ["figure_of_eight", "path_of_program"]
-
-
-def figure_of_eight(experiment: Experiment, points: int) -> tuple[FloatArray, bool]:
-    """Follow Eq. 12 through one period, or to the end of the trial where that comes first.
-
-    Parameters
-    ----------
-    experiment
-        A protocol whose task is the figure of eight.
-    points
-        Steps, even in phase.
-
-    Returns
-    -------
-    path : ndarray, (points + 1, 2)
-        Places in their order, m.
-    whole : bool
-        Whether it is a whole period.
-
-    Examples
-    --------
-    >>> import telespring as ts
-    >>> path, whole = figure_of_eight(ts.Study.paper().experiment, 720)
-    >>> abs(path).max(axis=0).round(6).tolist(), whole
-    ([0.05, 0.1], True)
-    """
-    task = experiment.task
-    end = min(2.0 * math.pi, float(task["angular_frequency"]) * experiment.duration)
-    phase = np.linspace(0.0, end, points + 1)
-    across, along = task["amplitude"]
-    return np.column_stack([across * np.sin(2.0 * phase), along * np.sin(phase)]), end == 2.0 * math.pi
+__all__ = ["path_of_program"]
 
 
 def path_of_program(experiment: Experiment, modules: Path | None) -> FloatArray:

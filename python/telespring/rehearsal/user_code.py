@@ -152,15 +152,14 @@ def programs_of(experiment: Experiment, folder: Path | None) -> Programs:
     found: list[Program | None] = []
     loaded: dict[str, ModuleType] = {}
     for robot, agent in enumerate(experiment.agents, start=1):
-        if agent["kind"] == "python":
-            options = dict(agent.get("options") or {})
-            found.append(_find(f"agent{robot}.class", agent["class"], options, folder, loaded))
+        if agent.class_ is not None:
+            found.append(_find(f"agent{robot}.class", agent.class_, agent.options or {}, folder, loaded))
         else:
             found.append(None)
     target = None
-    if experiment.task["kind"] == "python":
-        options = dict(experiment.task.get("options") or {})
-        target = _find("task.function", experiment.task["function"], options, folder, loaded)
+    task = experiment.task
+    if task.function is not None:
+        target = _find("task.function", task.function, task.options or {}, folder, loaded)
     return Programs((found[0], found[1]), target)
 
 

@@ -1,1 +1,1 @@
-"""Study and robot files: read, edited and written; the names of conditions."""
+"""Study and robot files: edited and read; names of conditions; the target of a task."""

@@ -45,4 +45,5 @@ pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Record, Recording, Row, Status, TrialOutcome};
 pub use schedule::{MAX_TICKS, Schedule};
+pub use target::figure_eight_positions;
 pub use trial::{Callback, ConnectedMode, InterruptCheck, POSITION_LIMIT, Trial};

@@ -1,4 +1,4 @@
-//! Where the agents are to be.
+//! The target that both agents follow.
 
 use super::{Schedule, Target};
 
@@ -9,6 +9,30 @@ pub(crate) struct Aim {
     pub position: [f64; 2],
     /// m/s.
     pub velocity: [f64; 2],
+}
+
+/// Eq. 12, the only place where it is written out: p*(t) = (A sin 2ωt, B sin ωt) and its derivative, with A
+/// and B in m, ω in rad/s and t in s.
+fn figure_eight([a, b]: [f64; 2], w: f64, time: f64) -> Aim {
+    let (sin, cos) = (w * time).sin_cos();
+    Aim {
+        // sin 2ωt and cos 2ωt by the double angle
+        position: [2.0 * a * sin * cos, b * sin],
+        velocity: [2.0 * a * w * (cos - sin) * (cos + sin), b * w * cos],
+    }
+}
+
+/// Positions of the target of Eq. 12 at the given times (s), m, for amplitudes A and B (m) and ω (rad/s).
+///
+/// # Examples
+///
+/// ```
+/// let half = std::f64::consts::FRAC_PI_4;
+/// let [[x, y]] = telespring::rig::figure_eight_positions([0.05, 0.1], 1.0, &[half])[..] else { panic!() };
+/// assert!((x - 0.05).abs() < 1e-15 && (y - 0.1 * half.sin()).abs() < 1e-15);
+/// ```
+pub fn figure_eight_positions(amplitude: [f64; 2], angular_frequency: f64, times: &[f64]) -> Vec<[f64; 2]> {
+    times.iter().map(|&time| figure_eight(amplitude, angular_frequency, time).position).collect()
 }
 
 impl Target {
@@ -25,13 +49,8 @@ impl Target {
     /// samples end.
     pub(crate) fn at(&self, tick: usize, period: f64) -> Aim {
         match self {
-            Self::FigureEight { amplitude: [a, b], angular_frequency: w } => {
-                let (sin, cos) = (w * (tick as f64 * period)).sin_cos();
-                Aim {
-                    // sin 2ωt and cos 2ωt by the double angle
-                    position: [2.0 * a * sin * cos, b * sin],
-                    velocity: [2.0 * a * w * (cos - sin) * (cos + sin), b * w * cos],
-                }
+            Self::FigureEight { amplitude, angular_frequency } => {
+                figure_eight(*amplitude, *angular_frequency, tick as f64 * period)
             }
             Self::Sampled(samples) => {
                 let last = samples.len() - 1;

@@ -124,7 +124,7 @@ fn or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, default
     reader.get(section, key).map_or(Ok(default), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
-fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
+pub(super) fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
         reader.get(section, key).map_or(Ok([0.0; 2]), |entry| Ok(entry.two(quantity, true)?.map(|v| v + 0.0)))
     };
@@ -157,7 +157,7 @@ fn arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     }
 }
 
-fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
+pub(super) fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
     }
@@ -181,7 +181,7 @@ fn agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<Age
     })
 }
 
-fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
+pub(super) fn task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {
         return Ok(Task::Python(python(reader, "task", "function", "targets:circle")?));

@@ -42,7 +42,10 @@ mod protocol;
 mod python;
 mod reader;
 mod rehearsal;
+mod replace;
 mod robot;
+mod robot_file;
+mod section;
 mod source;
 mod writer;
 
@@ -54,11 +57,15 @@ use network::network;
 use operator::operator;
 use reader::Reader;
 use robot::{RobotSection, robots};
+use source::Source;
 
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
 pub use python::{OptionValue, PythonObject};
+pub use replace::Replacement;
 pub use robot::Uncertainty;
+pub use robot_file::{RobotFile, RobotRecord};
+pub use toml::{Table, Value};
 
 /// The virtual spring and the damper beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,6 +102,18 @@ pub struct Study {
     network: Network,
     setup: Setup,
     protocol: ProtocolChoice,
+    holders: NamedHolders,
+}
+
+/// Whether a study file has a section of an arm or an agent. Studies that say the same are equal whether
+/// they write it down or leave it to the defaults.
+#[derive(Debug, Clone, Copy)]
+struct NamedHolders(bool);
+
+impl PartialEq for NamedHolders {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Study {
@@ -114,6 +133,7 @@ impl Study {
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
+            holders: NamedHolders(false),
         }
     }
 
@@ -132,7 +152,11 @@ impl Study {
     /// assert_eq!(refused.field, "robot1.mass");
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
-        let reader = Reader::new(text)?;
+        Self::read(Source::file(text))
+    }
+
+    fn read(source: Source<'_>) -> Result<Self> {
+        let reader = Reader::new(source)?;
         let [(robot1, section1), (robot2, section2)] = robots(&reader)?;
         let axes = robot1.axes().len();
         let ranges = [operator(&reader, "operator1", axes)?, operator(&reader, "operator2", axes)?];
@@ -155,6 +179,7 @@ impl Study {
             network: network(&reader)?,
             setup: laboratory::setup(&reader)?,
             protocol: protocol::protocol(&reader)?,
+            holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
         };
         study.check_rehearsal(&reader)?;
         Ok(study)
@@ -217,4 +242,6 @@ pub fn keys() -> Vec<String> {
 
 /// Twice Eq. 5 on the x axis, N/m.
 const PAPER_STIFFNESS: f64 = (7.7257 * 7.7257 + 7.4208 * 7.4208) / (0.8334 + 0.7776);
+/// The sections that say what holds the handles in a rehearsal.
+const HOLDERS: [&str; 4] = ["arm1", "arm2", "agent1", "agent2"];
 const UNNAMED: &str = "unnamed study";

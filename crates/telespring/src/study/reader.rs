@@ -20,8 +20,8 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// The table of a study, its sections and keys known.
-    pub fn new(text: &'a str) -> Result<Self> {
-        let source = Source(text);
+    pub fn new(source: Source<'a>) -> Result<Self> {
+        let text = source.text();
         if text.len() > LONGEST {
             return Err(InvalidInput::new(
                 "study",
@@ -185,16 +185,16 @@ impl<'a> Reader<'a> {
     /// A key of a section that must be there; `like` is an example of it.
     pub fn need(&self, section: &str, key: &str, like: &str) -> Result<Entry<'_, 'a>> {
         self.get(section, key).ok_or_else(|| {
-            let place = match self.table.get(section) {
-                None => format!("Add the section [{section}] with {like}."),
-                Some(value) => {
-                    format!(
-                        "Add {like} under [{section}]. See line {}.",
-                        self.source.line(value.span().start)
-                    )
-                }
+            let refuse = |remedy: String| {
+                InvalidInput::new(format!("{section}.{key}"), "nothing", "this value is needed", remedy)
             };
-            InvalidInput::new(format!("{section}.{key}"), "nothing", "this value is needed", place)
+            match self.table.get(section) {
+                None => refuse(format!("Add the section [{section}] with {like}.")),
+                Some(value) => {
+                    let refusal = refuse(format!("Add {like} under [{section}]."));
+                    self.source.with_line(refusal, value.span().start)
+                }
+            }
         })
     }
 

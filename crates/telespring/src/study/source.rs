@@ -6,9 +6,13 @@ use toml::de::DeValue;
 use super::keys::{SECTIONS, nearest};
 use crate::error::InvalidInput;
 
-/// The text of a study file.
+/// The text of a study.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a>(pub(super) &'a str);
+pub(super) struct Source<'a> {
+    text: &'a str,
+    /// False where no person has seen the text, so that its lines mean nothing.
+    has_lines: bool,
+}
 
 /// A key that the study format does not know.
 pub(super) struct UnknownKey<'k> {
@@ -26,16 +30,31 @@ pub(super) struct UnknownKey<'k> {
     pub keys: &'k [&'k str],
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The text of a file.
+    pub fn file(text: &'a str) -> Self {
+        Self { text, has_lines: true }
+    }
+
+    /// Text written by the library itself: its refusals name no line.
+    pub fn generated(text: &'a str) -> Self {
+        Self { text, has_lines: false }
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &'a str {
+        self.text
+    }
+
     /// The line of a byte position, counted from 1.
     pub fn line(&self, position: usize) -> usize {
-        1 + self.0.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
+        1 + self.text.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
     }
 
     /// The value as written in the file, cut to one short line.
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
         const LONGEST_EXCERPT: usize = 60;
-        let raw = self.0.get(span).unwrap_or("").trim();
+        let raw = self.text.get(span).unwrap_or("").trim();
         let line = raw.lines().next().unwrap_or("");
         let short: String = line.chars().take(LONGEST_EXCERPT).collect();
         if short.len() < raw.len() { format!("{short} …") } else { short }
@@ -57,9 +76,11 @@ impl Source<'_> {
         self.with_line(refusal, value.span().start)
     }
 
-    /// Adds the line of a byte position to the remedy of a refusal.
+    /// Adds the line of a byte position to the remedy of a refusal, where the text is that of a file.
     pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
-        refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
+        if self.has_lines {
+            refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
+        }
         refusal
     }
 

@@ -27,7 +27,8 @@ from telespring.analysis.recordings.layout import (
     SI,
     TARGET,
 )
-from telespring.analysis.trials import condition_label
+from telespring.study.conditions import condition_label
+from telespring.study.target import target_positions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -79,19 +80,7 @@ def read_recorded(path: str | os.PathLike[str], task: Mapping[str, Any] | None =
 
 
 def target_of(task: Mapping[str, Any], time: FloatArray) -> FloatArray:
-    """Compute where a study's task puts the target.
-
-    Parameters
-    ----------
-    task : mapping
-        ``kind`` "figure-eight" with ``amplitude`` (two numbers, m) and ``angular_frequency`` (rad/s).
-    time : ndarray
-        s.
-
-    Returns
-    -------
-    ndarray
-        (time, axis), m: (A sin 2ωt, B sin ωt), Eq. 12.
+    """Compute the target of a study's task, as `telespring.study.target.target_positions` does.
 
     Raises
     ------
@@ -113,9 +102,7 @@ def target_of(task: Mapping[str, Any], time: FloatArray) -> FloatArray:
             "only the target of a figure-eight can be computed for recorded trials",
             f"Record the target itself, in the columns {' and '.join(TARGET)}.",
         )
-    first, second = task["amplitude"]
-    phase = task["angular_frequency"] * np.asarray(time)
-    return np.stack([first * np.sin(2.0 * phase), second * np.sin(phase)], axis=-1)
+    return target_positions(task, time)
 
 
 def _refuse_mixed(trials: list[TrialFile]) -> None:

@@ -13,7 +13,8 @@ from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.analysis.recordings.layout import AXES, INDEX, QUANTITIES, TARGET, TIME, columns_of
 from telespring.analysis.recordings.reading import target_of
-from telespring.analysis.trials import condition_label, status_of
+from telespring.analysis.trials import status_of
+from telespring.study.conditions import condition_label
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -82,7 +81,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
     log = rig_log(source, movement)
     random = np.random.default_rng(seed)
     measured = {at: log.measured(random, at=at) for at in ("handle", "joints")}
-    friction = _coulomb(source)
+    friction = source.coulomb
 
     def estimate(at: str, method: Any) -> tuple[Identification, Identification]:
         one, other = (
@@ -159,15 +158,6 @@ def _estimate(
 ) -> Identification:
     position, force = measured
     return identify(log.time, position[:, robot], force[:, robot], axes=axes, method=method, coulomb=coulomb)
-
-
-def _coulomb(study: Study) -> FloatArray:
-    """Find the Coulomb friction of the study's robots, N, per robot and axis."""
-    tables = tomllib.loads(study.to_toml())
-    count = len(study.dyad.axes)
-    return np.array(
-        [np.broadcast_to(tables[each].get("coulomb", 0.0), count) for each in ("robot1", "robot2")]
-    )
 
 
 def _movement(movement: Excitation) -> dict[str, Any]:

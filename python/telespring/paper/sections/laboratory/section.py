@@ -52,10 +52,10 @@ def find_laboratory(scene: Scene) -> Findings:
                 for axis, force in zip(scene.study.dyad.axes, friction, strict=True)
             ]
     for i, agent in enumerate(experiment.agents, start=1):
-        rows += _rows(f"agent {i}", agent)
+        rows += _rows(f"agent {i}", agent.to_dict())
     for i, arm in enumerate(experiment.arms, start=1):
-        rows += _rows(f"arm {i}", arm)
-    rows += _rows("task", experiment.task)
+        rows += _rows(f"arm {i}", arm.to_dict())
+    rows += _rows("task", experiment.task.to_dict())
     if experiment.coupling_damping:
         rows.append(_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
     rows.append(_row("controllers", "sample period", experiment.sample_period, "s"))

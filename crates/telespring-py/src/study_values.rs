@@ -1,0 +1,110 @@
+//! Python values as a study file holds them: numbers, texts, booleans, lists and tables.
+
+use std::collections::BTreeMap;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString, PyTuple};
+use telespring::InvalidInput;
+use telespring::study::{OptionValue, Replacement, Table, Value};
+
+use crate::arguments::written;
+use crate::errors::Outcome;
+
+/// The value as a study file holds it; `field` names it in a refusal.
+pub fn to_value(field: &str, value: &Bound<'_, PyAny>) -> Outcome<Value> {
+    // numpy's arrays and scalars, and the classes of a study
+    for method in ["tolist", "to_dict"] {
+        if let Ok(convert) = value.getattr(method) {
+            return to_value(field, &convert.call0()?);
+        }
+    }
+    if let Ok(boolean) = value.cast::<PyBool>() {
+        return Ok(Value::Boolean(boolean.is_true()));
+    }
+    if value.is_instance_of::<PyInt>() {
+        return value.extract().map(Value::Integer).map_err(|_| {
+            let allowed = "a whole number has at most 64 bits in a study";
+            InvalidInput::new(field, written(value), allowed, "Choose a smaller number.").into()
+        });
+    }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(Value::Float(number.value()));
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Value::String(text.to_cow()?.into_owned()));
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let items = value.try_iter()?.enumerate();
+        return items
+            .map(|(i, item)| to_value(&format!("{field}[{i}]"), &item?))
+            .collect::<Outcome<_>>()
+            .map(Value::Array);
+    }
+    if let Ok(mapping) = value.cast::<PyMapping>() {
+        return to_table(field, mapping).map(Value::Table);
+    }
+    Err(InvalidInput::new(
+        field,
+        written(value),
+        "a study holds numbers, texts, booleans, and lists and tables of these",
+        "Convert it to one of them.",
+    )
+    .into())
+}
+
+/// The mapping as a table of a study file.
+pub fn to_table(field: &str, mapping: &Bound<'_, PyMapping>) -> Outcome<Table> {
+    let mut table = Table::new();
+    for item in mapping.items()?.iter() {
+        let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
+        let key = key.str()?.to_string();
+        let value = to_value(&format!("{field}.{key}"), &value)?;
+        table.insert(key, value);
+    }
+    Ok(table)
+}
+
+/// The keywords of `Study.replace`, by section.
+pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Replacement>> {
+    let replacement = |name: &str, section: &Bound<'_, PyAny>| -> Outcome<Replacement> {
+        if section.is_none() {
+            return Ok(Replacement::Default);
+        }
+        let section = match section.getattr("to_dict") {
+            Ok(convert) => convert.call0()?,
+            Err(_) => section.clone(),
+        };
+        let Ok(keys) = section.cast::<PyMapping>() else {
+            return Ok(Replacement::Value(to_value(name, &section)?));
+        };
+        let keys = keys.items()?.iter().map(|item| {
+            let (key, value): (Bound<'_, PyAny>, Option<Bound<'_, PyAny>>) = item.extract()?;
+            let key = key.str()?.to_string();
+            let value = value.map(|value| to_value(&format!("{name}.{key}"), &value)).transpose()?;
+            Ok((key, value))
+        });
+        Ok(Replacement::Keys(keys.collect::<Outcome<_>>()?))
+    };
+    sections
+        .iter()
+        .map(|(name, section)| {
+            let name = name.str()?.to_string();
+            let replacement = replacement(&name, &section)?;
+            Ok((name, replacement))
+        })
+        .collect()
+}
+
+/// An option of an agent or a target written in Python, as Python holds it.
+pub fn option<'py>(py: Python<'py>, value: &OptionValue) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        OptionValue::Boolean(value) => value.into_pyobject(py)?.to_owned().into_any(),
+        OptionValue::Whole(value) => value.into_pyobject(py)?.into_any(),
+        OptionValue::Number(value) => value.into_pyobject(py)?.into_any(),
+        OptionValue::Text(text) => text.into_pyobject(py)?.into_any(),
+        OptionValue::List(items) => {
+            let items = items.iter().map(|item| option(py, item)).collect::<PyResult<Vec<_>>>()?;
+            PyList::new(py, items)?.into_any()
+        }
+    })
+}

@@ -1,0 +1,137 @@
+//! A study with some of its values replaced.
+
+use std::collections::BTreeMap;
+
+use toml::{Table, Value};
+
+use super::keys::SECTIONS;
+use super::source::Source;
+use super::{HOLDERS, NamedHolders, RobotFile, Study};
+use crate::error::{InvalidInput, Result};
+
+/// What takes the place of a section of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Replacement {
+    /// New values of some keys. `None` removes a key, so that its default holds.
+    Keys(BTreeMap<String, Option<Value>>),
+    /// One value in place of the whole: the study's name.
+    Value(Value),
+    /// Nothing, so that the section's defaults hold.
+    Default,
+}
+
+/// Keys that exclude each other: to set one removes the others.
+const EXCLUSIVE: [(&str, &str, &[&str]); 3] = [
+    ("protocol", "conditions", &["stiffness", "delay"]),
+    ("protocol", "stiffness", &["conditions"]),
+    ("protocol", "delay", &["conditions"]),
+];
+
+impl Study {
+    /// The study with some values replaced, by section. Keys that are not named keep their values, with two
+    /// exceptions: a new `kind` starts its section anew, and the `conditions` of a protocol exclude its lists
+    /// of `stiffness` and `delay`.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where a value is refused, by its dotted field.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::study::{Replacement, Study, Value};
+    /// let stiffness = [("stiffness".to_owned(), Some(Value::from(140.0)))];
+    /// let coupling = Replacement::Keys(stiffness.into());
+    /// let stiff = Study::paper().replace(&[("coupling".to_owned(), coupling)].into())?;
+    /// assert_eq!(stiff.coupling().stiffness, 140.0);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn replace(&self, sections: &BTreeMap<String, Replacement>) -> Result<Self> {
+        let mut tables = self.tables();
+        for (name, replacement) in sections {
+            let is_known = name == "name" || SECTIONS.iter().any(|(section, _)| section == name);
+            match replacement {
+                // left in the text for the reader to refuse
+                _ if !is_known => drop(tables.insert(name.clone(), Value::Table(Table::new()))),
+                Replacement::Keys(keys) => replace_keys(&mut tables, name, keys),
+                Replacement::Value(value) => drop(tables.insert(name.clone(), value.clone())),
+                Replacement::Default => drop(tables.remove(name)),
+            }
+        }
+        let mut study = Self::from_tables(&tables)?;
+        let names_holder = HOLDERS.iter().any(|holder| sections.contains_key(*holder));
+        study.holders = NamedHolders(self.holders.0 || names_holder);
+        Ok(study)
+    }
+
+    /// The study with a robot of a robot file in place of one of its own, whole; robots are counted from 0.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where the study refuses the robot.
+    pub fn with_robot(&self, robot: usize, file: &RobotFile) -> Result<Self> {
+        let section = format!("robot{}", robot + 1);
+        let mut tables = self.tables();
+        tables.insert(section.clone(), Value::Table(file.robot().clone()));
+        let mut study = Self::from_tables(&tables).map_err(|mut refusal| {
+            let (of_study, of_file) = (format!("[{section}]"), "[robot]");
+            refusal.allowed = refusal.allowed.replace(&of_study, of_file);
+            refusal.remedy =
+                format!("{} See [robot] in {}.", refusal.remedy.replace(&of_study, of_file), file.name());
+            refusal
+        })?;
+        study.holders = self.holders;
+        Ok(study)
+    }
+
+    /// Whether the study names what holds a handle in its rehearsal: whether its file has one of the sections
+    /// [arm1], [arm2], [agent1] and [agent2], even with the default values.
+    pub fn names_arms_or_agents(&self) -> bool {
+        self.holders.0
+    }
+
+    fn tables(&self) -> Table {
+        self.to_toml().parse().expect("a study writes TOML")
+    }
+
+    fn from_tables(tables: &Table) -> Result<Self> {
+        let text = toml::to_string(tables).map_err(|error| unwritable(&error))?;
+        Self::read(Source::generated(&text))
+    }
+}
+
+fn replace_keys(tables: &mut Table, name: &str, keys: &BTreeMap<String, Option<Value>>) {
+    let mut section = match tables.remove(name) {
+        Some(Value::Table(section)) => section,
+        _ => Table::new(),
+    };
+    if let Some(kind) = keys.get("kind")
+        && section.get("kind") != kind.as_ref()
+    {
+        section.clear();
+    }
+    for (_, _, others) in EXCLUSIVE.iter().filter(|(of, key, _)| *of == name && keys.contains_key(*key)) {
+        for other in *others {
+            section.remove(*other);
+        }
+    }
+    for (key, value) in keys {
+        match value {
+            Some(value) => drop(section.insert(key.clone(), value.clone())),
+            None => drop(section.remove(key)),
+        }
+    }
+    if !section.is_empty() {
+        tables.insert(name.to_owned(), Value::Table(section));
+    }
+}
+
+/// A value that TOML cannot write; [`Value`] has none, so that this is never seen.
+pub(super) fn unwritable(error: &toml::ser::Error) -> InvalidInput {
+    InvalidInput::new(
+        "study",
+        error,
+        "a study holds numbers, texts, booleans, and lists and tables of these",
+        "Convert the values to these.",
+    )
+}

@@ -1,0 +1,110 @@
+//! A robot in a file of its own, as `telespring identify` writes it.
+
+use toml::{Table, Value};
+
+use crate::error::{InvalidInput, Result};
+
+/// A robot file: the section [robot] with the keys of [robot1] in a study, and as a record [identification].
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotFile {
+    name: String,
+    robot: Table,
+    identification: Table,
+}
+
+/// What identification recorded beside a robot's parameters.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RobotRecord {
+    /// False where the axes are coupled by inertia; `None` where that is unknown.
+    pub independent: Option<bool>,
+    /// Reservations about the estimates, as sentences.
+    pub warnings: Vec<String>,
+}
+
+impl RobotFile {
+    /// Reads a robot file; messages call it `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where the text is no robot file. The values of the robot are checked by the study that
+    /// it is put into.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::study::{RobotFile, Study};
+    /// let file = RobotFile::from_toml("[robot]\nmass = [0.84, 1.07]\ndamping = 7.7", "left.toml")?;
+    /// let study = Study::paper().with_robot(0, &file)?;
+    /// assert_eq!(study.dyad().robots()[0].mass(), [0.84, 1.07]);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn from_toml(text: &str, name: &str) -> Result<Self> {
+        let mut tables: Table = text.parse().map_err(|error: toml::de::Error| {
+            let line = 1 + text[..error.span().map_or(0, |span| span.start)].matches('\n').count();
+            let reason = error.message().trim().replace('\n', ", ");
+            InvalidInput::new(
+                name,
+                "text",
+                format!("a robot file is TOML text, and this is not: {reason} (line {line})"),
+                "Correct that line, or check that this is the robot file.",
+            )
+        })?;
+        let robot = tables.remove("robot");
+        let identification = tables.remove("identification");
+        let refuse = |value: String, remedy: &str| {
+            let allowed = "a robot file has the section [robot], and [identification] as a record";
+            Err(InvalidInput::new(name, value, allowed, remedy))
+        };
+        if let Some(other) = tables.keys().next() {
+            return refuse(format!("[{other}]"), "Pass a whole study as the study itself.");
+        }
+        let Some(Value::Table(robot)) = robot else {
+            return refuse(
+                "no section [robot]".to_owned(),
+                "Write [robot] on a line of its own, and mass and damping below it.",
+            );
+        };
+        let identification = match identification {
+            Some(Value::Table(record)) => record,
+            _ => Table::new(),
+        };
+        Ok(Self { name: name.to_owned(), robot, identification })
+    }
+
+    /// The name of the file in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn robot(&self) -> &Table {
+        &self.robot
+    }
+
+    /// What the section [identification] records; nothing where it is missing.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where a value has the wrong type.
+    pub fn record(&self) -> Result<RobotRecord> {
+        let refuse = |key: &str, value: &Value, allowed: &str| {
+            let remedy = format!(
+                "Leave it as `telespring identify --out` wrote it. See [identification] in {}.",
+                self.name
+            );
+            InvalidInput::new(format!("identification.{key}"), value, allowed, remedy)
+        };
+        let independent = match self.identification.get("axes_independent") {
+            None => None,
+            Some(Value::Boolean(independent)) => Some(*independent),
+            Some(other) => return Err(refuse("axes_independent", other, "true or false is needed")),
+        };
+        let warnings = match self.identification.get("warnings") {
+            None => Vec::new(),
+            Some(value) => value
+                .as_array()
+                .and_then(|items| items.iter().map(|item| item.as_str().map(str::to_owned)).collect())
+                .ok_or_else(|| refuse("warnings", value, "a list of texts is needed"))?,
+        };
+        Ok(RobotRecord { independent, warnings })
+    }
+}

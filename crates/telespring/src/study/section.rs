@@ -1,0 +1,76 @@
+//! One section of a study, read on its own.
+
+use toml::{Table, Value};
+
+use super::laboratory::{self, AgentChoice, Setup, Task};
+use super::reader::Reader;
+use super::replace::unwritable;
+use super::source::Source;
+use crate::error::Result;
+use crate::rig::Arm;
+
+impl AgentChoice {
+    /// Reads an agent from the keys of [agent1]; without a kind it is a skilled one.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `agent.stiffness`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::study::AgentChoice;
+    /// let table = "kind = \"skilled\"\nstiffness = 90.0".parse().unwrap();
+    /// let agent = AgentChoice::from_table(&table)?;
+    /// assert_eq!(agent, AgentChoice::Skilled { stiffness: 90.0, damping: 0.0 });
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn from_table(table: &Table) -> Result<Self> {
+        let [default, _] = Setup::paper().agents;
+        read_section("agent1", "agent", table, |reader| laboratory::agent(reader, "agent1", default))
+    }
+}
+
+impl Arm {
+    /// Reads an arm from the keys of [arm1]; without a kind it is massless.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `arm.link_mass[1]`.
+    pub fn from_table(table: &Table) -> Result<Self> {
+        let arm = read_section("arm1", "arm", table, |reader| laboratory::arm(reader, "arm1"))?;
+        arm.check().map_err(|refusal| refusal.within("arm"))?;
+        Ok(arm)
+    }
+}
+
+impl Task {
+    /// Reads a task from the keys of [task]; without a kind it is the figure eight.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `task.amplitude`.
+    pub fn from_table(table: &Table) -> Result<Self> {
+        read_section("task", "task", table, |reader| laboratory::task(reader, Setup::paper().task))
+    }
+}
+
+/// Reads the table as the section `section`; refusals call it `name`.
+fn read_section<T>(
+    section: &str,
+    name: &str,
+    table: &Table,
+    read: impl FnOnce(&Reader<'_>) -> Result<T>,
+) -> Result<T> {
+    let tables: Table = [(section.to_owned(), Value::Table(table.clone()))].into_iter().collect();
+    let text = toml::to_string(&tables).map_err(|error| unwritable(&error))?;
+    Reader::new(Source::generated(&text)).and_then(|reader| read(&reader)).map_err(|mut refusal| {
+        let (of_study, alone) = (format!("[{section}]"), format!("[{name}]"));
+        if let Some(rest) = refusal.field.strip_prefix(section) {
+            refusal.field = format!("{name}{rest}");
+        }
+        refusal.allowed = refusal.allowed.replace(&of_study, &alone);
+        refusal.remedy = refusal.remedy.replace(&of_study, &alone);
+        refusal
+    })
+}
