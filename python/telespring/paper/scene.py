@@ -73,8 +73,8 @@ class Scene:
         experiment, printed = self.study.experiment, Study.paper().experiment
         if experiment is None or printed is None or not self.of_the_paper:
             return False
-        kinds = [[agent["kind"] for agent in each.agents] for each in (experiment, printed)]
-        return bool(experiment.task == printed.task and kinds[0] == kinds[1])
+        kinds, printed_kinds = ([agent.kind for agent in e.agents] for e in (experiment, printed))
+        return experiment.task == printed.task and kinds == printed_kinds
 
     def robot_name(self, index: int) -> str:
         """Name of robot 0 or 1 in the study, or else its number."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,7 @@ from telespring import _core
 from telespring._arrays import as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import Delay, FloatArray
-
-if TYPE_CHECKING:
-    from telespring.model import DelaySystem, Dyad
+from telespring.model import Arm, DelaySystem, Dyad
 
 __all__ = ["SIGNIFICANT_CROSS_INERTIA", "PoseStability", "cross_inertia", "pose_stability", "pose_system"]
 
@@ -23,7 +21,7 @@ __all__ = ["SIGNIFICANT_CROSS_INERTIA", "PoseStability", "cross_inertia", "pose_
 # than any identification resolves.
 SIGNIFICANT_CROSS_INERTIA = 0.05
 
-Arm = Mapping[str, Any]
+ArmKeys = Arm | Mapping[str, Any] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +72,7 @@ class PoseStability:
 
 def pose_stability(
     dyad: Dyad,
-    arms: tuple[Arm | None, Arm | None],
+    arms: tuple[ArmKeys, ArmKeys],
     stiffness: float,
     delay: Delay,
     positions: ArrayLike,
@@ -90,9 +88,10 @@ def pose_stability(
     ----------
     dyad : Dyad
         The robots, with two axes, and with operators and a coupling damper if it has any.
-    arms : (mapping or None, mapping or None)
-        The arm in each robot's handle, as a study file writes it: `kind` "massless", "lumped" (`mass`,
-        `damping`) or "two-link" (`base`, `link_length`, ...); None is the massless arm.
+    arms : (Arm, mapping or None, Arm, mapping or None)
+        The arm in each robot's handle: an `Arm`, or its keys as in a study file (`kind` "massless",
+        "lumped" with `mass` and `damping`, or "two-link" with `base`, `link_length`, ...); None is the
+        massless arm.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -128,12 +127,10 @@ def pose_stability(
     abscissa, uncoupled, complete = _core.pose_stability(
         dyad, arms, stiffness, delay, places, agent_stiffness
     )
-    return PoseStability(
-        places, abscissa, uncoupled, _core.cross_inertia(dyad, arms, places), complete
-    )
+    return PoseStability(places, abscissa, uncoupled, _core.cross_inertia(dyad, arms, places), complete)
 
 
-def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: ArrayLike) -> FloatArray:
+def cross_inertia(dyad: Dyad, arms: tuple[ArmKeys, ArmKeys], positions: ArrayLike) -> FloatArray:
     """Compute how strongly the arms' inertia couples x and y in each pose.
 
     Parameters
@@ -163,7 +160,7 @@ def cross_inertia(dyad: Dyad, arms: tuple[Arm | None, Arm | None], positions: Ar
 
 def pose_system(
     dyad: Dyad,
-    arms: tuple[Arm | None, Arm | None],
+    arms: tuple[ArmKeys, ArmKeys],
     stiffness: float,
     delay: Delay,
     position: ArrayLike,

@@ -85,9 +85,9 @@ def find_laboratory(scene: Scene) -> Findings:
         "spots": _spots(experiment),
         "warnings": warnings_of(scene.study, scene.modules),
         "robots": [scene.robot_name(i) for i in (0, 1)],
-        "arms": [arm["kind"] for arm in experiment.arms],
-        "agents": [agent["kind"] for agent in experiment.agents],
-        "task": experiment.task["kind"],
+        "arms": [arm.kind for arm in experiment.arms],
+        "agents": [agent.kind for agent in experiment.agents],
+        "task": experiment.task.kind,
         "of_the_paper": scene.of_the_papers_experiment,
     }
     return Findings(numbers={"laboratory": numbers}, drawings={"laboratory": _drawing(scene, experiment)})
@@ -105,12 +105,12 @@ SECTION = Section(
 
 def _spots(experiment: Experiment) -> dict[str, Any] | None:
     for agent in experiment.agents:
-        if agent["kind"] == "blurred":
+        if agent.spot_velocity is not None and agent.spot_lifetime is not None:
             return {
-                "count": agent["spots"],
-                "velocity": agent["spot_velocity"],
-                "lifetime": agent["spot_lifetime"],
-                "reach": agent["spot_velocity"] * agent["spot_lifetime"],
+                "count": agent.spots,
+                "velocity": agent.spot_velocity,
+                "lifetime": agent.spot_lifetime,
+                "reach": agent.spot_velocity * agent.spot_lifetime,
             }
     return None
 
@@ -156,9 +156,9 @@ def _drawing(scene: Scene, experiment: Experiment) -> str:
 def _side(scene: Scene, experiment: Experiment, i: int) -> figures.DrawnSide:
     """Describe robot, agent and arm on one side, for the drawing."""
     agent, arm = experiment.agents[i], experiment.arms[i]
-    spots = agent["spots"] if agent["kind"] == "blurred" else 0
-    if agent["kind"] == "python":
-        agent_label = "program\n" + agent["class"].rpartition(":")[2][-18:]
+    spots = agent.spots or 0
+    if agent.class_ is not None:
+        agent_label = "program\n" + agent.class_.rpartition(":")[2][-18:]
     elif spots:
         agent_label = f"less skilled:\n{spots} spot{'s' if spots > 1 else ''}"
     else:
@@ -168,8 +168,8 @@ def _side(scene: Scene, experiment: Experiment, i: int) -> figures.DrawnSide:
         "lumped": ("block", "arm: a mass and a damper"),
         "massless": ("none", "massless arm"),
     }
-    drawn, arm_label = links[arm["kind"]]
-    elbow = arm.get("elbow") or ("left", "right")[i]
-    if arm["kind"] == "massless" and scene.of_the_papers_experiment:
+    drawn, arm_label = links[arm.kind]
+    elbow = arm.elbow or ("left", "right")[i]
+    if arm.kind == "massless" and scene.of_the_papers_experiment:
         drawn, arm_label = "dashed", "two-link arm,\nhere massless"
     return figures.DrawnSide(scene.robot_name(i), agent_label, spots, arm_label, drawn, elbow)
