@@ -72,13 +72,13 @@ def test_law_memory_order_and_type_of_the_array_do_not_matter() -> None:
         (lambda: ts.stability_map(*HMAN_X, [10, 0], [0.1]), "k[1]", "coupling stiffness"),
         (lambda: ts.stability_map(*HMAN_X, [10], [0.1, -1]), "delay[1]", "a delay"),
         (lambda: ts.stability_map(*HMAN_X, [[10]], [0.1]), "k", "one-dimensional"),
-        (lambda: ts.stability_map([1, 2], 1, 1, 1, [10], [0.1]), "m1", "one number"),  # type: ignore[arg-type]
+        (lambda: ts.stability_map([1, 2], 1, 1, 1, [10], [0.1]), "m1", "one number"),  # type: ignore[call-overload]
         (lambda: ts.crossings(1, 1, 1, -1, 10), "b2", "a damping"),
         (lambda: ts.critical_stiffness("one", 1, 1, 1), "m1", "'one'"),
         (lambda: ts.critical_stiffness(1j, 1, 1, 1), "m1", "real number"),
         (lambda: ts.critical_stiffness([[1], [1, 2]], 1, 1, 1), "m1", "real number"),
         (lambda: ts.critical_stiffness([1, 2], 1, [1, 2, 3], 1), "m1, m2", "m1 (2,), m2 (3,)"),
-        (lambda: ts.crossings([1, 2], 1, 1, 1, 10), "m1", "one number"),  # type: ignore[arg-type]
+        (lambda: ts.crossings([1, 2], 1, 1, 1, 10), "m1", "one number"),  # type: ignore[call-overload]
         (lambda: ts.critical_stiffness(1, 1, 1, 1, method="best"), "method", '"exact"'),  # type: ignore[call-overload]
     ],
 )

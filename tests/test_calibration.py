@@ -37,7 +37,7 @@ from telespring.paper.calibration.fit import fit
 from telespring.paper.calibration.laboratory import RigSimulator
 from telespring.paper.calibration.least_squares import least_squares
 from telespring.paper.calibration.likelihood import Likelihood, threshold
-from telespring.paper.calibration.minimise import lowest
+from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.statements import _of_growth, signed
 from telespring.paper.calibration.surrogate import Surrogate
 from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
@@ -367,7 +367,7 @@ def test_law_the_search_finds_a_valley_inside_and_on_a_bound() -> None:
         return np.asarray(np.sum(away**2, axis=-1) + 0.5 * away[..., 0] * away[..., 2])
 
     start = np.array([[0.0, 0.5, 0.0, 0.5], [0.0, 0.5, 0.2, 0.5]])
-    found, value = lowest(bowl, start, [0, 1, 3], first=512, further=128, rounds=12)
+    found, value = minimise(bowl, start, [0, 1, 3], first=512, further=128, rounds=12)
     for row, fixed in zip(found, (0.0, 0.2), strict=True):
         expected = [0.31 - 0.25 * (fixed - 0.77), 0.0, fixed, 1.0]
         assert row == pytest.approx(expected, abs=2e-3)

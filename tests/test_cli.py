@@ -19,7 +19,6 @@ import telespring as ts
 from conftest import PaperStudy
 from telespring import cli
 from telespring.decision.decide import decide
-from telespring.theory.axis import Axis
 
 UNKNOWN_KEY = """
 robot1 = {mass = 1.0, damping = 5.0}
@@ -325,7 +324,7 @@ def test_law_in_a_later_interval_both_ends_are_told(tmp_path: Path) -> None:
 
 
 def test_law_a_later_interval_is_open_at_its_start() -> None:
-    axis = Axis("x", 0, (0.97670822, 0.30379312), (2.15372614, 4.59594729))
+    axis = ts.DyadAxis(0.97670822, 2.15372614, 0.30379312, 4.59594729)
     first, second = axis.stable_delays(9.174736188, 3.0)
     assert axis.is_stable(9.174736188, 0.0)
     assert not axis.is_stable(9.174736188, first[1])

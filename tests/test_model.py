@@ -64,8 +64,10 @@ def test_law_a_number_holds_for_every_axis_of_the_dyad(hman: ts.Dyad) -> None:
 
 def test_law_operators_are_added_to_the_robots(hman: ts.Dyad) -> None:
     dyad = ts.Dyad(*hman.robots, (ts.Operator(0.5, 1.0, 10.0), ts.Operator(stiffness=[0.0, 30.0])), 0.25)
-    assert dyad._parameters("y") == (1.0649 + 0.5, 10.1168 + 1.0, 1.3407, 9.3496, 10.0, 30.0, 0.25)
-    assert dyad._parameters(1) == dyad._parameters("y")
+    axis = dyad.axis("y")
+    assert axis.parameters == (1.0649 + 0.5, 10.1168 + 1.0, 1.3407, 9.3496)
+    assert axis.keywords == {"kh1": 10.0, "kh2": 30.0, "c": 0.25}
+    assert dyad.axis(1) == dyad["y"] == axis
 
 
 @pytest.mark.parametrize(
@@ -91,8 +93,8 @@ def test_law_operators_are_added_to_the_robots(hman: ts.Dyad) -> None:
             "one value per axis",
         ),
         (lambda: ts.Dyad(*ts.hman().robots, coupling_damping=-1.0), "coupling_damping", "damping"),
-        (lambda: ts.hman()._parameters(2), "axis", "counted from 0"),
-        (lambda: ts.hman()._parameters("z"), "axis", '"x", "y"'),
+        (lambda: ts.hman().axis(2), "axis", "counted from 0"),
+        (lambda: ts.hman()["z"], "axis", '"x", "y"'),
     ],
 )
 def test_ref_bad_values_are_refused_at_the_door(build: Any, field: str, said: str) -> None:

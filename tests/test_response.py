@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import Any
 
@@ -17,7 +16,9 @@ UNEQUAL = (0.1, 0.2)
 
 
 def chi(dyad: ts.Dyad, k: float, round_trip: float, s: complex) -> tuple[complex, complex, complex]:
-    m1, b1, m2, b2, kh1, kh2, c = dyad._parameters(0)
+    m1, b1, m2, b2 = dyad[0].parameters
+    kh1, kh2 = dyad[0].ground_stiffness
+    c = dyad.coupling_damping
     p1 = m1 * s**2 + (b1 + c) * s + k + kh1
     p2 = m2 * s**2 + (b2 + c) * s + k + kh2
     return p1, p2, p1 * p2 - (k + c * s) ** 2 * np.exp(-round_trip * s)
@@ -74,7 +75,7 @@ def test_law_minus_the_open_loop_is_the_product_of_both_partners(hman: ts.Dyad) 
     np.testing.assert_allclose(loop.phase, math.pi + first.phase + second.phase, atol=1e-12)
     np.testing.assert_array_equal(loop.frequency, frequency)
     # robot 1 waits for the backward delay, robot 2 for the forward one
-    m1, b1, m2, b2, *_ = hman._parameters(0)
+    m1, b1, m2, b2 = hman[0].parameters
     for curve, m, b, delay in ((first, m1, b1, 0.2), (second, m2, b2, 0.1)):
         expected = K * np.exp(-8j * delay) / (m * (8j) ** 2 + b * 8j + K)
         np.testing.assert_allclose(curve.value[2], expected, rtol=1e-13)
@@ -82,14 +83,14 @@ def test_law_minus_the_open_loop_is_the_product_of_both_partners(hman: ts.Dyad) 
 
 # DESIGN: the H-MANs' x axis at twice its critical stiffness loses stability at 167.18632424 ms
 def test_ref_nyquist_agrees_with_the_delay_criteria(hman: ts.Dyad) -> None:
-    k = 2 * ts.critical_stiffness(*hman._parameters("x")[:4])
+    k = 2 * ts.critical_stiffness(hman["x"])
     found = ts.nyquist(hman, k, DELAY)
     assert found.stable
     assert found.rigid_body
     assert found.status == "counted"
     assert found.delay_margin is not None
     assert DELAY + found.delay_margin.value == pytest.approx(0.16718632424, rel=1e-9)
-    [crossing] = ts.crossings(*hman._parameters("x")[:4], k)
+    [crossing] = ts.crossings(hman["x"], k)
     assert found.delay_margin.frequency == pytest.approx(crossing.frequency, rel=1e-9)
     assert found.locus[0] == -1.0
     assert found.locus_status == "resolved"
@@ -109,7 +110,7 @@ def test_ref_an_undamped_dyad_is_marginal_and_says_where() -> None:
 
 
 def test_law_results_cannot_be_changed(hman: ts.Dyad) -> None:
-    with pytest.raises(dataclasses.FrozenInstanceError):
+    with pytest.raises(AttributeError):
         ts.nyquist(hman, K, DELAY).stable = False  # type: ignore[misc]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 from typing import Any, get_args
@@ -12,21 +11,35 @@ import pytest
 import telespring as ts
 from telespring.theory.verdicts import Tier
 
+RECORDS = (
+    ts.AxisTier,
+    ts.AxisVerdict,
+    ts.DelayBudget,
+    ts.OperatorPoint,
+    ts.PaperVerdict,
+    ts.Remedies,
+    ts.SampledSpectrum,
+    ts.StiffnessAllowed,
+    ts.StiffnessMargin,
+    ts.Verdict,
+    ts.Verdicts,
+)
+
 
 def test_ref_tiers_of_the_h_mans_are_the_closed_forms(hman: ts.Dyad) -> None:
     k, delay = 71.231976, 0.1
     found = ts.verdicts(hman, k, delay)
     assert [verdict.tier for verdict in found.tiers] == list(get_args(Tier))
-    axes = [hman._parameters(axis) for axis in (0, 1)]
+    axes = [hman.axis(axis).parameters for axis in (0, 1)]
 
     any_network = found.tier("any network")
-    bounds = [min(b1**2 / (4 * m1), b2**2 / (4 * m2)) for m1, b1, m2, b2, *_ in axes]
+    bounds = [min(b1**2 / (4 * m1), b2**2 / (4 * m2)) for m1, b1, m2, b2 in axes]
     assert any_network.stiffness_bound == pytest.approx(min(bounds), rel=1e-12)
     assert any_network.worst_axis == bounds.index(min(bounds))
     assert not any_network.satisfied
 
     bounded = found.tier("bounded varying delay")
-    expected = min(2 * math.sqrt(b1 * b2) / (2 * delay) for _, b1, _, b2, *_ in axes)
+    expected = min(2 * math.sqrt(b1 * b2) / (2 * delay) for _, b1, _, b2 in axes)
     assert bounded.stiffness_bound == pytest.approx(expected, rel=1e-12)
     assert found.any_passive_operator == pytest.approx(expected, rel=1e-12)
     assert bounded.margin is not None
@@ -38,7 +51,7 @@ def test_ref_tiers_of_the_h_mans_are_the_closed_forms(hman: ts.Dyad) -> None:
     constant = found.tier("constant delay")
     assert constant.satisfied
     assert constant.stiffness_bound == pytest.approx(
-        min(ts.maximum_stiffness(*axis[:4], delay) for axis in axes), rel=1e-9
+        min(ts.maximum_stiffness(*axis, delay) for axis in axes), rel=1e-9
     )
     assert found.stiffness_allowed is not None
     assert found.stiffness_allowed.tier == "constant delay"
@@ -85,7 +98,7 @@ def test_ref_the_paper_is_contradicted_where_it_is_wrong() -> None:
 def test_ref_the_delay_budget_adds_up_and_jitter_needs_a_buffer(hman: ts.Dyad) -> None:
     found = ts.verdicts(hman, 30.0, (0.05, 0.07), 0.01, 0.004, 0.001, 0.0002)
     forward, backward = found.delay_budget
-    assert forward == ts.DelayBudget(0.05, 0.01, 0.004, 0.001, 0.0002, forward.total)
+    assert forward == ts.DelayBudget(0.05, 0.01, 0.004, 0.001, 0.0002)
     assert forward.total == pytest.approx(0.0652, rel=1e-12)
     assert backward.total == pytest.approx(0.0852, rel=1e-12)
     assert found.network == ts.Network((0.05, 0.07), 0.01, 0.004, 0.001, 0.0002)
@@ -140,8 +153,11 @@ def test_law_the_dictionary_is_json_and_loses_nothing_but_infinity(
     assert json.loads(json.dumps(given, allow_nan=False)) == given
 
     def compare(record: Any, said: Any) -> None:
-        if dataclasses.is_dataclass(record):
-            assert list(said) == [field.name for field in dataclasses.fields(record)]
+        if isinstance(record, RECORDS):
+            readable = {
+                name for name in dir(record) if name[0] != "_" and not callable(getattr(record, name))
+            }
+            assert set(said) == readable - {"assumption_met"}
             for name, value in said.items():
                 compare(getattr(record, name), value)
         elif isinstance(record, tuple):

@@ -3,7 +3,7 @@
 Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 
-from telespring._errors import InvalidInput
+from telespring._errors import CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
     Arm,
@@ -11,6 +11,7 @@ from telespring.model import (
     Coupling,
     DelaySystem,
     Dyad,
+    DyadAxis,
     Experiment,
     LaboratorySettings,
     Network,
@@ -51,13 +52,7 @@ from telespring.theory.response import (
     transfer_matrix,
 )
 from telespring.theory.simulation import Sampled, Signal, Sine, Trajectory, simulate, simulate_array
-from telespring.theory.spectrum import (
-    CertificateWarning,
-    Spectrum,
-    certified_roots,
-    characteristic_roots,
-    spectral_abscissa,
-)
+from telespring.theory.spectrum import Spectrum, certified_roots, characteristic_roots, spectral_abscissa
 from telespring.theory.verdicts import (
     AxisTier,
     AxisVerdict,
@@ -86,6 +81,7 @@ __all__ = [
     "DelaySolution",
     "DelaySystem",
     "Dyad",
+    "DyadAxis",
     "Experiment",
     "FrequencyGrid",
     "FrequencyMargin",

@@ -2,49 +2,73 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, final
+from typing import Any, Final, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from telespring._types import (
-    Axes,
-    AxisValues,
+    Assumption,
     ComplexArray,
     Delay,
     DelayValue,
     FloatArray,
     GridStatus,
     Loop,
+    Method,
+    NyquistStatus,
     OptionValues,
     PerAxis,
+    SampledCertificate,
+    SolverStatus,
+    Tier,
+    Unavailable,
 )
-from telespring.theory.spectrum import Spectrum
 
 __all__ = [
     "Agent",
     "Arm",
+    "AxisTier",
+    "AxisVerdict",
     "Condition",
     "Coupling",
-    "DdeSolution",
+    "Crossing",
+    "DelayBudget",
+    "DelaySolution",
     "DelaySystem",
     "Dyad",
+    "DyadAxis",
     "Experiment",
+    "FrequencyGrid",
+    "FrequencyMargin",
+    "FrequencyResponse",
     "HandleMotion",
     "Laboratory",
     "LaboratorySettings",
     "Network",
+    "Nyquist",
     "Operator",
+    "OperatorPoint",
     "OperatorRange",
+    "PaperVerdict",
     "Recording",
     "Recordings",
+    "Remedies",
+    "ResponseCurve",
     "Robot",
     "RobotRecord",
+    "SampledSpectrum",
+    "Spectrum",
+    "StiffnessAllowed",
+    "StiffnessMargin",
     "Study",
     "Task",
     "Uncertainty",
+    "Verdict",
+    "Verdicts",
     "__version__",
     "arm_operator",
+    "certified_roots",
     "characteristic_roots",
     "critical_stiffness",
     "cross_inertia",
@@ -76,6 +100,21 @@ __all__ = [
 ]
 
 __version__: Final[str]
+
+_A: TypeAlias = ArrayLike
+_First: TypeAlias = ArrayLike | Dyad | DyadAxis
+
+class _Record:
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[Any, ...]: ...
+
+class _TupleRecord(_Record):
+    def __len__(self) -> int: ...
+    def __getitem__(self, key: int, /) -> float: ...
+    def __iter__(self) -> Iterator[float]: ...
 
 @final
 class Robot:
@@ -126,7 +165,89 @@ class Dyad:
     def __ne__(self, value: object, /) -> bool: ...
     def __getnewargs__(self) -> tuple[Robot, Robot, tuple[Operator, Operator], float]: ...
     def delay_system(self, stiffness: float, delay: Delay, axis: int | str = 0) -> DelaySystem: ...
-    def _parameters(self, axis: int | str) -> AxisValues: ...
+    def axis(self, axis: int | str) -> DyadAxis: ...
+    def __getitem__(self, key: int | str, /) -> DyadAxis: ...
+
+class _Keywords(TypedDict):
+    kh1: float
+    kh2: float
+    c: float
+
+@final
+class DyadAxis:
+    def __new__(
+        cls,
+        m1: float,
+        b1: float,
+        m2: float,
+        b2: float,
+        *,
+        kh1: float = 0.0,
+        kh2: float = 0.0,
+        c: float = 0.0,
+        name: str = "x",
+        index: int = 0,
+    ) -> DyadAxis: ...
+    name: Final[str]
+    index: Final[int]
+    masses: Final[tuple[float, float]]
+    dampings: Final[tuple[float, float]]
+    ground_stiffness: Final[tuple[float, float]]
+    coupling_damping: Final[float]
+    parameters: Final[tuple[float, float, float, float]]
+    keywords: Final[_Keywords]
+    is_plain: Final[bool]
+    def critical_stiffness(self, method: Method = "exact") -> float: ...
+    @overload
+    def maximum_delay(self, k: float, method: Method = "exact") -> float: ...
+    @overload
+    def maximum_delay(self, k: Sequence[float] | FloatArray, method: Method = "exact") -> FloatArray: ...
+    @overload
+    def maximum_stiffness(self, delay: float) -> float: ...
+    @overload
+    def maximum_stiffness(self, delay: Sequence[float] | FloatArray) -> FloatArray: ...
+    @overload
+    def minimum_damping(self, k: float, delay: float) -> float: ...
+    @overload
+    def minimum_damping(self, k: ArrayLike, delay: ArrayLike) -> float | FloatArray: ...
+    @overload
+    def unstable_root_count(self, k: float, delay: float) -> int: ...
+    @overload
+    def unstable_root_count(self, k: ArrayLike, delay: ArrayLike) -> int | NDArray[np.int64]: ...
+    @overload
+    def is_stable(self, k: float, delay: float) -> bool: ...
+    @overload
+    def is_stable(self, k: ArrayLike, delay: ArrayLike) -> bool | NDArray[np.bool_]: ...
+    def stability_map(self, k: ArrayLike, delay: ArrayLike) -> NDArray[np.bool_]: ...
+    def crossings(self, k: float) -> list[Crossing]: ...
+    def stable_delays(self, k: float, horizon: float) -> list[tuple[float, float]]: ...
+    def decay_stiffness(self, delay: float, decay_rate: float) -> list[tuple[float, float]]: ...
+    def spectral_abscissa(self, k: float, delay: Delay) -> float: ...
+    def characteristic_roots(self, k: float, delay: Delay, count: int = 8) -> ComplexArray: ...
+    def certified_roots(self, k: float, delay: Delay, count: int = 8) -> Spectrum: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[float, float, float, float], dict[str, Any]]: ...
+
+@final
+class Crossing(_TupleRecord):
+    def __new__(cls, delay: float, frequency: float, direction: int) -> Crossing: ...
+    delay: Final[float]
+    frequency: Final[float]
+    direction: Final[int]
+
+@final
+class Spectrum(_Record):
+    def __new__(
+        cls, roots: ComplexArray, rigid_body: bool, complete: bool, certificate: str, depth: float
+    ) -> Spectrum: ...
+    roots: Final[ComplexArray]
+    rigid_body: Final[bool]
+    complete: Final[bool]
+    certificate: Final[str]
+    depth: Final[float]
 
 @final
 class Coupling:
@@ -425,6 +546,246 @@ class DelaySystem:
     def __getnewargs__(self) -> tuple[FloatArray, list[tuple[float, FloatArray]]]: ...
 
 @final
+class OperatorPoint(_Record):
+    def __new__(cls, mass: float, damping: float, stiffness: float) -> OperatorPoint: ...
+    mass: Final[float]
+    damping: Final[float]
+    stiffness: Final[float]
+
+@final
+class StiffnessMargin(_Record):
+    def __new__(cls, ratio: float, difference: float) -> StiffnessMargin: ...
+    ratio: Final[float]
+    difference: Final[float]
+
+@final
+class Verdict(_Record):
+    def __new__(
+        cls,
+        tier: Tier,
+        stiffness_bound: float | None,
+        attained: bool,
+        satisfied: bool,
+        margin: StiffnessMargin | None,
+        worst_axis: int | None,
+        worst_operators: tuple[OperatorPoint, OperatorPoint] | None,
+        assumption: Assumption | tuple[float, float],
+        unavailable: Unavailable | None,
+    ) -> Verdict: ...
+    tier: Final[Tier]
+    stiffness_bound: Final[float | None]
+    attained: Final[bool]
+    satisfied: Final[bool]
+    margin: Final[StiffnessMargin | None]
+    worst_axis: Final[int | None]
+    worst_operators: Final[tuple[OperatorPoint, OperatorPoint] | None]
+    assumption: Final[Assumption]
+    unavailable: Final[Unavailable | None]
+    buffer_delay: Final[tuple[float, float] | None]
+    assumption_met: Final[bool]
+
+@final
+class StiffnessAllowed(_Record):
+    def __new__(cls, stiffness: float, attained: bool, tier: Tier) -> StiffnessAllowed: ...
+    stiffness: Final[float]
+    attained: Final[bool]
+    tier: Final[Tier]
+
+@final
+class PaperVerdict(_Record):
+    def __new__(
+        cls,
+        critical_stiffness: float,
+        critical_axis: int,
+        maximum_delay: float,
+        delay_axis: int,
+        stable: bool,
+        agrees: bool,
+    ) -> PaperVerdict: ...
+    critical_stiffness: Final[float]
+    critical_axis: Final[int]
+    maximum_delay: Final[float]
+    delay_axis: Final[int]
+    stable: Final[bool]
+    agrees: Final[bool]
+
+@final
+class DelayBudget(_Record):
+    def __new__(
+        cls, network: float, jitter: float, gap: float, sampling: float, computing: float
+    ) -> DelayBudget: ...
+    network: Final[float]
+    jitter: Final[float]
+    gap: Final[float]
+    sampling: Final[float]
+    computing: Final[float]
+    total: Final[float]
+
+@final
+class SampledSpectrum(_Record):
+    def __new__(
+        cls, radius: float, abscissa_equivalent: float, frequency: float, certificate: SampledCertificate
+    ) -> SampledSpectrum: ...
+    radius: Final[float]
+    abscissa_equivalent: Final[float]
+    frequency: Final[float]
+    certificate: Final[SampledCertificate]
+    stable: Final[bool]
+
+@final
+class AxisTier(_Record):
+    def __new__(
+        cls,
+        tier: Tier,
+        stiffness_bound: float | None,
+        attained: bool,
+        satisfied: bool,
+        operators: tuple[OperatorPoint, OperatorPoint],
+    ) -> AxisTier: ...
+    tier: Final[Tier]
+    stiffness_bound: Final[float | None]
+    attained: Final[bool]
+    satisfied: Final[bool]
+    operators: Final[tuple[OperatorPoint, OperatorPoint]]
+
+@final
+class AxisVerdict(_Record):
+    def __new__(
+        cls,
+        name: str,
+        grounded: bool,
+        tiers: tuple[AxisTier, ...],
+        paper_critical_stiffness: float,
+        paper_maximum_delay: float,
+        maximum_delay: float,
+        sampled: SampledSpectrum | None,
+        sampled_stiffness_bound: float | None,
+    ) -> AxisVerdict: ...
+    name: Final[str]
+    grounded: Final[bool]
+    tiers: Final[tuple[AxisTier, ...]]
+    paper_critical_stiffness: Final[float]
+    paper_maximum_delay: Final[float]
+    maximum_delay: Final[float]
+    sampled: Final[SampledSpectrum | None]
+    sampled_stiffness_bound: Final[float | None]
+
+@final
+class Remedies(_Record):
+    def __new__(cls, stiffness: float | None, delay: float | None, damping: float | None) -> Remedies: ...
+    stiffness: Final[float | None]
+    delay: Final[float | None]
+    damping: Final[float | None]
+
+@final
+class Verdicts(_Record):
+    def __new__(
+        cls,
+        stiffness: float,
+        network: Network,
+        tiers: tuple[Verdict, ...],
+        any_passive_operator: float | None,
+        sampled_stable: bool | None,
+        paper: PaperVerdict,
+        stiffness_allowed: StiffnessAllowed | None,
+        stiffness_allowed_behind_buffer: StiffnessAllowed | None,
+        delay_budget: tuple[DelayBudget, DelayBudget],
+        axes: tuple[AxisVerdict, ...],
+        operators_examined: int,
+        remedies: Remedies,
+    ) -> Verdicts: ...
+    stiffness: Final[float]
+    network: Final[Network]
+    tiers: Final[tuple[Verdict, ...]]
+    any_passive_operator: Final[float | None]
+    sampled_stable: Final[bool | None]
+    paper: Final[PaperVerdict]
+    stiffness_allowed: Final[StiffnessAllowed | None]
+    stiffness_allowed_behind_buffer: Final[StiffnessAllowed | None]
+    delay_budget: Final[tuple[DelayBudget, DelayBudget]]
+    axes: Final[tuple[AxisVerdict, ...]]
+    operators_examined: Final[int]
+    remedies: Final[Remedies]
+    def tier(self, name: Tier) -> Verdict: ...
+
+@final
+class FrequencyResponse(_Record):
+    def __new__(
+        cls,
+        frequency: FloatArray,
+        value: ComplexArray,
+        magnitude: FloatArray,
+        phase: FloatArray,
+        poles_on_axis: tuple[float, ...],
+    ) -> FrequencyResponse: ...
+    frequency: Final[FloatArray]
+    value: Final[ComplexArray]
+    magnitude: Final[FloatArray]
+    phase: Final[FloatArray]
+    poles_on_axis: Final[tuple[float, ...]]
+
+@final
+class ResponseCurve(_Record):
+    def __new__(
+        cls, frequency: FloatArray, value: ComplexArray, magnitude: FloatArray, phase: FloatArray
+    ) -> ResponseCurve: ...
+    frequency: Final[FloatArray]
+    value: Final[ComplexArray]
+    magnitude: Final[FloatArray]
+    phase: Final[FloatArray]
+
+@final
+class FrequencyGrid(_Record):
+    def __new__(
+        cls, frequency: FloatArray, status: GridStatus, poles_on_axis: tuple[float, ...]
+    ) -> FrequencyGrid: ...
+    frequency: Final[FloatArray]
+    status: Final[GridStatus]
+    poles_on_axis: Final[tuple[float, ...]]
+
+@final
+class FrequencyMargin(_TupleRecord):
+    def __new__(cls, value: float, frequency: float) -> FrequencyMargin: ...
+    value: Final[float]
+    frequency: Final[float]
+
+@final
+class Nyquist(_Record):
+    def __new__(
+        cls,
+        frequency: FloatArray,
+        locus: ComplexArray,
+        encirclements: int,
+        unstable_roots: int,
+        rigid_body: bool,
+        stable: bool,
+        minimum_distance: FrequencyMargin,
+        gain_margin: FrequencyMargin | None,
+        gain_reduction_margin: FrequencyMargin | None,
+        phase_margin: FrequencyMargin | None,
+        delay_margin: FrequencyMargin | None,
+        status: NyquistStatus,
+        root_on_axis: float | None,
+        locus_status: GridStatus,
+        locus_poles: tuple[float, ...],
+    ) -> Nyquist: ...
+    frequency: Final[FloatArray]
+    locus: Final[ComplexArray]
+    encirclements: Final[int]
+    unstable_roots: Final[int]
+    rigid_body: Final[bool]
+    stable: Final[bool]
+    minimum_distance: Final[FrequencyMargin]
+    gain_margin: Final[FrequencyMargin | None]
+    gain_reduction_margin: Final[FrequencyMargin | None]
+    phase_margin: Final[FrequencyMargin | None]
+    delay_margin: Final[FrequencyMargin | None]
+    status: Final[NyquistStatus]
+    root_on_axis: Final[float | None]
+    locus_status: Final[GridStatus]
+    locus_poles: Final[tuple[float, ...]]
+
+@final
 class Laboratory:
     @staticmethod
     def paper() -> Laboratory: ...
@@ -521,54 +882,89 @@ class HandleMotion:
     def to_dict(self) -> dict[str, Any]: ...
     def __getitem__(self, name: str, /) -> Any: ...
 
+# theory/criteria.pyi has their overloads
+def critical_stiffness(
+    m1: _First, b1: _A, m2: _A, b2: _A, method: Method = "exact", *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def maximum_delay(
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    k: _A,
+    method: Method = "exact",
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+) -> Any: ...
+def maximum_stiffness(
+    m1: _First, b1: _A, m2: _A, b2: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def minimum_damping(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def unstable_root_count(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> Any: ...
+def stability_map(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> NDArray[np.bool_]: ...
+def crossings(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> list[Crossing]: ...
+def stable_delays(
+    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, horizon: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+) -> list[tuple[float, float]]: ...
+def decay_stiffness(
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    delay: _A,
+    decay_rate: _A,
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+) -> list[tuple[float, float]]: ...
 def hman() -> Dyad: ...
-def critical_stiffness(axes: Axes, paper: bool) -> FloatArray: ...
-def maximum_delay(axes: Axes, k: FloatArray, paper: bool) -> FloatArray: ...
-def maximum_stiffness(axes: Axes, delay: FloatArray) -> FloatArray: ...
-def minimum_damping(axes: Axes, k: FloatArray, delay: FloatArray) -> FloatArray: ...
-def unstable_root_count(axes: Axes, k: FloatArray, delay: FloatArray) -> NDArray[np.int64]: ...
-def stability_map(axis: AxisValues, k: FloatArray, delay: FloatArray) -> NDArray[np.bool_]: ...
-def crossings(axis: AxisValues, k: float) -> list[tuple[float, float, int]]: ...
-def stable_delays(axis: AxisValues, k: float, horizon: float) -> list[tuple[float, float]]: ...
-def decay_stiffness(axis: AxisValues, delay: float, decay_rate: float) -> list[tuple[float, float]]: ...
+def certified_roots(
+    dyad: Dyad, stiffness: float, delay: Delay, count: int = 8, axis: int | str = 0
+) -> Spectrum: ...
 def characteristic_roots(
-    dyad: Dyad, stiffness: float, delay: Delay, count: int, axis: int | str
-) -> tuple[ComplexArray, bool, bool, str, float]: ...
-def spectral_abscissa(
-    dyad: Dyad, stiffness: float, delay: Delay, axis: int | str
-) -> tuple[float, bool, str]: ...
+    dyad: Dyad, stiffness: float, delay: Delay, count: int = 8, axis: int | str = 0
+) -> ComplexArray: ...
+def spectral_abscissa(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> float: ...
 def transfer_matrix(of: Loop, s: ComplexArray, convention: str) -> ComplexArray: ...
 def mobility_matrix(of: Loop, s: ComplexArray) -> ComplexArray: ...
-def frequency_response(
-    of: Loop, frequency: FloatArray, convention: str
-) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray, list[float]]: ...
-def open_loop(of: Loop, frequency: FloatArray) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]: ...
-def partner_response(
-    of: Loop, robot: int, frequency: FloatArray
-) -> tuple[FloatArray, ComplexArray, FloatArray, FloatArray]: ...
-def frequency_grid(
-    of: Loop, low: float, high: float, resolution: float, limit: int
-) -> tuple[FloatArray, GridStatus, list[float]]: ...
-def nyquist(of: Loop) -> dict[str, Any]: ...
+def frequency_response(of: Loop, frequency: FloatArray, convention: str) -> FrequencyResponse: ...
+def open_loop(of: Loop, frequency: FloatArray) -> ResponseCurve: ...
+def partner_response(of: Loop, robot: int, frequency: FloatArray) -> ResponseCurve: ...
+def frequency_grid(of: Loop, low: float, high: float, resolution: float, limit: int) -> FrequencyGrid: ...
+def nyquist(of: Loop) -> Nyquist: ...
 def verdicts(
     dyad: Dyad,
     stiffness: float,
     network: Network,
     operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
-) -> dict[str, Any]: ...
+) -> Verdicts: ...
 
 @final
-class DdeSolution:
-    @property
-    def status(self) -> tuple[str, str]: ...
-    @property
-    def work(self) -> tuple[int, int, int]: ...
-    @property
-    def knots(self) -> FloatArray: ...
-    @property
-    def discontinuities(self) -> list[tuple[float, int]]: ...
-    def sample(self, times: FloatArray) -> FloatArray: ...
-    def derivative(self, times: FloatArray) -> FloatArray: ...
+class DelaySolution:
+    status: Final[SolverStatus]
+    message: Final[str]
+    t: Final[FloatArray]
+    y: Final[FloatArray]
+    discontinuities: Final[list[tuple[float, int]]]
+    steps: Final[int]
+    rejected: Final[int]
+    evaluations: Final[int]
+    completed: Final[bool]
+    start: Final[float]
+    end: Final[float]
+    def __call__(self, times: ArrayLike) -> FloatArray: ...
+    def derivative(self, times: ArrayLike) -> FloatArray: ...
 
 def solve_dde(
     rhs: Callable[[float, FloatArray, FloatArray], ArrayLike],
@@ -578,7 +974,7 @@ def solve_dde(
     initial: list[float] | None,
     span: tuple[float, float],
     options: OptionValues,
-) -> DdeSolution: ...
+) -> DelaySolution: ...
 def trial_seed(seed: int, condition: int, trial: int) -> int: ...
 def simulate(
     dyad: Dyad,

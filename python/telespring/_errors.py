@@ -1,23 +1,25 @@
-"""The one exception that bad input raises."""
+"""What is raised for bad input, and what is warned of."""
 
 from __future__ import annotations
 
 from typing import Self
 
+__all__ = ["CertificateWarning", "InvalidInput"]
+
 
 class InvalidInput(ValueError):
-    """A value that was refused, with what is allowed instead and how to mend it.
+    """A value that was refused, with what is allowed instead and how to correct it.
 
     Parameters
     ----------
     field : str
         Where the value stands, such as ``robot1.mass[0]`` or ``k[2, 3]``.
     value : str
-        The value as given.
+        The value as given; empty where it is missing.
     allowed : str
-        What is allowed there, with its unit.
+        What is allowed there, with its unit; of a missing value only the unit.
     remedy : str
-        The nearest way to mend it, a full sentence.
+        The nearest way to correct it, a full sentence.
 
     Examples
     --------
@@ -33,7 +35,6 @@ class InvalidInput(ValueError):
     value: str
     allowed: str
     remedy: str
-    _index: int | None = None
 
     def __init__(self, field: str, value: str, allowed: str, remedy: str) -> None:
         super().__init__(field, value, allowed, remedy)
@@ -42,9 +43,25 @@ class InvalidInput(ValueError):
         self.allowed = allowed
         self.remedy = remedy
 
+    @property
+    def is_missing(self) -> bool:
+        """Whether the value is missing."""
+        return not self.value
+
+    @property
+    def statement(self) -> str:
+        """The first sentence of the message: what is wrong, without the remedy."""
+        if not self.is_missing:
+            return f"{self.field} = {self.value}: {self.allowed}."
+        return f"Missing {self.field} ({self.allowed})." if self.allowed else f"Missing {self.field}."
+
     def __str__(self) -> str:
-        return f"{self.field} = {self.value}: {self.allowed}. {self.remedy}"
+        return f"{self.statement} {self.remedy}"
 
     def at(self, field: str) -> Self:
-        """Return the same refusal with another place."""
+        """Return the same refusal for another field."""
         return type(self)(field, self.value, self.allowed, self.remedy)
+
+
+class CertificateWarning(RuntimeWarning):
+    """The argument principle does not confirm that all characteristic roots were found."""

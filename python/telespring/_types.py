@@ -13,10 +13,18 @@ if TYPE_CHECKING:
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
+Method: TypeAlias = Literal["exact", "paper"]
 GridStatus: TypeAlias = Literal["resolved", "poles on the axis", "too many points"]
-# m1, b1, m2, b2, kh1, kh2, c: flat contiguous columns of one common length, or of length one
-Axes: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-AxisValues: TypeAlias = tuple[float, float, float, float, float, float, float]
+NyquistStatus: TypeAlias = Literal["counted", "on the axis", "not counted"]
+SolverStatus: TypeAlias = Literal[
+    "completed", "step too small", "too many steps", "not finite", "invalid delay", "stopped"
+]
+Tier: TypeAlias = Literal["any network", "bounded varying delay", "any constant delay", "constant delay"]
+Assumption: TypeAlias = Literal["met", "met behind playout buffer", "not met"]
+Unavailable: TypeAlias = Literal[
+    "coupling damping with grounded operator", "coupling damping with computing time", "coupling damping"
+]
+SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
 # one-way, s: the same each way, or forward and backward, a row of two
 Delay: TypeAlias = float | Sequence[float] | FloatArray

@@ -3,13 +3,13 @@
 
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
+use pyo3::types::PyList;
 use std::convert::Infallible;
 use telespring::spectrum::MAX_ROOTS;
-use telespring::{Delay, DyadAxis, InvalidInput};
+use telespring::{Delay, InvalidInput};
 
+use crate::arrays::as_numbers;
 use crate::errors::Outcome;
-use crate::model::PerAxis;
 
 /// What was given, or how Python writes it where it is of another kind.
 pub enum Argument<T> {
@@ -108,6 +108,60 @@ impl Argument<PerAxis> {
     }
 }
 
+/// One number for every axis, or one per axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PerAxis {
+    /// The same on every axis, however many there are.
+    All(f64),
+    /// One per axis.
+    Each(Vec<f64>),
+}
+
+impl FromPyObject<'_, '_> for PerAxis {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = value.extract::<f64>() {
+            return Ok(Self::All(number));
+        }
+        value.extract::<Vec<f64>>().map(Self::Each)
+    }
+}
+
+impl PerAxis {
+    /// How many axes it is written for; None where one number stands for all.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::All(_) => None,
+            Self::Each(values) => Some(values.len()),
+        }
+    }
+
+    /// One number for each of that many axes.
+    pub fn on(&self, axes: usize) -> Vec<f64> {
+        match self {
+            Self::All(value) => vec![*value; axes],
+            Self::Each(values) => values.clone(),
+        }
+    }
+
+    /// As Python passed it.
+    pub fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self {
+            Self::All(value) => value.into_pyobject(py)?.into_any(),
+            Self::Each(values) => PyList::new(py, values)?.into_any(),
+        })
+    }
+
+    /// As Python writes it.
+    pub fn text(&self) -> String {
+        match self {
+            Self::All(value) => format!("{value:?}"),
+            Self::Each(values) => format!("{values:?}"),
+        }
+    }
+}
+
 /// How many roots are wanted.
 pub type Count = Argument<usize>;
 
@@ -135,24 +189,29 @@ impl AxisChoice {
     /// The first axis: what is meant where none is named.
     pub const FIRST: Self = Self::Given(AxisKind::Index(0));
 
-    /// That axis of the dyad.
-    pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<DyadAxis> {
+    /// The index of that axis of the dyad.
+    pub fn index(&self, dyad: &telespring::Dyad) -> telespring::Result<usize> {
+        let names = dyad.axis_names();
         let (index, text) = match self {
             Self::Given(AxisKind::Index(index)) => (usize::try_from(*index).ok(), index.to_string()),
             Self::Given(AxisKind::Name(name)) => {
-                (dyad.axis_names().iter().position(|known| known == name), format!("{name:?}"))
+                (names.iter().position(|known| known == name), format!("{name:?}"))
             }
             Self::Other(text) => (None, text.clone()),
         };
-        match index {
-            Some(index) => dyad.axis(index),
-            None => Err(InvalidInput::new(
+        index.filter(|&index| index < names.len()).ok_or_else(|| {
+            InvalidInput::new(
                 "axis",
                 text,
-                format!("this dyad has the axes {:?}, counted from 0", dyad.axis_names()),
+                format!("this dyad has the axes {names:?}, counted from 0"),
                 "Choose one of them by its index or its name.",
-            )),
-        }
+            )
+        })
+    }
+
+    /// That axis of the dyad.
+    pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<telespring::DyadAxis> {
+        dyad.axis(self.index(dyad)?)
     }
 }
 
@@ -200,9 +259,7 @@ impl DelayChoice {
 
 /// Any array_like of rows (x, y), refused by its name.
 pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
-    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let as_numbers = AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?;
-    let array = as_numbers.call1((name, value))?;
+    let array = as_numbers(name, value)?;
     if let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>()
         && array.as_array().ncols() == 2
     {

@@ -1,85 +1,209 @@
-//! One computation over many axes at once: flat columns in, one flat array out.
+//! One computation over many axes at once: numbers and arrays in, broadcast against each other as numpy does.
 
-use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArray1};
+use std::borrow::Cow;
+
+use numpy::ndarray::IxDyn;
+use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyFloat, PyInt};
 use rayon::prelude::*;
-use telespring::{DyadAxis, InvalidInput, Result};
+use telespring::{InvalidInput, Result};
 
-use crate::errors::{Failure, Outcome};
+use crate::errors::Outcome;
 
-/// A flat array of numbers, as long as all others or of length one.
-pub type Column<'py> = PyReadonlyArray1<'py, f64>;
+/// A number or an array of numbers, as the caller named it.
+pub struct Numbers<'py> {
+    name: &'static str,
+    values: Values<'py>,
+}
 
-/// m1, b1, m2, b2, kh1, kh2, c: what describes an axis, a column each.
-pub type Axes<'py> =
-    (Column<'py>, Column<'py>, Column<'py>, Column<'py>, Column<'py>, Column<'py>, Column<'py>);
+enum Values<'py> {
+    One(f64),
+    Many(PyReadonlyArrayDyn<'py, f64>),
+}
+
+/// Any array_like as an array of doubles, refused by its name.
+pub fn as_numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?.call1((name, value))
+}
+
+impl<'py> Numbers<'py> {
+    /// One number.
+    pub fn one(name: &'static str, value: f64) -> Self {
+        Self { name, values: Values::One(value) }
+    }
+
+    /// Any array_like; a number is read without numpy.
+    pub fn read(name: &'static str, value: &Bound<'py, PyAny>) -> Outcome<Self> {
+        if let Ok(number) = value.cast::<PyFloat>() {
+            return Ok(Self::one(name, number.value()));
+        }
+        if value.is_exact_instance_of::<PyInt>()
+            && let Ok(number) = value.extract::<f64>()
+        {
+            return Ok(Self::one(name, number));
+        }
+        let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract().map_err(PyErr::from)?;
+        Ok(match array.ndim() {
+            0 => Self::one(name, array.as_array()[IxDyn(&[])]),
+            _ => Self { name, values: Values::Many(array) },
+        })
+    }
+
+    /// One number, where an array has no meaning.
+    pub fn single(&self) -> Result<f64> {
+        match &self.values {
+            Values::One(value) => Ok(*value),
+            Values::Many(array) if array.len() == 1 => {
+                Ok(array.as_array().iter().next().copied().unwrap_or(0.0))
+            }
+            Values::Many(array) => Err(InvalidInput::new(
+                self.name,
+                format!("an array of shape {}", tuple(array.shape())),
+                "one number is needed here",
+                "Call the function once for each element.",
+            )),
+        }
+    }
+
+    /// A row of numbers, where more dimensions have no meaning; one number is a row of one.
+    pub fn row(&self) -> Result<Vec<f64>> {
+        match &self.values {
+            Values::One(value) => Ok(vec![*value]),
+            Values::Many(array) if array.ndim() == 1 => Ok(array.as_array().iter().copied().collect()),
+            Values::Many(array) => Err(InvalidInput::new(
+                self.name,
+                format!("an array of shape {}", tuple(array.shape())),
+                "one number or a one-dimensional array is needed here",
+                "Flatten it with numpy.ravel.",
+            )),
+        }
+    }
+
+    fn shape(&self) -> &[usize] {
+        match &self.values {
+            Values::One(_) => &[],
+            Values::Many(array) => array.shape(),
+        }
+    }
+}
+
+/// A shape as Python writes it.
+fn tuple(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// The shape that all broadcast to.
+fn common_shape(arguments: &[Numbers<'_>]) -> Result<Vec<usize>> {
+    let dimensions = arguments.iter().map(|argument| argument.shape().len()).max().unwrap_or(0);
+    let mut shape = vec![1; dimensions];
+    for argument in arguments {
+        let own = argument.shape();
+        for (length, &mine) in shape[dimensions - own.len()..].iter_mut().zip(own) {
+            if *length == 1 {
+                *length = mine;
+            } else if mine != 1 && mine != *length {
+                let arrays = || arguments.iter().filter(|argument| !argument.shape().is_empty());
+                let named = |argument: &Numbers<'_>| format!("{} {}", argument.name, tuple(argument.shape()));
+                return Err(InvalidInput::new(
+                    arrays().map(|argument| argument.name).collect::<Vec<_>>().join(", "),
+                    arrays().map(named).collect::<Vec<_>>().join(", "),
+                    "shapes must broadcast against each other",
+                    "Give them the same shape, or add axes of length one.",
+                ));
+            }
+        }
+    }
+    Ok(shape)
+}
+
+/// The field of the element that was refused, in the array as the caller passed it.
+fn element(arguments: &[Numbers<'_>], field: &str, shape: &[usize], index: usize) -> Option<String> {
+    let own = arguments.iter().find(|argument| argument.name == field)?.shape();
+    if own.is_empty() {
+        return None;
+    }
+    let mut rest = index;
+    let mut place: Vec<usize> = shape
+        .iter()
+        .rev()
+        .map(|&length| {
+            let at = rest % length;
+            rest /= length;
+            at
+        })
+        .collect();
+    place.reverse();
+    let own_place = place[shape.len() - own.len()..].iter().zip(own);
+    let text: Vec<_> = own_place.map(|(&at, &length)| if length == 1 { 0 } else { at }.to_string()).collect();
+    Some(format!("{field}[{}]", text.join(", ")))
+}
 
 /// Below this many elements the threads cost more than they save (a criterion takes about 0.1 µs).
 const PARALLEL_FROM: usize = 4096;
 /// Elements that one thread takes at a time.
 const CHUNK: usize = 1024;
+/// The most arguments of one computation: seven numbers of an axis and two more.
+const MOST: usize = 9;
 
-/// A column of length one stands for every element.
-fn at(column: &[f64], index: usize) -> f64 {
-    if column.len() == 1 { column[0] } else { column[index] }
-}
-
-fn slices<'a, const N: usize>(names: [&str; N], columns: [&'a Column<'_>; N]) -> Outcome<[&'a [f64]; N]> {
-    let mut out = [[].as_slice(); N];
-    for ((slot, column), name) in out.iter_mut().zip(columns).zip(names) {
-        *slot = column.as_slice().map_err(|_| {
-            InvalidInput::new(
-                name,
-                "a strided array",
-                "columns are contiguous",
-                "Use numpy.ascontiguousarray on it first.",
-            )
-        })?;
-    }
-    Ok(out)
-}
-
-fn common_length(columns: &[&[f64]]) -> Outcome<usize> {
-    let length = columns.iter().map(|column| column.len()).find(|&n| n != 1).unwrap_or(1);
-    if columns.iter().all(|column| column.len() == 1 || column.len() == length) {
-        return Ok(length);
-    }
-    Err(InvalidInput::new(
-        "arrays",
-        format!("lengths {:?}", columns.iter().map(|column| column.len()).collect::<Vec<_>>()),
-        "all columns have the same length, or length one",
-        "Broadcast the arrays against each other first.",
-    )
-    .into())
-}
-
-/// Applies `compute` to every axis and the `extra` values beside it, without holding the interpreter.
+/// Computes each element from the arguments broadcast against each other, without holding the interpreter:
+/// a number where all are numbers, else an array.
 ///
-/// The refusal of lowest index is reported, whatever the number of threads.
-pub fn map_axes<'py, T: Element + Copy + Default, const N: usize>(
+/// The refusal of the first element is reported, whatever the number of threads.
+pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
     py: Python<'py>,
-    axes: &Axes<'py>,
-    extra: [&Column<'py>; N],
-    compute: impl Fn(&DyadAxis, [f64; N]) -> Result<T> + Sync,
-) -> Outcome<Bound<'py, PyArray1<T>>> {
-    let (m1, b1, m2, b2, kh1, kh2, c) = axes;
-    let axis_columns = slices(["m1", "b1", "m2", "b2", "kh1", "kh2", "c"], [m1, b1, m2, b2, kh1, kh2, c])?;
-    let extra_columns = slices(["extra"; N], extra)?;
-    let length = common_length(&[axis_columns.as_slice(), extra_columns.as_slice()].concat())?;
-
-    let one = |index: usize| -> Result<T> {
-        let [m1, b1, m2, b2, kh1, kh2, c] = axis_columns.map(|column| at(column, index));
-        let axis = DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?;
-        compute(&axis, extra_columns.map(|column| at(column, index)))
-    };
+    arguments: &[Numbers<'py>],
+    compute: impl Fn(&[f64]) -> Result<T> + Sync,
+) -> Outcome<Bound<'py, PyAny>> {
+    let mut row = [0.0; MOST];
+    let mut all_numbers = true;
+    for (value, argument) in row.iter_mut().zip(arguments) {
+        match argument.values {
+            Values::One(number) => *value = number,
+            Values::Many(_) => all_numbers = false,
+        }
+    }
+    if all_numbers {
+        let row = &row[..arguments.len()];
+        let value = py.detach(|| compute(row))?;
+        return Ok(value.into_bound_py_any(py)?);
+    }
+    let shape = common_shape(arguments)?;
+    let length = shape.iter().product();
+    // columns of length one stay that way: a map over two parameters holds two large arrays, not nine
+    let columns: Vec<Cow<'_, [f64]>> = arguments
+        .iter()
+        .map(|argument| match &argument.values {
+            Values::One(value) => Cow::Owned(vec![*value]),
+            Values::Many(array) => match array.as_array().to_slice() {
+                Some(slice) if slice.len() == 1 || array.shape() == shape => Cow::Borrowed(slice),
+                _ => {
+                    let view = array.as_array();
+                    let whole = view.broadcast(IxDyn(&shape)).expect("it broadcasts to the common shape");
+                    Cow::Owned(whole.iter().copied().collect())
+                }
+            },
+        })
+        .collect();
+    let columns: Vec<&[f64]> = columns.iter().map(Cow::as_ref).collect();
     let fill = |(chunk, values): (usize, &mut [T])| -> std::result::Result<(), (usize, InvalidInput)> {
+        let mut row = [0.0; MOST];
+        let row = &mut row[..columns.len()];
         for (offset, value) in values.iter_mut().enumerate() {
             let index = chunk * CHUNK + offset;
-            *value = one(index).map_err(|refusal| (index, refusal))?;
+            for (number, column) in row.iter_mut().zip(&columns) {
+                *number = if column.len() == 1 { column[0] } else { column[index] };
+            }
+            *value = compute(row).map_err(|refusal| (index, refusal))?;
         }
         Ok(())
     };
-
     let (values, refused) = py.detach(|| {
         let mut values = vec![T::default(); length];
         let refused = if length < PARALLEL_FROM {
@@ -95,7 +219,12 @@ pub fn map_axes<'py, T: Element + Copy + Default, const N: usize>(
         (values, refused)
     });
     match refused {
-        None => Ok(values.into_pyarray(py)),
-        Some((index, refusal)) => Err(Failure::Refused { refusal, index: Some(index) }),
+        None => Ok(values.into_pyarray(py).reshape(IxDyn(&shape))?.into_any()),
+        Some((index, mut refusal)) => {
+            if let Some(field) = element(arguments, &refusal.field, &shape, index) {
+                refusal.field = field;
+            }
+            Err(refusal.into())
+        }
     }
 }

@@ -1,142 +1,543 @@
-//! The criteria over arrays of axes; each is one line over `map_axes`.
+//! The stability criteria as Python functions, over numbers and arrays, a dyad or one of its axes.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use rayon::prelude::*;
-use telespring::criteria;
+use pyo3::types::{PyDict, PyString, PyTuple};
 use telespring::quantity::{DELAY, STIFFNESS};
-use telespring::{DyadAxis, Result};
+use telespring::{InvalidInput, Result, criteria};
 
-use crate::arrays::{Axes, Column, map_axes};
+use crate::arguments::written;
+use crate::arrays::{Numbers, over_arrays};
+use crate::axis::{self, Crossing, DyadAxis, is_paper};
 use crate::errors::Outcome;
+use crate::model::Dyad;
 
-type FloatArray<'py> = Bound<'py, PyArray1<f64>>;
+/// What a criterion is computed for.
+enum Subject<'py> {
+    /// m1, b1, m2, b2, kh1, kh2, c: numbers or arrays.
+    Numbers([Numbers<'py>; 7]),
+    /// One axis.
+    Axis(telespring::DyadAxis),
+    /// All axes of a dyad.
+    Dyad(Vec<telespring::DyadAxis>),
+}
 
-/// Smallest stiffness at which some constant delay destabilises, N/m; `paper` takes Eq. 5.
-#[pyfunction]
-pub fn critical_stiffness<'py>(py: Python<'py>, axes: Axes<'py>, paper: bool) -> Outcome<FloatArray<'py>> {
-    if paper {
-        map_axes(py, &axes, [], |axis, []| criteria::paper_critical_stiffness(axis))
-    } else {
-        map_axes(py, &axes, [], |axis, []| Ok(criteria::critical_stiffness(axis)))
+const NUMBERS: [&str; 7] = ["m1", "b1", "m2", "b2", "kh1", "kh2", "c"];
+
+impl<'py> Subject<'py> {
+    fn read(value: &Bound<'py, PyAny>) -> Option<Self> {
+        if let Ok(dyad) = value.cast::<Dyad>() {
+            return Some(Self::Dyad(dyad.get().0.axes().collect()));
+        }
+        value.cast::<DyadAxis>().ok().map(|axis| Self::Axis(axis.get().axis))
+    }
+
+    /// Each axis by itself, where arrays have no meaning.
+    fn axes(&self) -> Result<Vec<telespring::DyadAxis>> {
+        match self {
+            Self::Numbers([m1, b1, m2, b2, kh1, kh2, c]) => {
+                let [m1, b1, m2, b2] = [m1.single()?, b1.single()?, m2.single()?, b2.single()?];
+                let [kh1, kh2, c] = [kh1.single()?, kh2.single()?, c.single()?];
+                Ok(vec![telespring::DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?])
+            }
+            Self::Axis(axis) => Ok(vec![*axis]),
+            Self::Dyad(axes) => Ok(axes.clone()),
+        }
+    }
+
+    /// One number per element, and of a dyad's axes the `worst` of two.
+    fn evaluate<T: numpy::Element + Copy + Default + IntoPyObject<'py>, const N: usize>(
+        self,
+        py: Python<'py>,
+        others: [Numbers<'py>; N],
+        worst: impl Fn(T, T) -> T + Sync,
+        compute: impl Fn(&telespring::DyadAxis, [f64; N]) -> Result<T> + Sync,
+    ) -> Outcome<Bound<'py, PyAny>> {
+        let tail = |row: &[f64]| {
+            let mut out = [0.0; N];
+            out.copy_from_slice(&row[row.len() - N..]);
+            out
+        };
+        match self {
+            Self::Numbers(numbers) => {
+                let arguments: Vec<_> = numbers.into_iter().chain(others).collect();
+                over_arrays(py, &arguments, |row| {
+                    let [m1, b1, m2, b2, kh1, kh2, c] =
+                        [row[0], row[1], row[2], row[3], row[4], row[5], row[6]];
+                    let axis = telespring::DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)?;
+                    compute(&axis, tail(row))
+                })
+            }
+            Self::Axis(axis) => over_arrays(py, &others, |row| compute(&axis, tail(row))),
+            Self::Dyad(axes) => over_arrays(py, &others, |row| {
+                let (first, rest) = axes.split_first().expect("a dyad has at least one axis");
+                rest.iter().try_fold(compute(first, tail(row))?, |so_far, axis| {
+                    Ok(worst(so_far, compute(axis, tail(row))?))
+                })
+            }),
+        }
     }
 }
 
-/// End of the first interval of stable delays, s; `paper` takes Eqs. 5 to 9.
+/// The arguments of a call in which a dyad or an axis may stand in place of the seven numbers.
+///
+/// `names` are the arguments after m1, b1, m2, b2; those that are optional come last.
+fn bind<'py, const N: usize>(
+    function: &str,
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+    names: [&'static str; N],
+    required: usize,
+) -> Outcome<(Subject<'py>, [Option<Bound<'py, PyAny>>; N])> {
+    let first = match (args.get_item(0), kwargs) {
+        (Ok(first), _) => Some(first),
+        (Err(_), Some(kwargs)) => kwargs.get_item("m1")?,
+        (Err(_), None) => None,
+    };
+    let subject = first.as_ref().and_then(Subject::read);
+    let mixed = |name: &str, value: &Bound<'py, PyAny>| {
+        InvalidInput::new(
+            name,
+            written(value),
+            format!("a dyad or an axis stands in place of all of {}", NUMBERS.join(", ")),
+            format!("Write {function}({}).", [&["dyad"], &names[..required]].concat().join(", ")),
+        )
+    };
+    let mut numbers: [Option<Bound<'py, PyAny>>; 7] = [const { None }; 7];
+    let mut others: [Option<Bound<'py, PyAny>>; N] = [const { None }; N];
+    for (place, value) in args.iter().enumerate() {
+        let place = if subject.is_some() { place + 3 } else { place };
+        match place {
+            3 if subject.is_some() => {}
+            0..4 => numbers[place] = Some(value),
+            _ if place - 4 < N => others[place - 4] = Some(value),
+            _ if subject.is_some() => return Err(mixed("arguments", args.as_any()).into()),
+            _ => {
+                let text = format!("{function}() takes at most {} positional arguments", 4 + N);
+                return Err(PyErr::from(PyTypeError::new_err(text)).into());
+            }
+        }
+    }
+    for (name, value) in kwargs.into_iter().flatten() {
+        let name = name.cast::<PyString>().map_err(PyErr::from)?.to_str()?.to_owned();
+        let number = NUMBERS.iter().position(|known| *known == name);
+        if subject.is_some() && number.is_some() && !(name == "m1" && args.is_empty()) {
+            return Err(mixed(&name, &value).into());
+        }
+        let slot = match (number, names.iter().position(|known| *known == name)) {
+            (Some(place), _) => &mut numbers[place],
+            (None, Some(place)) => &mut others[place],
+            (None, None) => {
+                let text = format!("{function}() got an unexpected keyword argument '{name}'");
+                return Err(PyErr::from(PyTypeError::new_err(text)).into());
+            }
+        };
+        if slot.replace(value).is_some() {
+            let text = format!("{function}() got multiple values for argument '{name}'");
+            return Err(PyErr::from(PyTypeError::new_err(text)).into());
+        }
+    }
+    let missing: Vec<&str> = NUMBERS[..4]
+        .iter()
+        .zip(&numbers)
+        .filter(|(_, number)| subject.is_none() && number.is_none())
+        .chain(names[..required].iter().zip(&others).filter(|(_, other)| other.is_none()))
+        .map(|(name, _)| *name)
+        .collect();
+    if !missing.is_empty() {
+        let text = format!(
+            "{function}() takes a Dyad, a DyadAxis or the numbers m1, b1, m2, b2; missing: {}",
+            missing.join(", ")
+        );
+        return Err(PyErr::from(PyTypeError::new_err(text)).into());
+    }
+    if let Some(subject) = subject {
+        return Ok((subject, others));
+    }
+    let mut read = NUMBERS.map(|name| Numbers::one(name, 0.0));
+    for (name, (slot, given)) in NUMBERS.into_iter().zip(read.iter_mut().zip(&numbers)) {
+        if let Some(value) = given {
+            *slot = Numbers::read(name, value)?;
+        }
+    }
+    Ok((Subject::Numbers(read), others))
+}
+
+/// The method as text, refused by its name where it is something else.
+fn paper(method: Option<&Bound<'_, PyAny>>) -> Result<bool> {
+    match method.map(|method| method.extract::<String>().unwrap_or_else(|_| written(method))) {
+        None => Ok(false),
+        Some(text) => is_paper(Some(&text)),
+    }
+}
+
+/// What `bind` has found to be there.
+fn numbers<'py>(name: &'static str, value: Option<Bound<'py, PyAny>>) -> Outcome<Numbers<'py>> {
+    Numbers::read(name, &value.expect("a required argument was bound"))
+}
+
+/// The first lines of every list of parameters here.
+macro_rules! parameters {
+    ($kind:literal) => {
+        concat!(
+            "\n\nParameters\n----------\nm1, b1, m2, b2 : ",
+            $kind,
+            "\n    Masses, kg, and viscous dampings, N·s/m, of robot and operator together. A `Dyad` or a\n    \
+             `DyadAxis` as the first argument stands in place of these and of kh1, kh2, c."
+        )
+    };
+}
+
+/// The last lines of every list of parameters here.
+macro_rules! keywords {
+    ($kind:literal) => {
+        concat!(
+            "\nkh1, kh2 : ",
+            $kind,
+            "\n    Stiffness of each operator to the ground, N/m.\nc : ",
+            $kind,
+            "\n    Damping beside the virtual spring, N·s/m."
+        )
+    };
+}
+
+macro_rules! stiffness {
+    ($kind:literal) => {
+        concat!("\nk : ", $kind, "\n    Stiffness of the virtual spring, N/m.")
+    };
+}
+
+macro_rules! delay {
+    ($kind:literal) => {
+        concat!("\ndelay : ", $kind, "\n    One-way delay, s; the mean where both ways differ.")
+    };
+}
+
+macro_rules! raises {
+    () => {
+        "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range (the element is named) or \
+         shapes do not broadcast.\n"
+    };
+}
+
+macro_rules! reference {
+    () => {
+        "\nReferences\n----------\n.. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, \"Stability Criteria and \
+         Motor Performance in\n   Delayed Haptic Dyadic Interactions Mediated by Robots\".\n"
+    };
+}
+
+#[doc = concat!(
+    "Stiffness below which no constant delay destabilises.",
+    parameters!("array_like"),
+    "\nmethod : {\"exact\", \"paper\"}\n    The exact value, or Eq. 5 of [1]_, which is necessary but not sufficient \
+     and covers neither operators\n    nor a coupling damper.",
+    keywords!("array_like"),
+    "\n\nReturns\n-------\nfloat or ndarray\n    Critical stiffness k_m, N/m: the infimum of all stiffnesses that \
+     some delay destabilises; inf where there\n    is none. For a dyad the smallest over its axes.",
+    raises!(),
+    reference!(),
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> round(ts.critical_stiffness(0.8334, 7.7257, 0.7776, 7.4208), 6)
+/// 35.615988
+/// >>> round(ts.critical_stiffness(ts.hman()), 6)
+/// 35.615988
+/// >>> ts.critical_stiffness(1.0, 1.0, 1.0, 10.0, method="paper")
+/// 25.25
+/// >>> round(ts.critical_stiffness(1.0, 1.0, 1.0, 10.0), 6)
+/// 9.461095
 #[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, method='exact', *, kh1=0.0, kh2=0.0, c=0.0)")]
+pub fn critical_stiffness<'py>(
+    py: Python<'py>,
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [method]) = bind("critical_stiffness", args, kwargs, ["method"], 0)?;
+    let paper = paper(method.as_ref())?;
+    subject.evaluate(py, [], f64::min, |axis, []| axis::critical_stiffness(axis, paper))
+}
+
+#[doc = concat!(
+    "Smallest constant one-way delay at which stability is lost.",
+    parameters!("array_like"),
+    stiffness!("array_like"),
+    "\nmethod : {\"exact\", \"paper\"}\n    The exact value, or Eqs. 5 to 9 of [1]_.",
+    keywords!("array_like"),
+    "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay is stable. inf where no \
+     constant delay destabilises, 0 where\n    the axis is not stable even without delay. For a dyad the smallest \
+     over its axes.",
+    raises!(),
+    "\nSee Also\n--------\nstable_delays : stability can return at a longer delay.\n",
+    reference!(),
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> hman_x = (0.8334, 7.7257, 0.7776, 7.4208)
+/// >>> round(ts.maximum_delay(*hman_x, 71.231976), 4)
+/// 0.1672
+/// >>> ts.maximum_delay(ts.hman(), [20.0, 30.0])
+/// array([inf, inf])
+#[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, method='exact', *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn maximum_delay<'py>(
     py: Python<'py>,
-    axes: Axes<'py>,
-    k: Column<'py>,
-    paper: bool,
-) -> Outcome<FloatArray<'py>> {
-    if paper {
-        map_axes(py, &axes, [&k], |axis, [k]| criteria::paper_maximum_delay(axis, STIFFNESS.check("k", k)?))
-    } else {
-        map_axes(py, &axes, [&k], |axis, [k]| criteria::maximum_delay(axis, STIFFNESS.check("k", k)?))
-    }
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [k, method]) = bind("maximum_delay", args, kwargs, ["k", "method"], 1)?;
+    let paper = paper(method.as_ref())?;
+    subject.evaluate(py, [numbers("k", k)?], f64::min, |axis, [k]| axis::maximum_delay(axis, k, paper))
 }
 
-/// Stiffness below which every stiffness is stable at this delay, N/m.
+#[doc = concat!(
+    "Stiffness below which every stiffness is stable at this delay.",
+    parameters!("array_like"),
+    delay!("array_like"),
+    keywords!("array_like"),
+    "\n\nReturns\n-------\nfloat or ndarray\n    sup{K : every 0 < k < K is stable at this delay}, N/m; inf at zero \
+     delay. Some dyads are stable again at a\n    larger stiffness; that is not counted. For a dyad the smallest \
+     over its axes.",
+    raises!(),
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> k = ts.maximum_stiffness(ts.hman(), 0.1)
+/// >>> round(ts.maximum_delay(ts.hman(), k), 9)
+/// 0.1
 #[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn maximum_stiffness<'py>(
     py: Python<'py>,
-    axes: Axes<'py>,
-    delay: Column<'py>,
-) -> Outcome<FloatArray<'py>> {
-    map_axes(py, &axes, [&delay], |axis, [delay]| {
-        criteria::maximum_stiffness(axis, DELAY.check("delay", delay)?)
-    })
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [delay]) = bind("maximum_stiffness", args, kwargs, ["delay"], 1)?;
+    let others = [numbers("delay", delay)?];
+    subject.evaluate(py, others, f64::min, |axis, [delay]| axis::maximum_stiffness(axis, delay))
 }
 
-/// Damping added to both robots above which every larger damping is stable, N·s/m.
+#[doc = concat!(
+    "Smallest damping, added equally to both robots, above which every larger one is stable.",
+    parameters!("array_like"),
+    stiffness!("array_like"),
+    delay!("array_like"),
+    keywords!("array_like"),
+    "\n\nReturns\n-------\nfloat or ndarray\n    Damping to add to b1 and to b2, N·s/m; 0 where none needs to be \
+     added. For a dyad the largest over its axes.",
+    raises!(),
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> added = ts.minimum_damping(0.8334, 7.7257, 0.7776, 7.4208, 142.0, 0.1)
+/// >>> round(ts.maximum_delay(0.8334, 7.7257 + added, 0.7776, 7.4208 + added, 142.0), 9)
+/// 0.1
 #[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn minimum_damping<'py>(
     py: Python<'py>,
-    axes: Axes<'py>,
-    k: Column<'py>,
-    delay: Column<'py>,
-) -> Outcome<FloatArray<'py>> {
-    map_axes(py, &axes, [&k, &delay], |axis, [k, delay]| {
-        criteria::minimum_damping(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
-    })
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [k, delay]) = bind("minimum_damping", args, kwargs, ["k", "delay"], 2)?;
+    let others = [numbers("k", k)?, numbers("delay", delay)?];
+    subject.evaluate(py, others, f64::max, |axis, [k, delay]| axis::minimum_damping(axis, k, delay))
 }
 
-/// Characteristic roots with positive real part, the rigid-body root not counted.
+#[doc = concat!(
+    "Number of characteristic roots with positive real part, from the crossings.",
+    parameters!("array_like"),
+    stiffness!("array_like"),
+    delay!("array_like"),
+    keywords!("array_like"),
+    "\n\nReturns\n-------\nint or ndarray of int\n    The number, without the rigid-body root s = 0 and without roots on \
+     the imaginary axis. For a dyad the sum\n    over its axes.",
+    raises!(),
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.unstable_root_count(0.8334, 7.7257, 0.7776, 7.4208, 71.231976, [0.167, 0.168])
+/// array([0, 2])
 #[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn unstable_root_count<'py>(
     py: Python<'py>,
-    axes: Axes<'py>,
-    k: Column<'py>,
-    delay: Column<'py>,
-) -> Outcome<Bound<'py, PyArray1<i64>>> {
-    map_axes(py, &axes, [&k, &delay], |axis, [k, delay]| {
-        criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
-            .map(i64::from)
-    })
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [k, delay]) = bind("unstable_root_count", args, kwargs, ["k", "delay"], 2)?;
+    let others = [numbers("k", k)?, numbers("delay", delay)?];
+    let sum = |one: i64, other: i64| one + other;
+    subject.evaluate(py, others, sum, |axis, [k, delay]| axis::unstable_root_count(axis, k, delay))
 }
 
-/// Rows of stiffness that one thread takes at a time.
-const ROWS: usize = 16;
-
-/// Whether each pair of stiffness and delay is stable, a row per stiffness.
+#[doc = concat!(
+    "Whether an axis is stable, for every stiffness and every delay.",
+    parameters!("float"),
+    "\nk : array_like, (n,)\n    Stiffnesses of the virtual spring, N/m.",
+    "\ndelay : array_like, (d,)\n    One-way delays, s.",
+    keywords!("float"),
+    "\n\nReturns\n-------\nndarray of bool, (n, d)\n    A row per stiffness, a column per delay. For a dyad whether all \
+     its axes are stable.",
+    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range (the element is named) or `k` or `delay` \
+     has two dimensions.\n",
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> ts.stability_map(ts.hman(), [30.0, 71.2], [0.1, 0.2])
+/// array([[ True,  True],
+///        [ True, False]])
 #[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn stability_map<'py>(
     py: Python<'py>,
-    axis: AxisValues,
-    k: PyReadonlyArray1<'py, f64>,
-    delay: PyReadonlyArray1<'py, f64>,
-) -> Outcome<Bound<'py, PyArray2<bool>>> {
-    let (k, delay) = (k.as_array().to_vec(), delay.as_array().to_vec());
-    let shape = [k.len(), delay.len()];
-    let stable = py.detach(|| -> Result<Vec<bool>> {
-        let axis = axis.check()?;
-        for (i, &value) in k.iter().enumerate() {
-            STIFFNESS.check("k", value).map_err(|mut refusal| {
-                refusal.field = format!("k[{i}]");
-                refusal
-            })?;
-        }
-        let rows: Vec<_> =
-            k.par_chunks(ROWS).map(|k| criteria::stability_map(&axis, k, &delay)).collect::<Result<_>>()?;
-        Ok(rows.concat())
-    })?;
-    Ok(stable.into_pyarray(py).reshape(shape)?)
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [k, delay]) = bind("stability_map", args, kwargs, ["k", "delay"], 2)?;
+    let (k, delay) = (numbers("k", k)?, numbers("delay", delay)?);
+    Ok(axis::stability_map(py, &subject.axes()?, &k, &delay)?.into_any())
 }
 
-/// One axis by value: m1, b1, m2, b2, kh1, kh2, c.
-#[derive(FromPyObject)]
-pub struct AxisValues(f64, f64, f64, f64, f64, f64, f64);
-
-impl AxisValues {
-    fn check(&self) -> Result<DyadAxis> {
-        let Self(m1, b1, m2, b2, kh1, kh2, c) = *self;
-        DyadAxis::with_operators(m1, b1, m2, b2, kh1, kh2, c)
-    }
-}
-
-/// Every crossing as (delay, frequency, direction).
+#[doc = concat!(
+    "Every pair of roots that meets the imaginary axis at some delay.",
+    parameters!("float"),
+    stiffness!("float"),
+    keywords!("float"),
+    "\n\nReturns\n-------\nlist of Crossing\n    By frequency (rad/s), with delay (s) and direction; each recurs every \
+     π/frequency seconds of one-way delay.\n    Empty where no constant delay destabilises.",
+    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range, or a dyad has several axes: choose one.\n",
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> [first] = ts.crossings(ts.hman()["x"], 71.231976)
+/// >>> round(first.delay, 4), first.direction
+/// (0.1672, 1)
 #[pyfunction]
-pub fn crossings(py: Python<'_>, axis: AxisValues, k: f64) -> Outcome<Vec<(f64, f64, i8)>> {
-    py.detach(|| {
-        let found = criteria::crossings(&axis.check()?, STIFFNESS.check("k", k)?)?;
-        Ok(found.iter().map(|crossing| (crossing.delay, crossing.frequency, crossing.direction)).collect())
-    })
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, *, kh1=0.0, kh2=0.0, c=0.0)")]
+pub fn crossings<'py>(
+    py: Python<'py>,
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Bound<'py, PyAny>> {
+    let (subject, [k]) = bind("crossings", args, kwargs, ["k"], 1)?;
+    let axes = subject.axes()?;
+    let [axis] = axes[..] else {
+        return Err(InvalidInput::new(
+            "dyad",
+            format!("a dyad of {} axes", axes.len()),
+            "crossings belong to one axis",
+            "Choose an axis: crossings(dyad.axis(0), k).",
+        )
+        .into());
+    };
+    let k = STIFFNESS.check("k", numbers("k", k)?.single()?)?;
+    let crossings = py.detach(|| criteria::crossings(&axis, k))?;
+    let crossings: Vec<_> = crossings.iter().copied().map(Crossing).collect();
+    Ok(crossings.into_bound_py_any(py)?)
 }
 
-/// Stable one-way delays up to the horizon as half-open intervals, s.
+#[doc = concat!(
+    "All constant one-way delays up to a horizon at which an axis is stable.",
+    parameters!("float"),
+    stiffness!("float"),
+    "\nhorizon : float\n    The longest delay of interest, s.",
+    keywords!("float"),
+    "\n\nReturns\n-------\nlist of (float, float)\n    Half-open intervals [start, end), s, ascending. For a dyad those in \
+     which all its axes are stable.",
+    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range.\n",
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> dyad = (0.97670822, 2.15372614, 0.30379312, 4.59594729)
+/// >>> [(round(start, 4), round(end, 4)) for start, end in ts.stable_delays(*dyad, 9.174736188, 3.0)]
+/// [(0.0, 0.8508), (1.7738, 2.1128)]
 #[pyfunction]
-pub fn stable_delays(py: Python<'_>, axis: AxisValues, k: f64, horizon: f64) -> Outcome<Vec<(f64, f64)>> {
-    py.detach(|| Ok(criteria::stable_delays(&axis.check()?, STIFFNESS.check("k", k)?, horizon)?))
-}
-
-/// Ranges of stiffness in which every root but s = 0 decays faster than `decay_rate`, N/m.
-#[pyfunction]
-pub fn decay_stiffness(
-    py: Python<'_>,
-    axis: AxisValues,
-    delay: f64,
-    decay_rate: f64,
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, k, horizon, *, kh1=0.0, kh2=0.0, c=0.0)")]
+pub fn stable_delays<'py>(
+    py: Python<'py>,
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Vec<(f64, f64)>> {
-    py.detach(|| Ok(criteria::decay_stiffness(&axis.check()?, DELAY.check("delay", delay)?, decay_rate)?))
+    let (subject, [k, horizon]) = bind("stable_delays", args, kwargs, ["k", "horizon"], 2)?;
+    let axes = subject.axes()?;
+    let (k, horizon) = (numbers("k", k)?.single()?, numbers("horizon", horizon)?.single()?);
+    STIFFNESS.check("k", k)?;
+    in_all(py, &axes, |axis| criteria::stable_delays(axis, k, horizon))
+}
+
+#[doc = concat!(
+    "Stiffnesses at which every motion but the common drift decays at a requested rate.",
+    "\n\nBelow these ranges the motion decays too slowly, above them it oscillates too long.",
+    parameters!("float"),
+    delay!("float"),
+    "\ndecay_rate : float\n    The rate σ, 1/s: all roots but s = 0 lie left of -σ.",
+    keywords!("float"),
+    "\n\nReturns\n-------\nlist of (float, float)\n    Ranges of stiffness, N/m, ascending; empty where no stiffness has this \
+     decay rate. For a dyad those that\n    hold on all its axes.",
+    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range.\n",
+)]
+///
+/// Examples
+/// --------
+/// >>> import telespring as ts
+/// >>> [(soft, stiff)] = ts.decay_stiffness(ts.hman(), 0.05, 1.0)
+/// >>> 0.0 < soft < stiff
+/// True
+#[pyfunction]
+#[pyo3(signature = (*args, **kwargs),
+       text_signature = "(m1, b1, m2, b2, delay, decay_rate, *, kh1=0.0, kh2=0.0, c=0.0)")]
+pub fn decay_stiffness<'py>(
+    py: Python<'py>,
+    args: &Bound<'py, PyTuple>,
+    kwargs: Option<&Bound<'py, PyDict>>,
+) -> Outcome<Vec<(f64, f64)>> {
+    let (subject, [delay, rate]) = bind("decay_stiffness", args, kwargs, ["delay", "decay_rate"], 2)?;
+    let axes = subject.axes()?;
+    let (delay, rate) = (numbers("delay", delay)?.single()?, numbers("decay_rate", rate)?.single()?);
+    DELAY.check("delay", delay)?;
+    in_all(py, &axes, |axis| criteria::decay_stiffness(axis, delay, rate))
+}
+
+/// The intervals that every axis has.
+fn in_all(
+    py: Python<'_>,
+    axes: &[telespring::DyadAxis],
+    compute: impl Fn(&telespring::DyadAxis) -> Result<Vec<(f64, f64)>> + Sync,
+) -> Outcome<Vec<(f64, f64)>> {
+    let common = py.detach(|| -> Result<_> {
+        let mut common = vec![(0.0, f64::INFINITY)];
+        for axis in axes {
+            common = criteria::intersection(&common, &compute(axis)?);
+        }
+        Ok(common)
+    })?;
+    Ok(common)
 }

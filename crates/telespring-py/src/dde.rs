@@ -1,12 +1,16 @@
 //! The adaptive solver with right-hand sides, delays and histories written in Python.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use telespring::InvalidInput;
 use telespring::dde::adaptive::{DelayKind, Discontinuity, Options, Solution, Status, Tolerance, solve};
 
+use crate::arguments::PerAxis;
+use crate::arrays::as_numbers;
 use crate::errors::{Failure, Outcome};
-use crate::model::PerAxis;
 
 /// A delay as Python gives it: a number, or a function with how many arguments it takes.
 #[derive(FromPyObject)]
@@ -93,9 +97,16 @@ fn kind<'a>(delay: DelayValue) -> DelayKind<'a, PyErr> {
     }
 }
 
-/// A solution that can be asked for its value at any time within its span.
-#[pyclass(frozen, module = "telespring._core")]
-pub struct DdeSolution(Solution<PyErr>);
+/// The solution of a delay differential equation as a continuous function of time.
+///
+/// Call it with a time or an array of times within `start` to `end`: the result has one component per last
+/// index, so that ``solution(times)[:, 0]`` is the first component.
+#[pyclass(frozen, module = "telespring")]
+pub struct DelaySolution {
+    solution: Solution<PyErr>,
+    t: Py<PyArray1<f64>>,
+    y: Py<PyArray2<f64>>,
+}
 
 /// Solves y' = rhs(t, y, delayed) over `span`; what the user's functions raise comes out as it is.
 #[pyfunction]
@@ -109,7 +120,7 @@ pub fn solve_dde(
     initial: Option<Vec<f64>>,
     span: (f64, f64),
     options: OptionValues,
-) -> Outcome<DdeSolution> {
+) -> Outcome<DelaySolution> {
     let options = Options::from(options);
     let rows = delays.len();
     let mut solution = py.detach(|| {
@@ -126,72 +137,137 @@ pub fn solve_dde(
         let delays = delays.into_iter().map(kind).collect();
         solve(slope, delays, past, dimension, initial.as_deref(), span, &options)
     })?;
-    match solution.failure.take() {
-        Some(raised) => Err(raised.into()),
-        None => Ok(DdeSolution(solution)),
+    if let Some(raised) = solution.failure.take() {
+        return Err(raised.into());
     }
+    let (t, dimension) = (solution.knots(), solution.dimension());
+    let y = solution.sample(t)?.into_pyarray(py).reshape([t.len(), dimension])?.unbind();
+    Ok(DelaySolution { t: PyArray1::from_slice(py, t).unbind(), y, solution })
 }
 
 #[pymethods]
-impl DdeSolution {
-    /// How the computation ended, in one word and in a sentence.
+impl DelaySolution {
+    /// "completed", "step too small", "too many steps", "not finite", "invalid delay" or "stopped". In every case
+    /// the solution up to `end` can be read.
     #[getter]
-    fn status(&self) -> (&'static str, String) {
-        let word = match self.0.status {
+    fn status(&self) -> &'static str {
+        match self.solution.status {
             Status::Completed => "completed",
             Status::StepTooSmall { .. } => "step too small",
             Status::TooManySteps { .. } => "too many steps",
             Status::NonFinite { .. } => "not finite",
             Status::InvalidDelay { .. } => "invalid delay",
             _ => "stopped",
-        };
-        (word, self.0.status.to_string())
+        }
     }
 
-    /// Steps kept, steps thrown away, calls of the right-hand side.
+    /// The same as a sentence, with the time reached and what to try.
     #[getter]
-    fn work(&self) -> (usize, usize, usize) {
-        (self.0.steps, self.0.rejected, self.0.evaluations)
+    fn message(&self) -> String {
+        self.solution.status.to_string()
     }
 
-    /// Times at which steps start and end.
+    /// The times between the solver's steps.
     #[getter]
-    fn knots<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.0.knots())
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.t.bind(py).clone()
     }
 
-    /// Break points as (time, order).
+    /// The solution at these times, a row each.
+    #[getter]
+    fn y<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.y.bind(py).clone()
+    }
+
+    /// Break points met: time, and the lowest derivative that may jump there.
     #[getter]
     fn discontinuities(&self) -> Vec<(f64, u32)> {
-        self.0.discontinuities.iter().map(|found| (found.time, found.order)).collect()
+        self.solution.discontinuities.iter().map(|point| (point.time, point.order)).collect()
     }
 
-    /// Values at many times, a row each.
-    fn sample<'py>(
-        &self,
-        py: Python<'py>,
-        times: PyReadonlyArray1<'py, f64>,
-    ) -> Outcome<Bound<'py, PyArray2<f64>>> {
-        let times = times.as_array().to_vec();
-        let values = py.detach(|| self.0.sample(&times))?;
-        Ok(values.into_pyarray(py).reshape([times.len(), self.0.dimension()])?)
+    /// Steps kept.
+    #[getter]
+    fn steps(&self) -> usize {
+        self.solution.steps
     }
 
-    /// Derivatives at many times, a row each.
-    fn derivative<'py>(
-        &self,
-        py: Python<'py>,
-        times: PyReadonlyArray1<'py, f64>,
-    ) -> Outcome<Bound<'py, PyArray2<f64>>> {
-        let times = times.as_array().to_vec();
-        let dimension = self.0.dimension();
-        let values = py.detach(|| -> telespring::Result<_> {
-            let mut values = vec![0.0; times.len() * dimension];
-            for (&t, row) in times.iter().zip(values.chunks_exact_mut(dimension)) {
-                self.0.derivative(t, row)?;
+    /// Steps rejected.
+    #[getter]
+    fn rejected(&self) -> usize {
+        self.solution.rejected
+    }
+
+    /// Calls of the right-hand side.
+    #[getter]
+    fn evaluations(&self) -> usize {
+        self.solution.evaluations
+    }
+
+    /// Whether the whole span was solved.
+    #[getter]
+    fn completed(&self) -> bool {
+        matches!(self.solution.status, Status::Completed)
+    }
+
+    /// The first time.
+    #[getter]
+    fn start(&self) -> f64 {
+        self.solution.knots().first().copied().unwrap_or(f64::NAN)
+    }
+
+    /// The last time; that of the span where `completed`.
+    #[getter]
+    fn end(&self) -> f64 {
+        self.solution.knots().last().copied().unwrap_or(f64::NAN)
+    }
+
+    /// y at one or many times, one component per last index.
+    fn __call__<'py>(&self, times: &Bound<'py, PyAny>) -> Outcome<Bound<'py, PyAny>> {
+        self.at(times, |times, values| {
+            values.copy_from_slice(&self.solution.sample(times)?);
+            Ok(())
+        })
+    }
+
+    /// y' at one or many times, one order less accurate than y.
+    fn derivative<'py>(&self, times: &Bound<'py, PyAny>) -> Outcome<Bound<'py, PyAny>> {
+        self.at(times, |times, values| {
+            for (&t, row) in times.iter().zip(values.chunks_exact_mut(self.solution.dimension())) {
+                self.solution.derivative(t, row)?;
             }
+            Ok(())
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "DelaySolution(status='{}', start={:?}, end={:?}, steps={})",
+            self.status(),
+            self.start(),
+            self.end(),
+            self.solution.steps
+        )
+    }
+}
+
+impl DelaySolution {
+    /// One row of values per time, in the shape of the times.
+    fn at<'py>(
+        &self,
+        times: &Bound<'py, PyAny>,
+        evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
+    ) -> Outcome<Bound<'py, PyAny>> {
+        let py = times.py();
+        let times: PyReadonlyArrayDyn<'py, f64> =
+            as_numbers("times", times)?.extract().map_err(PyErr::from)?;
+        let mut shape = times.shape().to_vec();
+        let times: Vec<f64> = times.as_array().iter().copied().collect();
+        shape.push(self.solution.dimension());
+        let values = py.detach(|| -> telespring::Result<_> {
+            let mut values = vec![0.0; times.len() * self.solution.dimension()];
+            evaluate(&times, &mut values)?;
             Ok(values)
         })?;
-        Ok(values.into_pyarray(py).reshape([times.len(), dimension])?)
+        Ok(values.into_pyarray(py).reshape(shape)?.into_any())
     }
 }

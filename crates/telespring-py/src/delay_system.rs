@@ -2,16 +2,14 @@
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
-use pyo3::types::PyType;
 use telespring::InvalidInput;
-use telespring::spectrum::Certificate;
 
 use crate::arguments::Count;
+use crate::arrays::as_numbers;
 use crate::errors::Outcome;
-use crate::spectrum::roots;
+use crate::spectrum::{Spectrum, warn};
 
 /// x′(t) = A0 x(t) + Σ Aj x(t - τj): a linear system with several constant delays.
 ///
@@ -45,9 +43,7 @@ type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Any array_like as a matrix, refused by its name.
 fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
-    static AS_NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let as_numbers = AS_NUMBERS.import(value.py(), "telespring._arrays", "as_numbers")?;
-    let array = as_numbers.call1((name, value))?;
+    let array = as_numbers(name, value)?;
     let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>() else {
         let shape = array.getattr("shape")?;
         return Err(InvalidInput::new(
@@ -136,9 +132,9 @@ impl DelaySystem {
         count: Count,
     ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
         let count = count.check()?;
-        let found = py.detach(|| self.0.characteristic_roots(count))?;
-        warn(py, "roots'", &found.certificate)?;
-        Ok(roots(py, found).0)
+        let roots = py.detach(|| self.0.characteristic_roots(count))?;
+        warn(py, "roots'", &roots.certificate)?;
+        Ok(roots.roots.into_pyarray(py))
     }
 
     /// The largest real part of the characteristic roots, 1/s, a root at s = 0 included.
@@ -220,11 +216,9 @@ impl DelaySystem {
     /// >>> found.complete, bool(abs(found.roots).min() == 0.0)
     /// (True, True)
     #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
-    fn certified_roots<'py>(&self, py: Python<'py>, count: Count) -> Outcome<Bound<'py, PyAny>> {
-        static SPECTRUM: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    fn certified_roots(&self, py: Python<'_>, count: Count) -> Outcome<Spectrum> {
         let count = count.check()?;
-        let found = py.detach(|| self.0.characteristic_roots(count))?;
-        Ok(SPECTRUM.import(py, "telespring.theory.spectrum", "Spectrum")?.call1(roots(py, found))?)
+        Ok(Spectrum::of(py, py.detach(|| self.0.characteristic_roots(count))?))
     }
 
     fn __repr__(&self) -> String {
@@ -241,15 +235,4 @@ impl DelaySystem {
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Matrix<'py>, Vec<(f64, Matrix<'py>)>)> {
         Ok((self.a0(py)?, self.delayed(py)?))
     }
-}
-
-/// As `telespring.characteristic_roots` warns of roots that may have been missed.
-fn warn(py: Python<'_>, whose: &str, certificate: &Certificate) -> PyResult<()> {
-    static WARNING: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-    if certificate.is_complete() {
-        return Ok(());
-    }
-    let category = WARNING.import(py, "telespring.theory.spectrum", "CertificateWarning")?;
-    let text = format!("the {whose} certificate is {certificate}");
-    py.import("warnings")?.call_method1("warn", (text, category)).map(drop)
 }

@@ -6,16 +6,11 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 use telespring::InvalidInput;
 
-/// Why a call into the core came to no result.
+/// Why a call into the core has no result.
 #[derive(Debug)]
 pub enum Failure {
-    /// A value was refused; `index` counts through the broadcast arguments where there are several.
-    Refused {
-        /// What was refused and how to mend it.
-        refusal: InvalidInput,
-        /// Which element of the arrays it was.
-        index: Option<usize>,
-    },
+    /// A value was refused.
+    Refused(InvalidInput),
     /// Python itself raised, for instance in the user's function.
     Python(PyErr),
 }
@@ -24,7 +19,7 @@ impl Failure {
     /// The same refusal with `place` put before its field.
     pub fn within(self, place: &str) -> Self {
         match self {
-            Self::Refused { refusal, index } => Self::Refused { refusal: refusal.within(place), index },
+            Self::Refused(refusal) => Self::Refused(refusal.within(place)),
             raised @ Self::Python(_) => raised,
         }
     }
@@ -35,7 +30,7 @@ pub type Outcome<T> = Result<T, Failure>;
 
 impl From<InvalidInput> for Failure {
     fn from(refusal: InvalidInput) -> Self {
-        Self::Refused { refusal, index: None }
+        Self::Refused(refusal)
     }
 }
 
@@ -49,17 +44,16 @@ impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Python(error) => error,
-            Failure::Refused { refusal, index } => {
-                Python::attach(|py| exception(py, &refusal, index)).unwrap_or_else(|error| error)
+            Failure::Refused(refusal) => {
+                Python::attach(|py| exception(py, &refusal)).unwrap_or_else(|error| error)
             }
         }
     }
 }
 
-fn exception(py: Python<'_>, refusal: &InvalidInput, index: Option<usize>) -> PyResult<PyErr> {
+fn exception(py: Python<'_>, refusal: &InvalidInput) -> PyResult<PyErr> {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     let class = CLASS.import(py, "telespring._errors", "InvalidInput")?;
     let raised = class.call1((&refusal.field, &refusal.value, &refusal.allowed, &refusal.remedy))?;
-    raised.setattr("_index", index)?;
     Ok(PyErr::from_value(raised))
 }

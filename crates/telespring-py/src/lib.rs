@@ -5,6 +5,7 @@
 
 mod arguments;
 mod arrays;
+mod axis;
 mod criteria;
 mod dde;
 mod delay_system;
@@ -15,8 +16,10 @@ mod participants;
 mod plant;
 mod poses;
 mod recording;
+mod records;
 mod response;
 mod rig;
+mod roots;
 mod simulation;
 mod spectrum;
 mod study;
@@ -28,17 +31,21 @@ use pyo3::prelude::*;
 /// The compiled core of `telespring`; use the functions of `telespring` itself.
 #[pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
     /// Version of the core.
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]
     use crate::criteria::{
         critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
         stability_map, stable_delays, unstable_root_count,
     };
     #[pymodule_export]
-    use crate::dde::{DdeSolution, solve_dde};
+    use crate::dde::{DelaySolution, solve_dde};
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
@@ -55,17 +62,45 @@ mod _core {
     use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
     use crate::response::{
-        frequency_grid, frequency_response, mobility_matrix, nyquist, open_loop, partner_response,
-        transfer_matrix,
+        FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid,
+        frequency_response, mobility_matrix, nyquist, open_loop, partner_response, transfer_matrix,
     };
     #[pymodule_export]
     use crate::rig::{Laboratory, trial_seed};
     #[pymodule_export]
+    use crate::roots::{certified_roots, characteristic_roots, spectral_abscissa};
+    #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]
-    use crate::spectrum::{characteristic_roots, spectral_abscissa};
+    use crate::spectrum::Spectrum;
     #[pymodule_export]
     use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
     #[pymodule_export]
-    use crate::verdicts::verdicts;
+    use crate::verdicts::{
+        AxisTier, AxisVerdict, DelayBudget, OperatorPoint, PaperVerdict, Remedies, SampledSpectrum,
+        StiffnessAllowed, StiffnessMargin, Verdict, Verdicts, verdicts,
+    };
+
+    /// The documented functions belong to the package, where their examples are run.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        for name in [
+            "certified_roots",
+            "characteristic_roots",
+            "critical_stiffness",
+            "crossings",
+            "decay_stiffness",
+            "hman",
+            "maximum_delay",
+            "maximum_stiffness",
+            "minimum_damping",
+            "spectral_abscissa",
+            "stability_map",
+            "stable_delays",
+            "unstable_root_count",
+        ] {
+            module.getattr(name)?.setattr("__module__", "telespring")?;
+        }
+        Ok(())
+    }
 }

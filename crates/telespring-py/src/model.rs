@@ -2,62 +2,13 @@
 
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyTuple;
 use telespring::InvalidInput;
 
-use crate::arguments::{Argument, AxisChoice, DelayChoice, Number};
+use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, PerAxis};
+use crate::axis::DyadAxis;
 use crate::delay_system::DelaySystem;
 use crate::errors::Outcome;
-
-/// One number for every axis, or one per axis.
-#[derive(Debug, Clone, PartialEq)]
-pub enum PerAxis {
-    /// The same on every axis, however many there are.
-    All(f64),
-    /// One per axis.
-    Each(Vec<f64>),
-}
-
-impl FromPyObject<'_, '_> for PerAxis {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
-        if let Ok(number) = value.extract::<f64>() {
-            return Ok(Self::All(number));
-        }
-        value.extract::<Vec<f64>>().map(Self::Each)
-    }
-}
-
-impl PerAxis {
-    fn count(&self) -> Option<usize> {
-        match self {
-            Self::All(_) => None,
-            Self::Each(values) => Some(values.len()),
-        }
-    }
-
-    fn on(&self, axes: usize) -> Vec<f64> {
-        match self {
-            Self::All(value) => vec![*value; axes],
-            Self::Each(values) => values.clone(),
-        }
-    }
-
-    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(match self {
-            Self::All(value) => value.into_pyobject(py)?.into_any(),
-            Self::Each(values) => PyList::new(py, values)?.into_any(),
-        })
-    }
-
-    fn text(&self) -> String {
-        match self {
-            Self::All(value) => format!("{value:?}"),
-            Self::Each(values) => format!("{values:?}"),
-        }
-    }
-}
 
 /// A robot with independent axes, each a mass with viscous damping.
 ///
@@ -388,19 +339,38 @@ impl Dyad {
         (robot1, robot2, self.operators(), self.coupling_damping())
     }
 
-    /// m1, b1, m2, b2, kh1, kh2, c of one axis, operators added to the robots.
-    fn _parameters(&self, axis: AxisChoice) -> Outcome<(f64, f64, f64, f64, f64, f64, f64)> {
-        let axis = axis.of(&self.0)?;
-        let [first, second] = axis.sides;
-        Ok((
-            first.mass,
-            first.damping,
-            second.mass,
-            second.damping,
-            first.ground_stiffness,
-            second.ground_stiffness,
-            axis.coupling_damping,
-        ))
+    /// One axis, operators added to the robots.
+    ///
+    /// Parameters
+    /// ----------
+    /// axis : int or str
+    ///     The axis by its index or its name.
+    ///
+    /// Returns
+    /// -------
+    /// DyadAxis
+    ///     With the criteria and the spectrum as methods; ``dyad["x"]`` is the same.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     Where the dyad has no such axis.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> round(ts.hman().axis("x").critical_stiffness(), 6)
+    /// 35.615988
+    /// >>> dyad = ts.hman()
+    /// >>> [round(dyad[name].maximum_delay(71.2), 4) for name in dyad.axes]
+    /// [0.1673, 0.232]
+    fn axis(&self, axis: AxisChoice) -> Outcome<DyadAxis> {
+        let index = axis.index(&self.0)?;
+        Ok(DyadAxis { name: self.0.axis_names()[index].clone(), index, axis: self.0.axis(index)? })
+    }
+
+    fn __getitem__(&self, axis: AxisChoice) -> Outcome<DyadAxis> {
+        self.axis(axis)
     }
 }
 

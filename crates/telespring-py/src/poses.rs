@@ -18,9 +18,9 @@ fn held(dyad: &Bound<'_, Dyad>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> O
     let arm = |robot: usize| match &arms[robot] {
         None => Ok(Arm::Lumped { mass: [0.0; 2], damping: [0.0; 2] }),
         Some(arm) => arm_of(arm).map_err(|failure| match failure {
-            Failure::Refused { mut refusal, index } => {
+            Failure::Refused(mut refusal) => {
                 refusal.field = refusal.field.replacen("arm", &format!("arm{}", robot + 1), 1);
-                Failure::Refused { refusal, index }
+                Failure::Refused(refusal)
             }
             raised @ Failure::Python(_) => raised,
         }),

@@ -1,16 +1,16 @@
 //! Transfer matrix, Nyquist locus, magnitude and phase of one axis.
 
 use num_complex::Complex64;
-use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1};
+use numpy::{IntoPyArray, Ix1, Ix3, PyArray3, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
-use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus, ResponseCurve};
+use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
 use crate::arguments::{AxisChoice, DelayChoice, Number};
 use crate::errors::Outcome;
 use crate::model::Dyad;
+use crate::records::{Array, record};
 
-type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
 
 /// The diagonal by its name.
@@ -26,7 +26,7 @@ impl ConventionName {
                 "convention",
                 format!("{other:?}"),
                 "the conventions are \"exact\" and \"paper\"",
-                "Leave it away for \"exact\".",
+                "Omit it for \"exact\".",
             )),
         }
     }
@@ -107,141 +107,209 @@ pub fn mobility_matrix<'py>(
     matrices(py, of, &s, response::mobility_matrix)
 }
 
-type Response<'py> =
-    (Numbers<'py>, Matrices<'py>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>, Vec<f64>);
+record! {
+    /// The transfer matrix over frequency; index 0 is robot 1.
+    FrequencyResponse {
+        /// Angular frequencies as given, rad/s, (n,).
+        frequency: Array<f64, Ix1>,
+        /// value[i, output, input] is the position of a robot under the force on a robot, m/N, (n, 2, 2).
+        value: Array<Complex64, Ix3>,
+        /// Its magnitude, m/N, (n, 2, 2).
+        magnitude: Array<f64, Ix3>,
+        /// Its phase, rad, (n, 2, 2), continuous from ω → 0: from 0 there, or from -π/2 for free handles.
+        phase: Array<f64, Ix3>,
+        /// Frequencies, rad/s, up to the largest given one, at which a characteristic root lies on the
+        /// imaginary axis within rounding; the phase falls by π there.
+        poles_on_axis: Vec<f64>,
+    }
+}
 
-/// Frequency, matrix, magnitude, phase and the poles on the axis.
+record! {
+    /// One response over frequency.
+    ResponseCurve {
+        /// Angular frequencies as given, rad/s, (n,).
+        frequency: Array<f64, Ix1>,
+        /// The response, without a unit, (n,).
+        value: Array<Complex64, Ix1>,
+        /// Its magnitude, (n,).
+        magnitude: Array<f64, Ix1>,
+        /// Its phase, rad, (n,), continuous from ω → 0.
+        phase: Array<f64, Ix1>,
+    }
+}
+
+record! {
+    /// Frequencies so dense that no resonance falls between two of them.
+    FrequencyGrid {
+        /// Angular frequencies, rad/s, (n,), ascending, both ends included.
+        frequency: Array<f64, Ix1>,
+        /// "resolved", "poles on the axis" or "too many points": whether they meet the resolution everywhere,
+        /// everywhere but at the poles, or only as far as the limit on their number allows.
+        status: String,
+        /// Frequencies, rad/s, of resonances without damping and of roots on the imaginary axis.
+        poles_on_axis: Vec<f64>,
+    }
+}
+
+record! {
+    /// A margin or distance and where it is taken; unpacks as (value, frequency).
+    FrequencyMargin(response::Margin) as tuple {
+        /// Its size, in the unit stated beside it.
+        value,
+        /// The angular frequency, rad/s; inf for the limit ω → ∞.
+        frequency,
+    }
+}
+
+record! {
+    /// The Nyquist locus of one axis, the number of unstable roots and the margins.
+    ///
+    /// A margin is None where no finite one exists or the dyad is not stable.
+    Nyquist {
+        /// Angular frequencies of the locus from 0 on, rad/s, (n,); fine enough that no turn is skipped.
+        frequency: Array<f64, Ix1>,
+        /// L(jω) at each; points where it is infinite (undamped sides) are omitted.
+        locus: Array<Complex64, Ix1>,
+        /// Net clockwise encirclements of -1 over -∞ < ω < ∞, the rigid-body root deflated.
+        encirclements: i64,
+        /// Characteristic roots in the open right half-plane.
+        unstable_roots: usize,
+        /// Whether both handles are free: L(0) = -1 for every stiffness and delay, the root s = 0.
+        rigid_body: bool,
+        /// Whether every root but the rigid-body one is proven to lie in the open left half-plane.
+        stable: bool,
+        /// Smallest local minimum of abs(L + 1) over ω > 0 and of its limit, 1 at ω = ∞.
+        minimum_distance: Margin,
+        /// Smallest factor above 1 on L that brings a root onto the imaginary axis.
+        gain_margin: Option<Margin>,
+        /// Largest factor below 1 on L that does.
+        gain_reduction_margin: Option<Margin>,
+        /// Smallest rotation of L, rad, either way, that does.
+        phase_margin: Option<Margin>,
+        /// Smallest addition to the mean one-way delay, s, that does.
+        delay_margin: Option<Margin>,
+        /// "counted", "on the axis" (the dyad is marginal within rounding) or "not counted".
+        status: String,
+        /// The lowest frequency, rad/s, of a root on the axis; it is not among the unstable ones.
+        root_on_axis: Option<f64>,
+        /// "resolved", "poles on the axis" or "too many points": whether the locus has its resolution; the
+        /// count does not depend on it.
+        locus_status: String,
+        /// Frequencies, rad/s, at which it has not.
+        locus_poles: Vec<f64>,
+    }
+}
+
+/// The transfer matrix over angular frequencies.
 #[pyfunction]
 pub fn frequency_response<'py>(
     py: Python<'py>,
     of: Loop<'py>,
     frequency: PyReadonlyArray1<'py, f64>,
     convention: ConventionName,
-) -> Outcome<Response<'py>> {
+) -> Outcome<FrequencyResponse> {
     let ((axis, stiffness, delay), convention) = (of.check()?, convention.check()?);
     let frequency = frequency.as_array().to_vec();
-    let found =
+    let response =
         py.detach(|| response::frequency_response(&axis, stiffness, &delay, &frequency, convention))?;
-    Ok((
-        found.frequency.into_pyarray(py),
-        blocks(py, found.value)?,
-        blocks(py, found.magnitude)?,
-        blocks(py, found.phase)?,
-        found.poles_on_axis,
-    ))
+    Ok(FrequencyResponse {
+        frequency: response.frequency.into_pyarray(py).into(),
+        value: blocks(py, response.value)?.into(),
+        magnitude: blocks(py, response.magnitude)?.into(),
+        phase: blocks(py, response.phase)?.into(),
+        poles_on_axis: response.poles_on_axis,
+    })
 }
 
-type Curve<'py> = (Numbers<'py>, Bound<'py, PyArray1<Complex64>>, Numbers<'py>, Numbers<'py>);
-
-fn curve(py: Python<'_>, found: ResponseCurve) -> Curve<'_> {
-    (
-        found.frequency.into_pyarray(py),
-        found.value.into_pyarray(py),
-        found.magnitude.into_pyarray(py),
-        found.phase.into_pyarray(py),
-    )
+impl ResponseCurve {
+    fn of(py: Python<'_>, curve: response::ResponseCurve) -> Self {
+        Self {
+            frequency: curve.frequency.into_pyarray(py).into(),
+            value: curve.value.into_pyarray(py).into(),
+            magnitude: curve.magnitude.into_pyarray(py).into(),
+            phase: curve.phase.into_pyarray(py).into(),
+        }
+    }
 }
 
-/// The open loop as (frequency, value, magnitude, phase).
+/// The open loop over angular frequencies.
 #[pyfunction]
 pub fn open_loop<'py>(
     py: Python<'py>,
     of: Loop<'py>,
     frequency: PyReadonlyArray1<'py, f64>,
-) -> Outcome<Curve<'py>> {
+) -> Outcome<ResponseCurve> {
     let (axis, stiffness, delay) = of.check()?;
     let frequency = frequency.as_array().to_vec();
-    Ok(curve(py, py.detach(|| response::open_loop(&axis, stiffness, &delay, &frequency))?))
+    let curve = py.detach(|| response::open_loop(&axis, stiffness, &delay, &frequency))?;
+    Ok(ResponseCurve::of(py, curve))
 }
 
-/// How a robot follows its partner, as (frequency, value, magnitude, phase).
+/// How a robot follows its partner, over angular frequencies.
 #[pyfunction]
 pub fn partner_response<'py>(
     py: Python<'py>,
     of: Loop<'py>,
     robot: usize,
     frequency: PyReadonlyArray1<'py, f64>,
-) -> Outcome<Curve<'py>> {
+) -> Outcome<ResponseCurve> {
     let (axis, stiffness, delay) = of.check()?;
     let frequency = frequency.as_array().to_vec();
-    Ok(curve(py, py.detach(|| response::partner_response(&axis, stiffness, &delay, robot, &frequency))?))
+    let curve = py.detach(|| response::partner_response(&axis, stiffness, &delay, robot, &frequency))?;
+    Ok(ResponseCurve::of(py, curve))
 }
 
-/// How a grid ended, in words and with the poles it met.
-fn words(status: GridStatus) -> (&'static str, Vec<f64>) {
+/// The status of a grid as a word, and the poles on the axis.
+fn grid_status(status: GridStatus) -> (String, Vec<f64>) {
     match status {
-        GridStatus::Resolved => ("resolved", Vec::new()),
-        GridStatus::PolesOnAxis(poles) => ("poles on the axis", poles),
-        _ => ("too many points", Vec::new()),
+        GridStatus::Resolved => ("resolved".to_owned(), Vec::new()),
+        GridStatus::PolesOnAxis(poles) => ("poles on the axis".to_owned(), poles),
+        _ => ("too many points".to_owned(), Vec::new()),
     }
 }
 
-/// The grid as (frequency, status, poles on the axis).
+/// A grid of angular frequencies.
 #[pyfunction]
-pub fn frequency_grid<'py>(
-    py: Python<'py>,
-    of: Loop<'py>,
+pub fn frequency_grid(
+    py: Python<'_>,
+    of: Loop<'_>,
     low: f64,
     high: f64,
     resolution: f64,
     limit: usize,
-) -> Outcome<(Numbers<'py>, &'static str, Vec<f64>)> {
+) -> Outcome<FrequencyGrid> {
     let (axis, stiffness, delay) = of.check()?;
-    let found =
+    let grid =
         py.detach(|| response::frequency_grid(&axis, stiffness, &delay, low, high, resolution, limit))?;
-    let (status, poles) = words(found.status);
-    Ok((found.frequency.into_pyarray(py), status, poles))
-}
-
-/// Value and frequency of a margin.
-type Pair = (f64, f64);
-
-/// The Nyquist locus, what it counts and the margins.
-#[derive(IntoPyObject)]
-pub struct Nyquist<'py> {
-    frequency: Numbers<'py>,
-    locus: Bound<'py, PyArray1<Complex64>>,
-    encirclements: i64,
-    unstable_roots: usize,
-    rigid_body: bool,
-    stable: bool,
-    minimum_distance: Pair,
-    gain_margin: Option<Pair>,
-    gain_reduction_margin: Option<Pair>,
-    phase_margin: Option<Pair>,
-    delay_margin: Option<Pair>,
-    status: &'static str,
-    root_on_axis: Option<f64>,
-    locus_status: &'static str,
-    locus_poles: Vec<f64>,
+    let (status, poles_on_axis) = grid_status(grid.status);
+    Ok(FrequencyGrid { frequency: grid.frequency.into_pyarray(py).into(), status, poles_on_axis })
 }
 
 /// The Nyquist locus of one axis.
 #[pyfunction]
-pub fn nyquist<'py>(py: Python<'py>, of: Loop<'py>) -> Outcome<Nyquist<'py>> {
+pub fn nyquist(py: Python<'_>, of: Loop<'_>) -> Outcome<Nyquist> {
     let (axis, stiffness, delay) = of.check()?;
-    let found = py.detach(|| response::nyquist(&axis, stiffness, &delay))?;
-    let pair = |margin: Margin| (margin.value, margin.frequency);
-    let stable = found.is_stable();
-    let (status, root_on_axis) = match found.status {
+    let nyquist = py.detach(|| response::nyquist(&axis, stiffness, &delay))?;
+    let stable = nyquist.is_stable();
+    let (status, root_on_axis) = match nyquist.status {
         NyquistStatus::Counted => ("counted", None),
         NyquistStatus::OnTheAxis { frequency } => ("on the axis", Some(frequency)),
         _ => ("not counted", None),
     };
-    let (locus_status, locus_poles) = words(found.locus_status);
+    let (locus_status, locus_poles) = grid_status(nyquist.locus_status);
     Ok(Nyquist {
-        frequency: found.frequency.into_pyarray(py),
-        locus: found.locus.into_pyarray(py),
-        encirclements: found.encirclements,
-        unstable_roots: found.unstable_roots,
-        rigid_body: found.rigid_body,
+        frequency: nyquist.frequency.into_pyarray(py).into(),
+        locus: nyquist.locus.into_pyarray(py).into(),
+        encirclements: nyquist.encirclements,
+        unstable_roots: nyquist.unstable_roots,
+        rigid_body: nyquist.rigid_body,
         stable,
-        minimum_distance: pair(found.minimum_distance),
-        gain_margin: found.gain_margin.map(pair),
-        gain_reduction_margin: found.gain_reduction_margin.map(pair),
-        phase_margin: found.phase_margin.map(pair),
-        delay_margin: found.delay_margin.map(pair),
-        status,
+        minimum_distance: nyquist.minimum_distance,
+        gain_margin: nyquist.gain_margin,
+        gain_reduction_margin: nyquist.gain_reduction_margin,
+        phase_margin: nyquist.phase_margin,
+        delay_margin: nyquist.delay_margin,
+        status: status.to_owned(),
         root_on_axis,
         locus_status,
         locus_poles,

@@ -1,54 +1,50 @@
-//! Characteristic roots of one axis.
+//! Characteristic roots with their certificate.
 
 use num_complex::Complex64;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, Ix1};
 use pyo3::prelude::*;
-use telespring::spectrum::{self, Spectrum};
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+use telespring::spectrum::Certificate;
 
-use crate::arguments::{AxisChoice, Count, DelayChoice, Number};
-use crate::errors::Outcome;
-use crate::model::Dyad;
+use crate::records::{Array, record};
 
-/// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
-pub type Roots<'py> = (Bound<'py, PyArray1<Complex64>>, bool, bool, String, f64);
-
-/// As Python's `Spectrum` takes them.
-pub fn roots(py: Python<'_>, found: Spectrum) -> Roots<'_> {
-    (
-        found.roots.into_pyarray(py),
-        found.rigid_body,
-        found.certificate.is_complete(),
-        found.certificate.to_string(),
-        found.depth,
-    )
+record! {
+    /// The rightmost characteristic roots.
+    Spectrum {
+        /// The roots, 1/s, rightmost first, the upper one of a pair first; of an axis without its rigid-body root.
+        roots: Array<Complex64, Ix1>,
+        /// Whether s = 0 is a root besides: both handles are free and the robots can drift together.
+        rigid_body: bool,
+        /// Whether the argument principle counted exactly as many roots right of `depth` as were found.
+        complete: bool,
+        /// The same in words, with both numbers where they differ.
+        certificate: String,
+        /// The line Re s = depth, 1/s, right of which roots were counted; -inf without delay.
+        depth: f64,
+    }
 }
 
-/// The rightmost roots as (roots, rigid body, complete, certificate in words, depth).
-#[pyfunction]
-pub fn characteristic_roots<'py>(
-    py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
-    stiffness: Number,
-    delay: DelayChoice,
-    count: Count,
-    axis: AxisChoice,
-) -> Outcome<Roots<'py>> {
-    let (axis, stiffness) = (axis.of(&dyad.get().0)?, stiffness.named("stiffness")?);
-    let (delay, count) = (delay.check()?, count.check()?);
-    let found = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
-    Ok(roots(py, found))
+impl Spectrum {
+    /// As Python reads it.
+    pub fn of(py: Python<'_>, spectrum: telespring::spectrum::Spectrum) -> Self {
+        Self {
+            roots: spectrum.roots.into_pyarray(py).into(),
+            rigid_body: spectrum.rigid_body,
+            complete: spectrum.certificate.is_complete(),
+            certificate: spectrum.certificate.to_string(),
+            depth: spectrum.depth,
+        }
+    }
 }
 
-/// The abscissa as (value, complete, certificate in words).
-#[pyfunction]
-pub fn spectral_abscissa(
-    py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
-    stiffness: Number,
-    delay: DelayChoice,
-    axis: AxisChoice,
-) -> Outcome<(f64, bool, String)> {
-    let (axis, stiffness) = (axis.of(&dyad.get().0)?, stiffness.named("stiffness")?);
-    let found = py.detach(|| spectrum::spectral_abscissa(&axis, stiffness, &delay.check()?))?;
-    Ok((found.value, found.certificate.is_complete(), found.certificate.to_string()))
+/// Warns that a root may have been missed, where the certificate does not exclude it.
+pub fn warn(py: Python<'_>, whose: &str, certificate: &Certificate) -> PyResult<()> {
+    static WARNING: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    if certificate.is_complete() {
+        return Ok(());
+    }
+    let category = WARNING.import(py, "telespring._errors", "CertificateWarning")?;
+    let text = format!("the {whose} certificate is {certificate}");
+    py.import("warnings")?.call_method1("warn", (text, category)).map(drop)
 }

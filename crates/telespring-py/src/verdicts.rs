@@ -1,250 +1,309 @@
-//! The four verdicts, as dictionaries that Python turns into its records.
+//! The verdicts on a dyad over a network.
 
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use telespring::verdicts as core;
 use telespring::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
 
 use crate::arguments::Number;
 use crate::errors::Outcome;
 use crate::model::Dyad;
+use crate::records::{Value, record, words};
 use crate::study::{Network, OperatorRange};
 
-#[derive(IntoPyObject)]
-struct OperatorPoint {
-    mass: f64,
-    damping: f64,
-    stiffness: f64,
-}
+words!(Tier {
+    AnyNetwork = "any network",
+    BoundedVaryingDelay = "bounded varying delay",
+    AnyConstantDelay = "any constant delay",
+    ConstantDelay = "constant delay",
+});
 
-impl From<core::OperatorPoint> for OperatorPoint {
-    fn from(point: core::OperatorPoint) -> Self {
-        Self { mass: point.mass, damping: point.damping, stiffness: point.stiffness }
-    }
-}
+words!(Unavailable {
+    CouplingDampingWithGroundedOperator = "coupling damping with grounded operator",
+    CouplingDampingWithComputingTime = "coupling damping with computing time",
+    CouplingDamping = "coupling damping",
+});
 
-#[derive(IntoPyObject)]
-struct Margin {
-    ratio: f64,
-    difference: f64,
-}
+words!(SampledCertificate {
+    Complete = "complete",
+    UpperBound = "upper bound",
+    Incomplete = "incomplete",
+});
 
-#[derive(IntoPyObject)]
-struct Verdict {
-    tier: &'static str,
-    stiffness_bound: Option<f64>,
-    attained: bool,
-    satisfied: bool,
-    margin: Option<Margin>,
-    worst_axis: Option<usize>,
-    worst_operators: Option<(OperatorPoint, OperatorPoint)>,
-    assumption: &'static str,
-    buffer_delay: Option<(f64, f64)>,
-    unavailable: Option<&'static str>,
-}
-
-fn pair([first, second]: [core::OperatorPoint; 2]) -> (OperatorPoint, OperatorPoint) {
-    (first.into(), second.into())
-}
-
-impl From<&core::Verdict> for Verdict {
-    fn from(verdict: &core::Verdict) -> Self {
-        let (assumption, buffer_delay) = match verdict.assumption {
-            Assumption::MetBehindPlayoutBuffer { delay } => ("met behind playout buffer", Some(delay.into())),
-            Assumption::Met => ("met", None),
-            _ => ("not met", None),
+impl Value for Assumption {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let word = match self {
+            Self::Met => "met",
+            Self::MetBehindPlayoutBuffer { .. } => "met behind playout buffer",
+            _ => "not met",
         };
-        Self {
-            tier: verdict.tier.name(),
-            stiffness_bound: verdict.stiffness_bound,
-            attained: verdict.attained,
-            satisfied: verdict.satisfied,
-            margin: verdict
-                .margin
-                .map(|margin| Margin { ratio: margin.ratio, difference: margin.difference }),
-            worst_axis: verdict.worst_axis,
-            worst_operators: verdict.worst_operators.map(pair),
-            assumption,
-            buffer_delay,
-            unavailable: verdict.unavailable.map(|reason| match reason {
-                Unavailable::CouplingDampingWithGroundedOperator => "coupling damping with grounded operator",
-                Unavailable::CouplingDampingWithComputingTime => "coupling damping with computing time",
-                Unavailable::CouplingDamping => "coupling damping",
-                _ => "no rule",
-            }),
+        word.into_bound_py_any(py)
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match value.extract::<[f64; 2]>() {
+            Ok(delay) => Ok(Self::MetBehindPlayoutBuffer { delay }),
+            Err(_) => Ok(Self::Met),
+        }
+    }
+
+    // the delay of the buffer, which the word does not hold
+    fn to_argument<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        buffer_delay(self).map_or_else(|| self.to_python(py), |delay| delay.to_python(py))
+    }
+}
+
+fn buffer_delay(assumption: &Assumption) -> Option<[f64; 2]> {
+    match assumption {
+        Assumption::MetBehindPlayoutBuffer { delay } => Some(*delay),
+        _ => None,
+    }
+}
+
+impl Value for core::Network {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Network(*self).into_bound_py_any(py)
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(value.cast::<Network>()?.get().0)
+    }
+
+    fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let out = PyDict::new(py);
+        out.set_item("delay", vec![self.delay().forward(), self.delay().backward()])?;
+        out.set_item("jitter", self.jitter())?;
+        out.set_item("max_gap", self.max_gap())?;
+        out.set_item("sample_period", self.sample_period())?;
+        out.set_item("computing_time", self.computing_time())?;
+        Ok(out.into_any())
+    }
+}
+
+record! {
+    /// One operator on one axis.
+    OperatorPoint(core::OperatorPoint) {
+        /// Mass, kg.
+        mass,
+        /// Damping, N·s/m.
+        damping,
+        /// Stiffness to the ground, N/m.
+        stiffness,
+    }
+}
+
+record! {
+    /// How far a stiffness is from a bound.
+    StiffnessMargin(core::StiffnessMargin) {
+        /// Bound over stiffness: above 1 the stiffness is inside.
+        ratio,
+        /// Bound minus stiffness, N/m.
+        difference,
+    }
+}
+
+record! {
+    /// The verdict of one tier on the whole dyad.
+    Verdict(core::Verdict) {
+        /// "any network", "bounded varying delay", "any constant delay" or "constant delay".
+        tier,
+        /// The largest stiffness, N/m, such that every smaller one is allowed; inf where there is no limit,
+        /// None where the tier has no rule for this dyad.
+        stiffness_bound,
+        /// Whether that stiffness is itself allowed.
+        attained,
+        /// Whether the requested stiffness satisfies the rule on every axis, for every operator examined. A
+        /// constant delay may be stable above the bound, in a later stable interval.
+        satisfied,
+        /// How far the stiffness is from the bound; None without a bound.
+        margin,
+        /// The axis with the smallest bound, counted from 0.
+        worst_axis,
+        /// The operators with the smallest bound on that axis.
+        worst_operators,
+        /// "met", "met behind playout buffer" or "not met": whether the network fulfils the assumption of the
+        /// tier, as it is or only behind a buffer that delays every packet equally.
+        assumption,
+        /// Why the tier has no rule, where it has none.
+        unavailable,
+    }
+    computed {
+        /// The delay of that buffer, s, forward and backward: delay plus jitter plus longest gap.
+        buffer_delay = |verdict| buffer_delay(&verdict.assumption),
+    }
+    methods {
+        /// Whether the network fulfils the assumption of the tier without a buffer.
+        #[getter]
+        fn assumption_met(&self) -> bool {
+            self.0.assumption == Assumption::Met
         }
     }
 }
 
-#[derive(IntoPyObject)]
-struct Allowed {
-    stiffness: f64,
-    attained: bool,
-    tier: &'static str,
-}
-
-impl From<core::Allowed> for Allowed {
-    fn from(allowed: core::Allowed) -> Self {
-        Self { stiffness: allowed.stiffness, attained: allowed.attained, tier: allowed.tier.name() }
+record! {
+    /// A stiffness and the tier that allows it.
+    StiffnessAllowed(core::Allowed) {
+        /// Every smaller stiffness, N/m, is allowed; inf where there is no limit.
+        stiffness,
+        /// Whether this stiffness itself is allowed too.
+        attained,
+        /// The tier that allows it.
+        tier,
     }
 }
 
-#[derive(IntoPyObject)]
-struct PaperVerdict {
-    critical_stiffness: f64,
-    critical_axis: usize,
-    maximum_delay: f64,
-    delay_axis: usize,
-    stable: bool,
-    agrees: bool,
+record! {
+    /// The verdict of Du, Kulkarni, Kager and Campolo.
+    PaperVerdict(core::PaperVerdict) {
+        /// Critical stiffness over all axes, N/m (Eq. 11 with Eq. 5).
+        critical_stiffness,
+        /// The axis with that stiffness, counted from 0.
+        critical_axis,
+        /// Maximum delay over all axes, s (Eq. 11 with Eqs. 6 to 9); inf up to the critical stiffness.
+        maximum_delay,
+        /// The axis with that delay, counted from 0.
+        delay_axis,
+        /// Whether they call the dyad stable.
+        stable,
+        /// Whether the exact verdict on this constant delay is the same.
+        agrees,
+    }
 }
 
-#[derive(IntoPyObject)]
-struct DelayBudget {
-    network: f64,
-    jitter: f64,
-    gap: f64,
-    sampling: f64,
-    computing: f64,
-    total: f64,
+record! {
+    /// What the age of a partner sample consists of, one direction, s.
+    DelayBudget(core::DelayBudget) {
+        /// The constant part of the one-way delay.
+        network,
+        /// The largest additional delay of a packet.
+        jitter,
+        /// The longest wait for a newer sample.
+        gap,
+        /// One sample period, for which the force is held.
+        sampling,
+        /// From reading the samples to applying the force.
+        computing,
+    }
+    computed {
+        /// The sum: no partner sample in use is older.
+        total = |budget| budget.0.total(),
+    }
 }
 
-impl From<core::DelayBudget> for DelayBudget {
-    fn from(budget: core::DelayBudget) -> Self {
-        Self {
-            network: budget.network,
-            jitter: budget.jitter,
-            gap: budget.gap,
-            sampling: budget.sampling,
-            computing: budget.computing,
-            total: budget.total(),
+record! {
+    /// The slowest multiplier of one axis under sampled controllers.
+    SampledSpectrum(core::SampledSpectrum) {
+        /// The largest abs(z), the rigid-body multiplier excluded.
+        radius,
+        /// ln(radius) over the sample period, 1/s: comparable with the spectral abscissa.
+        abscissa_equivalent,
+        /// abs(arg z) over the sample period, rad/s.
+        frequency,
+        /// "complete" where a count proves that no multiplier lies outside, "upper bound" where the radius only
+        /// bounds them all, "incomplete" where the count ended before it could decide.
+        certificate,
+    }
+    computed {
+        /// Whether the radius is below 1.
+        stable = |spectrum| spectrum.0.is_stable(),
+    }
+}
+
+record! {
+    /// One tier on one axis.
+    AxisTier(core::AxisTier) {
+        /// Which tier.
+        tier,
+        /// The largest stiffness, N/m; None where the tier has no rule.
+        stiffness_bound,
+        /// Whether that stiffness is itself allowed.
+        attained,
+        /// Whether the requested stiffness satisfies the rule, for every operator examined.
+        satisfied,
+        /// The operators with the smallest bound.
+        operators,
+    }
+}
+
+record! {
+    /// One axis in detail.
+    AxisVerdict(core::AxisVerdict) {
+        /// Its name.
+        name,
+        /// Whether an operator, or one in the range, ties a handle to the ground.
+        grounded,
+        /// The four tiers, 1 to 4.
+        tiers,
+        /// Eq. 5 of the paper, N/m.
+        paper_critical_stiffness,
+        /// Eq. 6 of the paper, s; 0 where its Eq. 9 fails.
+        paper_maximum_delay,
+        /// End of the first stable interval, s, the shortest over the operators examined.
+        maximum_delay,
+        /// The slowest multiplier under sampled controllers, the worst over the operators; None without a
+        /// sample period.
+        sampled,
+        /// The largest stiffness, N/m, at most the bound of tier 4, at which the sampled dyad is stable.
+        sampled_stiffness_bound,
+    }
+}
+
+record! {
+    /// Single changes that each make the constant delay stable.
+    Remedies(core::Remedies) {
+        /// Lower the stiffness below this, N/m.
+        stiffness,
+        /// Bring the mean one-way delay below this, s.
+        delay,
+        /// Add more than this damping to each robot, N·s/m.
+        damping,
+    }
+}
+
+record! {
+    /// The four verdicts, the paper's beside them, and what follows from them.
+    ///
+    /// In `to_dict` a `stiffness_bound` of None is infinite where `unavailable` is None, and absent where
+    /// `unavailable` gives a reason; `worst_axis` is None only where it is absent.
+    Verdicts(core::Verdicts) {
+        /// The requested stiffness, N/m.
+        stiffness,
+        /// The network.
+        network,
+        /// Tiers 1 to 4.
+        tiers,
+        /// The bound of tier 2 from the robots' own damping, N/m: it holds for every passive operator. None
+        /// with a coupling damper.
+        any_passive_operator,
+        /// Whether the sampled dyad is stable at this constant delay on every axis; None without a sample
+        /// period.
+        sampled_stable,
+        /// The paper's verdict.
+        paper,
+        /// The largest stiffness over the tiers whose assumption the network fulfils without a buffer. Tiers 3
+        /// and 4 count up to the stiffness at which the sampled dyad is stable at this delay.
+        stiffness_allowed,
+        /// The same behind the playout buffer that makes the delay constant.
+        stiffness_allowed_behind_buffer,
+        /// What the age of a partner sample consists of, forward and backward.
+        delay_budget,
+        /// Every axis.
+        axes,
+        /// How many pairs of operators were examined per axis; 1 without a range.
+        operators_examined,
+        /// What to change, where tier 4 is not satisfied.
+        remedies,
+    }
+    methods {
+        /// The verdict of one tier, by its name.
+        fn tier<'py>(&self, py: Python<'py>, name: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+            self.0.tier(Tier::from_python(name)?).to_python(py)
         }
     }
 }
 
-#[derive(IntoPyObject)]
-struct SampledSpectrum {
-    radius: f64,
-    abscissa_equivalent: f64,
-    frequency: f64,
-    stable: bool,
-    certificate: &'static str,
-}
-
-impl From<core::SampledSpectrum> for SampledSpectrum {
-    fn from(spectrum: core::SampledSpectrum) -> Self {
-        Self {
-            radius: spectrum.radius,
-            abscissa_equivalent: spectrum.abscissa_equivalent,
-            frequency: spectrum.frequency,
-            stable: spectrum.is_stable(),
-            certificate: match spectrum.certificate {
-                SampledCertificate::Complete => "complete",
-                SampledCertificate::UpperBound => "upper bound",
-                _ => "incomplete",
-            },
-        }
-    }
-}
-
-#[derive(IntoPyObject)]
-struct AxisTier {
-    tier: &'static str,
-    stiffness_bound: Option<f64>,
-    attained: bool,
-    satisfied: bool,
-    operators: (OperatorPoint, OperatorPoint),
-}
-
-#[derive(IntoPyObject)]
-struct AxisVerdict {
-    name: String,
-    grounded: bool,
-    tiers: Vec<AxisTier>,
-    paper_critical_stiffness: f64,
-    paper_maximum_delay: f64,
-    maximum_delay: f64,
-    sampled: Option<SampledSpectrum>,
-    sampled_stiffness_bound: Option<f64>,
-}
-
-impl From<core::AxisVerdict> for AxisVerdict {
-    fn from(axis: core::AxisVerdict) -> Self {
-        let named = |(tier, found): (Tier, core::AxisTier)| AxisTier {
-            tier: tier.name(),
-            stiffness_bound: found.stiffness_bound,
-            attained: found.attained,
-            satisfied: found.satisfied,
-            operators: pair(found.operators),
-        };
-        Self {
-            name: axis.name,
-            grounded: axis.grounded,
-            tiers: Tier::ALL.into_iter().zip(axis.tiers).map(named).collect(),
-            paper_critical_stiffness: axis.paper_critical_stiffness,
-            paper_maximum_delay: axis.paper_maximum_delay,
-            maximum_delay: axis.maximum_delay,
-            sampled: axis.sampled.map(Into::into),
-            sampled_stiffness_bound: axis.sampled_stiffness_bound,
-        }
-    }
-}
-
-#[derive(IntoPyObject)]
-struct Remedies {
-    stiffness: Option<f64>,
-    delay: Option<f64>,
-    damping: Option<f64>,
-}
-
-/// All of it, each record as a dictionary.
-#[derive(IntoPyObject)]
-pub struct Verdicts {
-    stiffness: f64,
-    network: Network,
-    tiers: Vec<Verdict>,
-    any_passive_operator: Option<f64>,
-    sampled_stable: Option<bool>,
-    paper: PaperVerdict,
-    stiffness_allowed: Option<Allowed>,
-    stiffness_allowed_behind_buffer: Option<Allowed>,
-    delay_budget: (DelayBudget, DelayBudget),
-    axes: Vec<AxisVerdict>,
-    operators_examined: usize,
-    remedies: Remedies,
-}
-
-impl From<core::Verdicts> for Verdicts {
-    fn from(found: core::Verdicts) -> Self {
-        let [forward, backward] = found.delay_budget;
-        Self {
-            stiffness: found.stiffness,
-            network: Network(found.network),
-            tiers: found.tiers.iter().map(Into::into).collect(),
-            any_passive_operator: found.any_passive_operator,
-            sampled_stable: found.sampled_stable,
-            paper: PaperVerdict {
-                critical_stiffness: found.paper.critical_stiffness,
-                critical_axis: found.paper.critical_axis,
-                maximum_delay: found.paper.maximum_delay,
-                delay_axis: found.paper.delay_axis,
-                stable: found.paper.stable,
-                agrees: found.paper.agrees,
-            },
-            stiffness_allowed: found.stiffness_allowed.map(Into::into),
-            stiffness_allowed_behind_buffer: found.stiffness_allowed_behind_buffer.map(Into::into),
-            delay_budget: (forward.into(), backward.into()),
-            axes: found.axes.into_iter().map(Into::into).collect(),
-            operators_examined: found.operators_examined,
-            remedies: Remedies {
-                stiffness: found.remedies.stiffness,
-                delay: found.remedies.delay,
-                damping: found.remedies.damping,
-            },
-        }
-    }
-}
-
-/// One range for both operators, or one each.
+/// One range for both operators, or one for each.
 #[derive(FromPyObject)]
 pub enum Ranges<'py> {
     /// The same for both.
@@ -276,5 +335,5 @@ pub fn verdicts(
             second.get().on(axes).map_err(|refusal| refusal.within("operator_range[1]"))?,
         ]),
     };
-    py.detach(|| Ok(core::verdicts(dyad, ranges.as_ref(), stiffness, network)?.into()))
+    py.detach(|| Ok(Verdicts(core::verdicts(dyad, ranges.as_ref(), stiffness, network)?)))
 }

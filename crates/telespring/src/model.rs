@@ -308,8 +308,13 @@ impl DyadAxis {
         })
     }
 
-    /// Refuses what fields filled in by hand may hold, and no constructor lets through.
-    pub(crate) fn check(&self) -> Result<()> {
+    /// Refuses values that only fields filled in by hand can hold.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] where a value is out of its range; robot and operator together may have twice the mass
+    /// and damping of one.
+    pub fn check(&self) -> Result<()> {
         for (side, [mass, damping, ground]) in
             self.sides.iter().zip([["m1", "b1", "kh1"], ["m2", "b2", "kh2"]])
         {

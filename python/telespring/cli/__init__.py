@@ -486,7 +486,7 @@ def _rest_distance(asked: _Asked, forces: list[list[float]], axis: int) -> float
     from telespring.theory.axis import axes_of
 
     one, other = forces[0][axis], forces[1][axis]
-    if one == 0.0 or one != -other or axes_of(asked.dyad)[axis].ground_stiffnesses != (0.0, 0.0):
+    if one == 0.0 or one != -other or axes_of(asked.dyad)[axis].ground_stiffness != (0.0, 0.0):
         return None
     return one / asked.stiffness
 

@@ -15,7 +15,7 @@ from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty,
 from telespring.model import Dyad, OperatorRange
 from telespring.study.editing import RobotRecord
 from telespring.theory import criteria, spectrum, verdicts
-from telespring.theory.axis import Axis, axes_of, finite_or_none, holds
+from telespring.theory.axis import Axis, axes_of, finite_or_none, free_axis, holds
 from telespring.theory.criteria import decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, DelayBudget, Verdicts
 
@@ -541,7 +541,7 @@ def _decide_axis(
     return AxisDecision(
         axis=axis.name,
         critical_stiffness=_number(tiers["any constant delay"].stiffness_bound),
-        critical_stiffness_paper=axis.critical_stiffness("paper"),
+        critical_stiffness_paper=free_axis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay=judged.maximum_delay,
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
         maximum_stiffness=_number(tiers["constant delay"].stiffness_bound),
@@ -549,7 +549,7 @@ def _decide_axis(
         stable_around=next((interval for interval in around if holds(interval, mean)), None),
         spectral_abscissa=float(spectrum.spectral_abscissa(dyad, stiffness, delay, axis=axis.index)),
         sampled_abscissa=None if judged.sampled is None else judged.sampled.abscissa_equivalent,
-        crossings=tuple(axis.crossings(stiffness)),
+        crossings=tuple(crossing.to_dict() for crossing in axis.crossings(stiffness)),
         stable=satisfied and (judged.sampled is None or judged.sampled.stable),
         continuous_stable=satisfied,
     )

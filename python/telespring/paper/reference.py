@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from telespring._errors import InvalidInput
-from telespring.model import Dyad, Robot
-from telespring.theory.axis import Axis
+from telespring.model import Dyad, DyadAxis, Robot
 
 __all__ = [
     "FACTORS",
@@ -52,7 +51,7 @@ class Reference:
     delay_axis: str
 
 
-def reference_of(axes: list[Axis]) -> Reference:
+def reference_of(axes: list[DyadAxis]) -> Reference:
     """Find K and Δ of Eq. 11, from the exact critical stiffness.
 
     Operators can make every stiffness safe; Eq. 5 on the same masses and dampings and a delay of
@@ -81,17 +80,17 @@ def label_setting(stiffness_factor: float, delay_factor: float) -> str:
     return f"k = {FACTOR_LABELS[stiffness_factor]}K, {delay}"
 
 
-def classify(axis: Axis, stiffness: float, delay: float) -> str:
+def classify(axis: DyadAxis, stiffness: float, delay: float) -> str:
     """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
     for crossing in axis.crossings(stiffness):
-        spacing = math.pi / crossing["frequency"]
-        turns = round((delay - crossing["delay"]) / spacing)
-        if turns >= 0 and abs(delay - crossing["delay"] - turns * spacing) <= 1e-9 * delay:
+        spacing = math.pi / crossing.frequency
+        turns = round((delay - crossing.delay) / spacing)
+        if turns >= 0 and abs(delay - crossing.delay - turns * spacing) <= 1e-9 * delay:
             return "marginal"
     return "stable" if axis.is_stable(stiffness, delay) else "unstable"
 
 
-def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> None:
+def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[DyadAxis], alike: DyadAxis) -> None:
     """Refuse robots whose figures would leave the ranges of the core, by what the user wrote.
 
     Parameters
@@ -161,15 +160,15 @@ def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> No
             )
 
 
-def _reference_stiffness(axes: list[Axis]) -> tuple[float, str]:
+def _reference_stiffness(axes: list[DyadAxis]) -> tuple[float, str]:
     critical = {axis.name: axis.critical_stiffness() for axis in axes}
     name = min(critical, key=lambda each: critical[each])
     if math.isinf(critical[name]):
-        return min(axis.critical_stiffness("paper") for axis in axes), name
+        return min(DyadAxis(*axis.parameters).critical_stiffness("paper") for axis in axes), name
     return critical[name], name
 
 
-def _refusal(robots: Sequence[Robot], axis: Axis, too_little: bool, allowed: str) -> InvalidInput:
+def _refusal(robots: Sequence[Robot], axis: DyadAxis, too_little: bool, allowed: str) -> InvalidInput:
     """Name the robot whose damping on that axis is the farther out."""
     dampings = [float(robot.damping[axis.index]) for robot in robots]
     side = dampings.index(min(dampings) if too_little else max(dampings))

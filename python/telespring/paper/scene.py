@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from telespring.model import Dyad, Robot, Study, hman
+from telespring.model import Dyad, DyadAxis, Robot, Study, hman
 from telespring.paper.reference import Reference, reference_of, refuse_what_cannot_be_drawn
-from telespring.theory.axis import Axis, axes_of, free_axis
 
 __all__ = ["Scene"]
 
@@ -35,10 +34,10 @@ class Scene:
     """
 
     study: Study
-    axes: list[Axis]
+    axes: list[DyadAxis]
     reference: Reference
     alike: Dyad
-    alike_axis: Axis
+    alike_axis: DyadAxis
     alike_reference: Reference
     rehearsal: Path | None = None
     modules: Path | None = None
@@ -47,9 +46,9 @@ class Scene:
     def of(cls, study: Study, rehearsal: Path | None = None, modules: Path | None = None) -> Scene:
         """Prepare a study; refuse robots whose figures would leave the ranges in which the core computes."""
         dyad = study.dyad
-        axes = axes_of(dyad)
+        axes = [dyad[name] for name in dyad.axes]
         mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
-        alike_axis = free_axis(mass, damping, mass, damping)
+        alike_axis = DyadAxis(mass, damping, mass, damping)
         refuse_what_cannot_be_drawn(dyad, axes, alike_axis)
         return cls(
             study=study,
@@ -65,7 +64,8 @@ class Scene:
     @property
     def of_the_paper(self) -> bool:
         """Whether these are the paper's own robots with free handles, for which it prints results."""
-        return [axis.parameters for axis in self.axes] == [axis.parameters for axis in axes_of(hman())]
+        paper = hman()
+        return [axis.parameters for axis in self.axes] == [paper[name].parameters for name in paper.axes]
 
     @property
     def of_the_papers_experiment(self) -> bool:
@@ -102,7 +102,7 @@ class Scene:
                     "axis": axis.name,
                     "mass": list(axis.masses),
                     "damping": list(axis.dampings),
-                    "operator_stiffness": list(axis.ground_stiffnesses),
+                    "operator_stiffness": list(axis.ground_stiffness),
                     "coupling_damping": axis.coupling_damping,
                 }
                 for axis in self.axes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from telespring import _core
 from telespring._arrays import as_number, as_numbers, written
+from telespring._core import DelaySolution
 from telespring._errors import InvalidInput
 from telespring._types import DelayValue, FloatArray, OptionValues
 
@@ -19,67 +19,6 @@ __all__ = ["DelaySolution", "solve_dde"]
 
 RightHandSide: TypeAlias = Callable[[float, FloatArray, FloatArray], ArrayLike]
 Delay: TypeAlias = float | Callable[[float], float] | Callable[[float, FloatArray], float]
-
-
-@dataclass(frozen=True, eq=False)
-class DelaySolution:
-    """The solution of a delay differential equation as a continuous function of time.
-
-    Call it with a time or an array of times within `start` to `end`: the result has one component
-    per last index, so that ``solution(times)[:, 0]`` is the first component.
-
-    Attributes
-    ----------
-    status : str
-        "completed", "step too small", "too many steps", "not finite", "invalid delay" or "stopped".
-        Whatever it is, the solution up to `end` can be read.
-    message : str
-        The same as a sentence, with the time reached and what to try.
-    t, y : ndarray
-        The times between the solver's steps, and the solution there, one row per time.
-    discontinuities : list of (float, int)
-        Break points met: time, and the lowest derivative that may jump there.
-    steps, rejected, evaluations : int
-        Steps kept and thrown away, and calls of the right-hand side.
-    """
-
-    status: str
-    message: str
-    t: FloatArray
-    y: FloatArray
-    discontinuities: list[tuple[float, int]]
-    steps: int
-    rejected: int
-    evaluations: int
-    _core: _core.DdeSolution
-
-    @property
-    def completed(self) -> bool:
-        """Whether the whole span was solved."""
-        return self.status == "completed"
-
-    @property
-    def start(self) -> float:
-        """The first time."""
-        return float(self.t[0])
-
-    @property
-    def end(self) -> float:
-        """The last time; that of the span where `completed`."""
-        return float(self.t[-1])
-
-    def __call__(self, times: ArrayLike) -> FloatArray:
-        """Return y at one or many times, one component per last index."""
-        return self._at(times, self._core.sample)
-
-    def derivative(self, times: ArrayLike) -> FloatArray:
-        """Return y' at one or many times, one order less accurate than y."""
-        return self._at(times, self._core.derivative)
-
-    def _at(self, times: ArrayLike, ask: Callable[[FloatArray], FloatArray]) -> FloatArray:
-        asked = as_numbers("times", times)
-        values = ask(np.ascontiguousarray(asked).reshape(-1))
-        return values.reshape((*asked.shape, values.shape[1]))
 
 
 def _takes_state(function: Callable[..., Any], field: str) -> bool:
@@ -213,24 +152,11 @@ def solve_dde(
     }
     beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
     try:
-        found = _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+        return _core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
     except InvalidInput as refused:
         if refused.field != "span":
             raise
         raise refused.at("t_span") from None
-    (status, message), (steps, rejected, evaluations) = found.status, found.work
-    knots = found.knots
-    return DelaySolution(
-        status,
-        message,
-        knots,
-        found.sample(knots),
-        found.discontinuities,
-        steps,
-        rejected,
-        evaluations,
-        found,
-    )
 
 
 def _span(t_span: Any) -> tuple[float, float]:

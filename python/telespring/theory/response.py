@@ -7,16 +7,17 @@ from ω → 0, whatever frequencies are asked for.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from telespring import _core
 from telespring._arrays import as_vector
+from telespring._core import FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve
 from telespring._errors import InvalidInput
-from telespring._types import ComplexArray, Delay, FloatArray, GridStatus
+from telespring._types import ComplexArray, Delay
 
 if TYPE_CHECKING:
     from telespring.model import Dyad
@@ -39,147 +40,7 @@ __all__ = [
 Convention: TypeAlias = Literal["exact", "paper"]
 
 
-@dataclass(frozen=True, eq=False)
-class FrequencyResponse:
-    """The transfer matrix over frequency; index 0 is robot 1.
-
-    Attributes
-    ----------
-    frequency : ndarray, (n,)
-        Angular frequencies as given, rad/s.
-    value : ndarray of complex, (n, 2, 2)
-        value[i, output, input] is the position of a robot under the force on a robot, m/N.
-    magnitude : ndarray, (n, 2, 2)
-        Its magnitude, m/N.
-    phase : ndarray, (n, 2, 2)
-        Its phase, rad, continuous from ω → 0: from 0 there, or from -π/2 for free handles.
-    poles_on_axis : tuple of float
-        Frequencies, rad/s, up to the largest one asked for, where a characteristic root lies on the
-        imaginary axis within rounding; the phase falls by π there.
-    """
-
-    frequency: FloatArray
-    value: ComplexArray
-    magnitude: FloatArray
-    phase: FloatArray
-    poles_on_axis: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class ResponseCurve:
-    """One response over frequency.
-
-    Attributes
-    ----------
-    frequency : ndarray, (n,)
-        Angular frequencies as given, rad/s.
-    value : ndarray of complex, (n,)
-        The response, without a unit.
-    magnitude : ndarray, (n,)
-        Its magnitude.
-    phase : ndarray, (n,)
-        Its phase, rad, continuous from ω → 0.
-    """
-
-    frequency: FloatArray
-    value: ComplexArray
-    magnitude: FloatArray
-    phase: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class FrequencyGrid:
-    """Frequencies between which nothing can hide.
-
-    Attributes
-    ----------
-    frequency : ndarray, (n,)
-        Angular frequencies, rad/s, ascending, both ends included.
-    status : {"resolved", "poles on the axis", "too many points"}
-        Whether they meet the resolution: everywhere, everywhere but at the poles, or only as far as the
-        limit on their number allows.
-    poles_on_axis : tuple of float
-        Frequencies, rad/s, of resonances without damping and of roots on the imaginary axis.
-    """
-
-    frequency: FloatArray
-    status: GridStatus
-    poles_on_axis: tuple[float, ...]
-
-
-class FrequencyMargin(NamedTuple):
-    """A margin or distance and the angular frequency where it is taken.
-
-    Attributes
-    ----------
-    value : float
-        Its size, in the unit told beside it.
-    frequency : float
-        The angular frequency, rad/s; inf where the limit ω → ∞ is meant.
-    """
-
-    value: float
-    frequency: float
-
-
-@dataclass(frozen=True, eq=False)
-class Nyquist:
-    """The Nyquist locus of one axis, the count of unstable roots and the margins.
-
-    Margins are None where no finite one exists or the dyad is not stable.
-
-    Attributes
-    ----------
-    frequency : ndarray, (n,)
-        Angular frequencies of the locus from 0 on, rad/s; fine enough that no turn is skipped.
-    locus : ndarray of complex, (n,)
-        L(jω) at each; points where it is infinite (undamped sides) are left out.
-    encirclements : int
-        Net clockwise encirclements of -1 over -∞ < ω < ∞, the rigid-body root deflated.
-    unstable_roots : int
-        Characteristic roots in the open right half-plane.
-    rigid_body : bool
-        Whether both handles are free: L(0) = -1 for every stiffness and delay, the root s = 0.
-    stable : bool
-        Whether every root but the rigid-body one is proven to lie in the open left half-plane.
-    minimum_distance : FrequencyMargin
-        Least local minimum of abs(L + 1) over ω > 0 and of its limit, 1 at ω = ∞.
-    gain_margin : FrequencyMargin or None
-        Smallest factor above 1 on L that brings a root onto the imaginary axis.
-    gain_reduction_margin : FrequencyMargin or None
-        Largest factor below 1 on L that does.
-    phase_margin : FrequencyMargin or None
-        Smallest rotation of L, rad, either way, that does.
-    delay_margin : FrequencyMargin or None
-        Smallest addition to the mean one-way delay, s, that does.
-    status : {"counted", "on the axis", "not counted"}
-        How the count ended; "on the axis" is a dyad that is marginal within rounding.
-    root_on_axis : float or None
-        The lowest frequency, rad/s, of such a root; it is not among the unstable ones.
-    locus_status : {"resolved", "poles on the axis", "too many points"}
-        Whether the drawn locus has its resolution; the count does not depend on it.
-    locus_poles : tuple of float
-        Frequencies, rad/s, at which it has not.
-    """
-
-    frequency: FloatArray
-    locus: ComplexArray
-    encirclements: int
-    unstable_roots: int
-    rigid_body: bool
-    stable: bool
-    minimum_distance: FrequencyMargin
-    gain_margin: FrequencyMargin | None
-    gain_reduction_margin: FrequencyMargin | None
-    phase_margin: FrequencyMargin | None
-    delay_margin: FrequencyMargin | None
-    status: Literal["counted", "on the axis", "not counted"]
-    root_on_axis: float | None
-    locus_status: GridStatus
-    locus_poles: tuple[float, ...]
-
-
-def _over_plane(s: ArrayLike, compute: Any) -> ComplexArray:
+def _over_plane(s: ArrayLike, compute: Callable[[ComplexArray], ComplexArray]) -> ComplexArray:
     try:
         given = np.asarray(s)
         if given.dtype.kind not in "biufc":
@@ -192,8 +53,8 @@ def _over_plane(s: ArrayLike, compute: Any) -> ComplexArray:
             "a complex number or an array of them is needed",
             "Convert it, for instance with numpy.asarray(..., dtype=complex).",
         ) from None
-    found: ComplexArray = compute(np.ascontiguousarray(points).reshape(-1))
-    return found.reshape((*points.shape, 2, 2))
+    matrices = compute(np.ascontiguousarray(points).reshape(-1))
+    return matrices.reshape((*points.shape, 2, 2))
 
 
 def transfer_matrix(
@@ -209,7 +70,7 @@ def transfer_matrix(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -263,7 +124,7 @@ def mobility_matrix(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -309,7 +170,7 @@ def frequency_response(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -343,11 +204,8 @@ def frequency_response(
     >>> found.value.shape, round(float(found.phase[0, 0, 0]), 5)
     ((2, 2, 2), -1.5708)
     """
-    frequency = as_vector("frequency", frequency)
-    frequency, value, magnitude, phase, poles = _core.frequency_response(
-        (dyad, stiffness, delay, axis), frequency, convention
-    )
-    return FrequencyResponse(frequency, value, magnitude, phase, tuple(poles))
+    of = (dyad, stiffness, delay, axis)
+    return _core.frequency_response(of, as_vector("frequency", frequency), convention)
 
 
 def open_loop(
@@ -365,7 +223,7 @@ def open_loop(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -396,8 +254,7 @@ def open_loop(
     >>> float(ts.open_loop(ts.hman(), 71.2, 0.167, 0.0).value[0].real)  # free handles
     -1.0
     """
-    frequency = as_vector("frequency", frequency)
-    return ResponseCurve(*_core.open_loop((dyad, stiffness, delay, axis), frequency))
+    return _core.open_loop((dyad, stiffness, delay, axis), as_vector("frequency", frequency))
 
 
 def partner_response(
@@ -416,7 +273,7 @@ def partner_response(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -451,8 +308,8 @@ def partner_response(
     >>> float(curve.magnitude[0]), bool(curve.magnitude[1] > 1)
     (1.0, True)
     """
-    frequency = as_vector("frequency", frequency)
-    return ResponseCurve(*_core.partner_response((dyad, stiffness, delay, axis), robot, frequency))
+    of = (dyad, stiffness, delay, axis)
+    return _core.partner_response(of, robot, as_vector("frequency", frequency))
 
 
 def frequency_grid(
@@ -473,7 +330,7 @@ def frequency_grid(
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -504,9 +361,7 @@ def frequency_grid(
     >>> grid.status, float(grid.frequency[0]), float(grid.frequency[-1])
     ('resolved', 0.1, 100.0)
     """
-    of = (dyad, stiffness, delay, axis)
-    frequency, status, poles = _core.frequency_grid(of, low, high, resolution, limit)
-    return FrequencyGrid(frequency, status, tuple(poles))
+    return _core.frequency_grid((dyad, stiffness, delay, axis), low, high, resolution, limit)
 
 
 def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> Nyquist:
@@ -519,7 +374,7 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     Parameters
     ----------
     dyad : Dyad
-        The robots and what holds them.
+        Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
@@ -546,8 +401,4 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     >>> ts.nyquist(ts.hman(), 71.231976, 0.18).encirclements
     2
     """
-    found = _core.nyquist((dyad, stiffness, delay, axis))
-    for name, value in found.items():
-        if name == "minimum_distance" or name.endswith("_margin"):
-            found[name] = None if value is None else FrequencyMargin(*value)
-    return Nyquist(**{**found, "locus_poles": tuple(found["locus_poles"])})
+    return _core.nyquist((dyad, stiffness, delay, axis))

@@ -207,3 +207,24 @@ pub fn stability_map(axis: &DyadAxis, stiffness: &[f64], delay: &[f64]) -> Resul
 pub(crate) fn is_in_any(intervals: &[(f64, f64)], delay: f64) -> bool {
     intervals.iter().any(|&(start, end)| delay < end && (delay > start || delay == 0.0 && start == 0.0))
 }
+
+/// The intervals that two lists of intervals have in common; both ascend, and so does the result.
+///
+/// # Examples
+///
+/// ```
+/// use telespring::criteria::intersection;
+/// assert_eq!(intersection(&[(0.0, 2.0), (3.0, 5.0)], &[(1.0, 4.0)]), [(1.0, 2.0), (3.0, 4.0)]);
+/// ```
+pub fn intersection(first: &[(f64, f64)], second: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let (mut i, mut j) = (0, 0);
+    let mut common = Vec::new();
+    while let (Some(a), Some(b)) = (first.get(i), second.get(j)) {
+        let (start, end) = (a.0.max(b.0), a.1.min(b.1));
+        if start < end {
+            common.push((start, end));
+        }
+        if a.1 < b.1 { i += 1 } else { j += 1 }
+    }
+    common
+}

@@ -25,6 +25,6 @@ pub(crate) use intervals::is_in_any;
 
 pub use critical::{critical_stiffness, is_delay_independent};
 pub use crossings::{Crossing, Crossings, crossings};
-pub use intervals::{maximum_delay, stability_map, stable_delays, unstable_root_count};
+pub use intervals::{intersection, maximum_delay, stability_map, stable_delays, unstable_root_count};
 pub use inverse::{decay_stiffness, maximum_stiffness, minimum_damping};
 pub use paper::{paper_critical_stiffness, paper_maximum_delay};

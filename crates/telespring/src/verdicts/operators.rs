@@ -187,6 +187,8 @@ pub(super) fn as_operators(at: &Six) -> [OperatorPoint; 2] {
 /// One tier on one axis, the worst over all operators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisTier {
+    /// Which tier.
+    pub tier: Tier,
     /// The largest stiffness, N/m; `None` where the tier has no rule for this dyad.
     pub stiffness_bound: Option<f64>,
     /// True where that stiffness is itself allowed.
@@ -213,6 +215,7 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let limpest = region.limpest();
     let corners = region.corners();
     let none = AxisTier {
+        tier: Tier::AnyNetwork,
         stiffness_bound: None,
         attained: false,
         satisfied: false,
@@ -242,6 +245,7 @@ fn any_network(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         }
     }
     AxisTier {
+        tier: Tier::AnyNetwork,
         stiffness_bound: Some(bound),
         attained,
         satisfied: keeps(bound, attained, k),
@@ -257,6 +261,7 @@ fn bounded_delay(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
         bounded_delay::stiffness_bound(damping, network.oldest_partner_sample(), network.oldest_own_sample())
     });
     AxisTier {
+        tier: Tier::BoundedVaryingDelay,
         stiffness_bound: bound,
         attained: false,
         satisfied: bound.is_some_and(|bound| k < bound),
@@ -337,8 +342,13 @@ fn constant_delay(region: &OperatorBox, tier: Tier, delay: f64, k: f64) -> Resul
         }
     }
     let attained = tier == Tier::AnyConstantDelay && is_attained(&region.axis(&worst.0), worst.1);
-    let verdict =
-        AxisTier { stiffness_bound: Some(worst.1), attained, satisfied, operators: as_operators(&worst.0) };
+    let verdict = AxisTier {
+        tier,
+        stiffness_bound: Some(worst.1),
+        attained,
+        satisfied,
+        operators: as_operators(&worst.0),
+    };
     Ok((verdict, worst.0, count))
 }
 

@@ -123,8 +123,8 @@ def _of_variants(
         )
     else:
         sentence = (
-            f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f} with one more "
-            f"unknown; {fits['on top'].threshold:.1f} would be significant at 95 %."
+            f"An arm mass of {mass:.2f} kg on top of Table III lowers the deviance by {gain:.1f} with one "
+            f"more unknown; {fits['on top'].threshold:.1f} would be significant at 95 %."
         )
     return [sentence, *_of_likelihood(fits["on top"], alternative, scores)]
 
@@ -221,9 +221,9 @@ def _of_effects(title: str, prediction: Prediction, table: Sequence[PublishedRow
         )
         if np.isfinite(gap) and published_gap - gap > 1e-3:
             sentences.append(
-                f"With {title}, TE2 minus TE1 falls from {_plain(alone)} mm unconnected to {_plain(gap)} mm at "
-                f"{table[stiffest].stiffness:.0f} N/m without delay, because a stiff spring makes both handles "
-                f"move alike; in the table it goes from {_plain(published_alone)} to "
+                f"With {title}, TE2 minus TE1 falls from {_plain(alone)} mm unconnected to {_plain(gap)} mm "
+                f"at {table[stiffest].stiffness:.0f} N/m without delay, because a stiff spring makes both "
+                f"handles move alike; in the table it goes from {_plain(published_alone)} to "
                 f"{_plain(published_gap)} mm, as if the real spring coupled the handles less than its "
                 "stiffness implies."
             )
@@ -297,9 +297,9 @@ def _of_scatter(predictions: Mapping[str, Prediction], table: Sequence[Published
     theirs = 1e3 * table[baseline].standard_deviation[0]
     return [
         (
-            f"In the unconnected mode TE1 has a standard deviation of {theirs:.1f} mm over the published trials "
-            f"and of {ours} over the simulated ones: the real skilled agent repeats itself less exactly, and "
-            "no unknown here represents that."
+            f"In the unconnected mode TE1 has a standard deviation of {theirs:.1f} mm over the published "
+            f"trials and of {ours} over the simulated ones: the real skilled agent repeats itself less "
+            "exactly, and no unknown here represents that."
         )
     ]
 

@@ -6,12 +6,11 @@ Every number is computed when the study runs: what is printed by the formulas in
 
 from __future__ import annotations
 
-from telespring.model import hman
+from telespring.model import DyadAxis, hman
 from telespring.paper import published
 from telespring.paper.misprints import experiment, formulas, statements
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.paper.misprints.statements import RETURNING, held_partner_growth
-from telespring.theory.axis import axes_of, free_axis
 
 __all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprints"]
 
@@ -19,10 +18,10 @@ __all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprint
 def misprints() -> list[Misprint]:
     """All of them, in the paper's order, shown on the paper's own robots or the smallest example."""
     dyad = hman()
-    axes = axes_of(dyad)
+    axes = [dyad[name] for name in dyad.axes]
     reference = min(axis.critical_stiffness() for axis in axes)
     base_robot = published.TABLE_III.base_mass, published.TABLE_III.base_damping
-    base = free_axis(*base_robot, *base_robot)
+    base = DyadAxis(*base_robot, *base_robot)
     return [
         formulas.diagonal_of_equation_2(axes[1], 2 * reference),
         statements.rigid_body_root(dyad, axes[0], 2 * reference),

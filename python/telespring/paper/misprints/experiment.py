@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from telespring.model import hman
+from telespring.model import DyadAxis, hman
 from telespring.paper import published
 from telespring.paper.misprints.record import Evidence, Misprint
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.spectrum import spectral_abscissa
 
 __all__ = ["figure_5h", "figure_5j", "numbers_of_the_robots", "reference_delay"]
 
 
-def numbers_of_the_robots(axes: list[Axis]) -> Misprint:
+def numbers_of_the_robots(axes: list[DyadAxis]) -> Misprint:
     """Show that exchanging the robots' numbers changes neither K nor Δ."""
-    swapped = [free_axis(a.masses[1], a.dampings[1], a.masses[0], a.dampings[0]) for a in axes]
+    swapped = [DyadAxis(a.masses[1], a.dampings[1], a.masses[0], a.dampings[0]) for a in axes]
     k = min(axis.critical_stiffness() for axis in axes)
     return Misprint(
         key="robot-numbers",
@@ -39,7 +38,7 @@ def numbers_of_the_robots(axes: list[Axis]) -> Misprint:
     )
 
 
-def reference_delay(axes: list[Axis]) -> Misprint:
+def reference_delay(axes: list[DyadAxis]) -> Misprint:
     """Show which delays K gives, rounded and not, beside those printed and used."""
     table = published.TABLE_III
     k = min(axis.critical_stiffness() for axis in axes)
@@ -67,7 +66,7 @@ def reference_delay(axes: list[Axis]) -> Misprint:
     )
 
 
-def figure_5h(axes: list[Axis], reference: float) -> Misprint:
+def figure_5h(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show which axis is marginal at 2K and Δ."""
     return Misprint(
         key="figure-5h",
@@ -84,7 +83,7 @@ def figure_5h(axes: list[Axis], reference: float) -> Misprint:
     )
 
 
-def figure_5j(axes: list[Axis], reference: float) -> Misprint:
+def figure_5j(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show that one axis is still stable at 4K and 0.5Δ."""
     delay = 0.5 * min(float(axis.maximum_delay(2 * reference)) for axis in axes)
     dyad = hman()

@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from telespring.model import Dyad, Robot
+from telespring.model import Dyad, DyadAxis, Robot
 from telespring.paper import as_printed
 from telespring.paper.misprints.record import Evidence, Misprint
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.criteria import critical_stiffness
 from telespring.theory.response import open_loop
 
@@ -24,7 +23,7 @@ __all__ = [
 ]
 
 
-def diagonal_of_equation_2(axis: Axis, k: float) -> Misprint:
+def diagonal_of_equation_2(axis: DyadAxis, k: float) -> Misprint:
     """Solve Eq. 1 at one frequency and compare both diagonals of Eq. 2 with it."""
     m1, b1, m2, b2 = axis.parameters
     frequency, delay = 10.0, 0.1
@@ -50,14 +49,14 @@ def diagonal_of_equation_2(axis: Axis, k: float) -> Misprint:
     )
 
 
-def sign_in_equation_9(base: Axis) -> Misprint:
+def sign_in_equation_9(base: DyadAxis) -> Misprint:
     """Show that the sign in Eq. 9 vanishes for two robots alike at 2K."""
     # Two identical robots at twice the critical stiffness have B = 0 exactly; here without rounding.
-    exact = free_axis(1.0, 2.0, 1.0, 2.0)
+    exact = DyadAxis(1.0, 2.0, 1.0, 2.0)
     k = 4.0
     frequency = math.sqrt((2 * 1.0 * k - 2.0**2) / 1.0**2)
     k_base = 2 * base.critical_stiffness()
-    at_base = base.crossings(k_base)[0]["frequency"]
+    at_base = base.crossings(k_base)[0].frequency
     return Misprint(
         key="equation-9",
         where="Eq. 9",
@@ -93,7 +92,7 @@ def sign_in_equation_9(base: Axis) -> Misprint:
     )
 
 
-def loop_of_figure_3(base: Axis) -> Misprint:
+def loop_of_figure_3(base: DyadAxis) -> Misprint:
     """Evaluate the loop of the caption and the true one at 2K."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
@@ -118,7 +117,7 @@ def loop_of_figure_3(base: Axis) -> Misprint:
     )
 
 
-def letters_of_section_3(base: Axis) -> Misprint:
+def letters_of_section_3(base: DyadAxis) -> Misprint:
     """Evaluate S with the letters as printed and as meant."""
     damping, mass = base.dampings[0], base.masses[0]
     stiffness = base.critical_stiffness()
@@ -138,7 +137,7 @@ def letters_of_section_3(base: Axis) -> Misprint:
     )
 
 
-def conjugate_polynomial(axis: Axis, k: float) -> Misprint:
+def conjugate_polynomial(axis: DyadAxis, k: float) -> Misprint:
     """Evaluate ā by its definition, and with and without the factor s²."""
     m1, b1, m2, b2 = axis.parameters
     s, z = 5j, np.exp(-1j)
@@ -164,7 +163,7 @@ def conjugate_polynomial(axis: Axis, k: float) -> Misprint:
     )
 
 
-def equation_16(base: Axis) -> Misprint:
+def equation_16(base: DyadAxis) -> Misprint:
     """Compare both prefactors of Eq. 16 with a root of Eq. 8."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
@@ -186,7 +185,7 @@ def equation_16(base: Axis) -> Misprint:
     )
 
 
-def table_2(base: Axis) -> Misprint:
+def table_2(base: DyadAxis) -> Misprint:
     """Evaluate η₂ where Table II says that its sign changes, and where it does."""
     mass, damping = base.masses[0], base.dampings[0]
     true = (math.sqrt(2) - 1) * damping**2 / (2 * mass)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from telespring.model import Dyad, Robot
+from telespring._json import finite_or_none
+from telespring.model import Dyad, DyadAxis, Robot
 from telespring.paper import as_printed
 from telespring.paper.misprints.record import Evidence, Misprint
-from telespring.theory.axis import Axis, finite_or_none, free_axis
 from telespring.theory.spectrum import characteristic_roots, spectral_abscissa
 
 __all__ = [
@@ -30,7 +30,7 @@ def _dyad(m1: float, b1: float, m2: float, b2: float) -> Dyad:
     return Dyad(Robot([m1], [b1]), Robot([m2], [b2]))
 
 
-def rigid_body_root(dyad: Dyad, axis: Axis, k: float) -> Misprint:
+def rigid_body_root(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
     """Show that s = 0 is a root, and a simple one."""
     m1, b1, m2, b2 = axis.parameters
     delay = 0.5 * float(axis.maximum_delay(k))
@@ -68,7 +68,7 @@ def rigid_body_root(dyad: Dyad, axis: Axis, k: float) -> Misprint:
 def equation_5_is_not_sufficient() -> Misprint:
     """Give a dyad that is unstable at a stiffness which Eq. 5 allows."""
     m1, b1, m2, b2 = 1.0, 1.0, 1.0, 10.0
-    axis = free_axis(m1, b1, m2, b2)
+    axis = DyadAxis(m1, b1, m2, b2)
     printed = axis.critical_stiffness("paper")
     k = 0.99 * printed
     lost = float(axis.maximum_delay(k))
@@ -109,7 +109,7 @@ def equation_5_is_not_sufficient() -> Misprint:
 def stability_returns() -> Misprint:
     """Give a dyad that is stable again at a longer delay."""
     parameters, k = RETURNING
-    axis = free_axis(*parameters)
+    axis = DyadAxis(*parameters)
     intervals = axis.stable_delays(k, 3.0)
     (_, lost), (back, lost_again) = intervals[0], intervals[1]
     between, again = 0.5 * (lost + back), 0.5 * (back + lost_again)
@@ -143,7 +143,7 @@ def stability_returns() -> Misprint:
     )
 
 
-def less_or_equal(dyad: Dyad, axis: Axis, k: float) -> Misprint:
+def less_or_equal(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
     """Show that a pair of roots lies on the imaginary axis at the maximum delay itself."""
     delay = float(axis.maximum_delay(k))
     roots = characteristic_roots(dyad, k, delay, count=2, axis=axis.index)
@@ -191,7 +191,7 @@ def held_partner_growth(mass: float, damping: float, stiffness: float) -> tuple[
     return hold, 1 + 2 * math.exp(-decay * hold)
 
 
-def constant_delay_only(base: Axis) -> Misprint:
+def constant_delay_only(base: DyadAxis) -> Misprint:
     """Give the growth under a varying delay at a stiffness that every constant delay allows."""
     mass, damping = base.masses[0], base.dampings[0]
     k = base.critical_stiffness()

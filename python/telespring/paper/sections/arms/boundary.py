@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from telespring.model import Dyad, Operator
-from telespring.theory.axis import Axis, axes_of, finite_or_none
+from telespring._json import finite_or_none
+from telespring.model import Dyad, DyadAxis, Operator
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,8 +38,8 @@ class BoundaryOfAxis:
         For each stiffness what lies between those, in arms, s; an end at the horizon is cut there.
     """
 
-    free: Axis
-    held: Axis
+    free: DyadAxis
+    held: DyadAxis
     stable_free: tuple[Intervals, ...]
     stable_held: tuple[Intervals, ...]
     unstable_held: tuple[Intervals, ...]
@@ -192,7 +192,9 @@ def boundary_in_arms(
     [(), ()]
     """
     axes = []
-    for free, held in zip(axes_of(dyad), axes_of(_held(dyad, agent_stiffness, arms)), strict=True):
+    dyad_in_arms = _held(dyad, agent_stiffness, arms)
+    for name in dyad.axes:
+        free, held = dyad[name], dyad_in_arms[name]
         stable_held = tuple(tuple(held.stable_delays(k, horizon)) for k in stiffnesses)
         axes.append(
             BoundaryOfAxis(

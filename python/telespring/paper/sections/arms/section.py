@@ -11,7 +11,6 @@ from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.paper.sections.arms.boundary import boundary_in_arms, draw
 from telespring.show import figures
-from telespring.theory.axis import axes_of
 
 if TYPE_CHECKING:
     from telespring.decision.arms import ConditionInArms, Poses
@@ -87,7 +86,7 @@ def _boundary(
 
 def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict[str, Any], str]:
     """Tell how stable the conditions are in the poses along the target's path."""
-    free = axes_of(holding.free)
+    free = [holding.free[name] for name in holding.free.axes]
     conditions = []
     for each in found.conditions:
         delay = 0.5 * sum(each.delay)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from telespring._json import finite_or_none
+from telespring.model import DyadAxis
 from telespring.paper.misprints import RETURNING
 from telespring.paper.reference import classify
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.show import figures
-from telespring.theory.axis import finite_or_none, free_axis
 from telespring.theory.criteria import maximum_delay
 
 __all__ = ["SECTION", "find_examples"]
@@ -17,9 +18,9 @@ __all__ = ["SECTION", "find_examples"]
 
 def find_examples(_scene: Scene) -> Findings:
     """Compute the exact and the printed stable regions of both dyads, which are the same in every study."""
-    unequal = free_axis(1.0, 1.0, 1.0, 10.0)
+    unequal = DyadAxis(1.0, 1.0, 1.0, 10.0)
     parameters, returning_stiffness = RETURNING
-    returning = free_axis(*parameters)
+    returning = DyadAxis(*parameters)
     just_below_eq_5 = 0.99 * unequal.critical_stiffness("paper")
     panels, numbers = [], {}
     settings = (

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 
-from telespring.model import Dyad, Robot
+from telespring.model import Dyad, DyadAxis, Robot
 from telespring.paper.reference import FACTOR_LABELS, FACTORS, classify
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.response import partner_response
 
 __all__ = ["SECTION", "find_frequency"]
@@ -32,7 +31,7 @@ def find_frequency(scene: Scene) -> Findings:
         curves = []
         for factor in (0.0, 0.5, 1.0, 2.0) if symbol == "δ" else FACTORS:
             value = {**(varied_delay if symbol == "δ" else nominal), symbol: factor * nominal[symbol]}
-            axis = free_axis(value["m"], value["b"], value["m"], value["b"])
+            axis = DyadAxis(value["m"], value["b"], value["m"], value["b"])
             pair = Dyad(Robot([value["m"]], [value["b"]]), Robot([value["m"]], [value["b"]]))
             # What robot 1 does per motion of robot 2 is one crossing, k e^(−δs)/P.
             curve = partner_response(pair, value["k"], value["δ"], frequency)
@@ -94,12 +93,12 @@ SECTION = Section(
 )
 
 
-def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, float] | None:
+def _gain_crossing(axis: DyadAxis, stiffness: float, delay: float) -> tuple[float, float] | None:
     """Frequency (rad/s) and phase (degree) where the magnitude falls through 1, if it does."""
     found = axis.crossings(stiffness)
     if not found:
         return None
-    frequency = max(each["frequency"] for each in found)
+    frequency = max(crossing.frequency for crossing in found)
     mass, damping = axis.masses[0], axis.dampings[0]
     if frequency < 1e-3 * math.sqrt(stiffness / mass):
         # At the critical stiffness itself the crossing sits at rest; rounding may lift it off zero.

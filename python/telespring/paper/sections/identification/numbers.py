@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring.decision.uncertainty import delta_method, margin_uncertainty, stable_probability
 from telespring.identification.estimation import Identification, identify
 from telespring.identification.excitation import Excitation, design_excitation, paper_excitation
@@ -15,7 +16,6 @@ from telespring.identification.regression import paper_reweightings
 from telespring.identification.simulated_logs import ARM, Noise, RigLog, rig_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
 from telespring.paper.reference import Reference, reference_of
-from telespring.theory.axis import axes_of, finite_or_none
 
 if TYPE_CHECKING:
     from telespring._types import FloatArray
@@ -131,7 +131,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
         "reweightings": _reweightings(robots[0]),
         "axes_independent": [found.independent for found in robots],
         "seed": seed,
-        "verdict": _verdict(robots, reference_of(axes_of(dyad))),
+        "verdict": _verdict(robots, reference_of([dyad[name] for name in dyad.axes])),
     }
     return IdentificationStudy(
         numbers=numbers, movements=(("the paper's", movement), ("designed", designed)), robots=robots
@@ -223,7 +223,8 @@ def _verdict(robots: tuple[Identification, Identification], reference: Reference
     stiffness = 2.0 * reference.stiffness
     margins = margin_uncertainty(estimated, (one, two), stiffness, reference.delay).to_json()
     axes = []
-    for i, (margin, axis) in enumerate(zip(margins["axes"], axes_of(estimated), strict=True)):
+    for i, (margin, name) in enumerate(zip(margins["axes"], estimated.axes, strict=True)):
+        axis = estimated[name]
         critical, longest = delta_method(estimated, (one, two), stiffness, i)
         axes.append(
             {

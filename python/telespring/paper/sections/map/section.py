@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring.decision.decide import decide
 from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.show import figures
-from telespring.theory.axis import finite_or_none
 from telespring.theory.criteria import maximum_delay
 
 __all__ = ["SECTION", "find_map"]

@@ -56,7 +56,7 @@ def find_responses(scene: Scene) -> Findings:
                         "largest_distance": float(
                             np.nanmax(np.abs(position[:, 0, axis.index] - position[:, 1, axis.index]))
                         ),
-                        "rest_distance": 1.0 / stiffness if axis.ground_stiffnesses == (0.0, 0.0) else None,
+                        "rest_distance": 1.0 / stiffness if axis.ground_stiffness == (0.0, 0.0) else None,
                     }
                 )
         grid.append(drawn)

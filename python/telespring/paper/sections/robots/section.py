@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from telespring._json import finite_or_none
+from telespring.model import DyadAxis
 from telespring.paper.published import TABLE_III
 from telespring.paper.reference import Reference
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
-from telespring.theory.axis import Axis, finite_or_none
 
 __all__ = ["SECTION", "find_reference"]
 
@@ -33,7 +34,7 @@ SECTION = Section(
 )
 
 
-def _table3(alike_axis: Axis, alike: Reference, base: Reference) -> dict[str, Any]:
+def _table3(alike_axis: DyadAxis, alike: Reference, base: Reference) -> dict[str, Any]:
     return {
         "M": alike_axis.masses[0],
         "B": alike_axis.dampings[0],
@@ -48,11 +49,11 @@ def _table3(alike_axis: Axis, alike: Reference, base: Reference) -> dict[str, An
     }
 
 
-def _axis_limits(axis: Axis, base: Reference) -> dict[str, Any]:
+def _axis_limits(axis: DyadAxis, base: Reference) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness()),
-        "critical_stiffness_paper": axis.critical_stiffness("paper"),
+        "critical_stiffness_paper": DyadAxis(*axis.parameters).critical_stiffness("paper"),
         "maximum_delay": [
             {
                 "factor": factor,

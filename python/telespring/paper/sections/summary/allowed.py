@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._json import finite_or_none
 from telespring.decision.decide import TIERS
 from telespring.model import Study
-from telespring.theory.axis import finite_or_none
 from telespring.theory.verdicts import verdicts
 
 __all__ = ["SUMMARY_DELAYS", "summarise"]

@@ -1,0 +1,298 @@
+//! Results of the core as frozen Python classes: one macro gives them getters, `to_dict`, `repr`, equality,
+//! hashing and pickling.
+
+use numpy::{Element, PyArray, PyArrayMethods};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyList, PyTuple};
+
+/// A value that a record holds, on its way to Python and back.
+pub trait Value: Sized {
+    /// What the attribute reads as.
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
+
+    /// From what the constructor takes.
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self>;
+
+    /// What the constructor takes to build this value again.
+    fn to_argument<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_python(py)
+    }
+
+    /// What `json.dumps` takes: None where a number is infinite, lists for tuples and arrays.
+    fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        static JSON_READY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        JSON_READY.import(py, "telespring._json", "json_ready")?.call1((self.to_python(py)?,))
+    }
+}
+
+macro_rules! plain_values {
+    ($($type:ty),*) => {$(
+        impl Value for $type {
+            fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                self.into_bound_py_any(py)
+            }
+
+            fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+                value.extract()
+            }
+        }
+    )*};
+}
+
+plain_values!(f64, bool, usize, i64, i8, String);
+
+impl<T: Value> Value for Option<T> {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.as_ref().map_or_else(|| Ok(py.None().into_bound(py)), |value| value.to_python(py))
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if value.is_none() { Ok(None) } else { T::from_python(value).map(Some) }
+    }
+
+    fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.as_ref().map_or_else(|| Ok(py.None().into_bound(py)), |value| value.to_json(py))
+    }
+}
+
+impl<T: Value> Value for Vec<T> {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let items: Vec<_> = self.iter().map(|item| item.to_python(py)).collect::<PyResult<_>>()?;
+        Ok(PyTuple::new(py, items)?.into_any())
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        value.try_iter()?.map(|item| T::from_python(&item?)).collect()
+    }
+
+    fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let items: Vec<_> = self.iter().map(|item| item.to_json(py)).collect::<PyResult<_>>()?;
+        Ok(PyList::new(py, items)?.into_any())
+    }
+}
+
+impl<T: Value + Clone, const N: usize> Value for [T; N] {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_vec().to_python(py)
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let items = Vec::<T>::from_python(value)?;
+        let got = items.len();
+        items.try_into().map_err(|_| {
+            pyo3::exceptions::PyValueError::new_err(format!("{N} items are needed here, not {got}"))
+        })
+    }
+
+    fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_vec().to_json(py)
+    }
+}
+
+/// A numpy array that a record holds; every read of the attribute returns the same one.
+#[derive(Debug)]
+pub struct Array<T, D>(pub Py<PyArray<T, D>>);
+
+impl<T, D> From<Bound<'_, PyArray<T, D>>> for Array<T, D> {
+    fn from(array: Bound<'_, PyArray<T, D>>) -> Self {
+        Self(array.unbind())
+    }
+}
+
+impl<T: Element + PartialEq, D: numpy::ndarray::Dimension> PartialEq for Array<T, D> {
+    fn eq(&self, other: &Self) -> bool {
+        Python::attach(|py| self.0.bind(py).readonly().as_array() == other.0.bind(py).readonly().as_array())
+    }
+}
+
+impl<T: Element, D: numpy::ndarray::Dimension> Value for Array<T, D> {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.0.bind(py).clone().into_any())
+    }
+
+    fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(Self(value.cast::<PyArray<T, D>>().map_err(PyErr::from)?.clone().unbind()))
+    }
+}
+
+/// An attribute as `repr` shows it: whole where it is short, else its type.
+pub fn short(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let text = value.repr()?.to_string();
+    if text.chars().count() <= 40 && !text.contains('\n') {
+        return Ok(text);
+    }
+    Ok(format!("<{}>", value.get_type().name()?))
+}
+
+/// A status of the core as the word that Python reads.
+macro_rules! words {
+    ($type:ty { $($variant:ident = $word:literal),* $(,)? }) => {
+        impl $crate::records::Value for $type {
+            fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                let word = match self {
+                    $(Self::$variant => $word,)*
+                    #[allow(unreachable_patterns, reason = "only some of the core's enums may grow")]
+                    _ => "other",
+                };
+                Ok(pyo3::types::PyString::intern(py, word).into_any())
+            }
+
+            fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+                match value.extract::<std::borrow::Cow<'_, str>>()?.as_ref() {
+                    $($word => Ok(Self::$variant),)*
+                    other => Err(pyo3::exceptions::PyValueError::new_err(format!("no such status: {other:?}"))),
+                }
+            }
+        }
+    };
+}
+
+/// A frozen Python class: around a type of the core, or with fields of its own where these are arrays.
+///
+/// `computed` lists attributes that the constructor does not take, `methods` what else the class offers. With
+/// `as tuple` the record also reads, unpacks and compares as the tuple of its fields.
+macro_rules! record {
+    // around a type of the core
+    ($(#[$doc:meta])* $class:ident($core:path) $(as $tuple:ident)? { $($(#[$about:meta])* $field:ident,)* }
+     $(computed { $($(#[$more_about:meta])* $more:ident = $compute:expr,)* })?
+     $(methods { $($method:tt)* })?) => {
+        #[pyclass(frozen, module = "telespring")]
+        #[derive(Debug, Clone, PartialEq)]
+        $(#[$doc])*
+        pub struct $class(pub $core);
+
+        impl std::ops::Deref for $class {
+            type Target = $core;
+            fn deref(&self) -> &$core {
+                &self.0
+            }
+        }
+
+        impl $crate::records::Value for $core {
+            fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                Ok(Bound::new(py, $class(self.clone()))?.into_any())
+            }
+
+            fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+                Ok(value.cast::<$class>()?.get().0.clone())
+            }
+
+            fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                Ok($class(self.clone()).to_dict(py)?.into_any())
+            }
+        }
+
+        $crate::records::record! { @tuple $class [$($tuple)?]
+            { type Core = $core; Self(Core { $($field: $crate::records::Value::from_python($field)?),* }) }
+            { $($($method)*)? }
+            $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
+    };
+    // with fields of its own
+    ($(#[$doc:meta])* $class:ident $(as $tuple:ident)? { $($(#[$about:meta])* $field:ident: $type:ty,)* }
+     $(computed { $($(#[$more_about:meta])* $more:ident = $compute:expr,)* })?
+     $(methods { $($method:tt)* })?) => {
+        #[pyclass(frozen, module = "telespring")]
+        #[derive(Debug, PartialEq)]
+        $(#[$doc])*
+        pub struct $class { $($(#[$about])* pub $field: $type,)* }
+
+        $crate::records::record! { @tuple $class [$($tuple)?]
+            { Self { $($field: $crate::records::Value::from_python($field)?),* } }
+            { $($($method)*)? }
+            $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
+    };
+    (@tuple $class:ident [] $build:block { $($method:tt)* } $($rest:tt)*) => {
+        $crate::records::record! { @class $class $build { $($method)* } |_, _| false; $($rest)* }
+    };
+    (@tuple $class:ident [tuple] $build:block { $($method:tt)* } $($rest:tt)*) => {
+        $crate::records::record! { @class $class $build {
+            fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+                Ok(self.__getnewargs__(py)?.len())
+            }
+
+            fn __getitem__<'py>(&self, index: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+                self.__getnewargs__(index.py())?.as_any().get_item(index)
+            }
+
+            fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyIterator>> {
+                self.__getnewargs__(py)?.as_any().try_iter()
+            }
+
+            $($method)*
+        } |record: &$class, other: &Bound<'_, PyAny>| {
+            record.__getnewargs__(other.py()).and_then(|own| own.as_any().eq(other)).unwrap_or(false)
+        }; $($rest)* }
+    };
+    (@class $class:ident $build:block { $($method:tt)* } $equals_tuple:expr;
+     $($(#[$about:meta])* $field:ident,)* ; $($(#[$more_about:meta])* $more:ident = $compute:expr,)*) => {
+        #[pymethods]
+        impl $class {
+            #[new]
+            #[allow(clippy::too_many_arguments, reason = "one for each attribute")]
+            fn new($($field: &Bound<'_, PyAny>),*) -> PyResult<Self> {
+                Ok($build)
+            }
+
+            $(
+                $(#[$about])*
+                #[getter]
+                fn $field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                    $crate::records::Value::to_python(&self.$field, py)
+                }
+            )*
+
+            $(
+                $(#[$more_about])*
+                #[getter]
+                fn $more<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                    let compute: fn(&Self) -> _ = $compute;
+                    $crate::records::Value::to_python(&compute(self), py)
+                }
+            )*
+
+            /// The attributes as a dict that `json.dumps(..., allow_nan=False)` takes.
+            ///
+            /// JSON has no infinity: None stands where a number is infinite.
+            fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+                let out = pyo3::types::PyDict::new(py);
+                $(out.set_item(stringify!($field), $crate::records::Value::to_json(&self.$field, py)?)?;)*
+                $({
+                    let compute: fn(&Self) -> _ = $compute;
+                    out.set_item(stringify!($more), $crate::records::Value::to_json(&compute(self), py)?)?;
+                })*
+                Ok(out)
+            }
+
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                let fields = [
+                    $(format!("{}={}", stringify!($field), $crate::records::short(&self.$field(py)?)?)),*
+                ];
+                Ok(format!("{}({})", stringify!($class), fields.join(", ")))
+            }
+
+            fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+                let equals_tuple: fn(&Self, &Bound<'_, PyAny>) -> bool = $equals_tuple;
+                match other.cast::<Self>() {
+                    Ok(other) => self == other.get(),
+                    Err(_) => equals_tuple(self, other),
+                }
+            }
+
+            fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+                self.__getnewargs__(py)?.as_any().hash()
+            }
+
+            fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyTuple>> {
+                let fields = vec![$($crate::records::Value::to_argument(&self.$field, py)?),*];
+                pyo3::types::PyTuple::new(py, fields)
+            }
+
+            $($method)*
+        }
+    };
+}
+
+pub(crate) use record;
+pub(crate) use words;
