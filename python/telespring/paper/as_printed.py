@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 __all__ = [
     "cubic_equation_8",
     "delay_equation_9",
+    "eta_equation_16",
     "identical_roots_equation_16",
     "loop_in_figure_3",
     "sign_of_equation_9",
@@ -57,8 +58,15 @@ def loop_in_figure_3(
     return np.asarray(-k * np.exp(-delay * s) / (mass * s**2 + damping * s + k) ** 2)
 
 
+def eta_equation_16(mass: float, damping: float, k: float) -> tuple[float, float]:
+    """η₁ (N²·s²/m²) and η₂ (its square) of Eq. 16, for two identical robots; they are printed correctly."""
+    eta1 = 2 * mass * k - damping**2
+    eta2 = damping**4 - 4 * mass**2 * k**2 - 4 * mass * damping**2 * k
+    return eta1, eta2
+
+
 def identical_roots_equation_16(mass: float, damping: float, k: float) -> tuple[complex, complex]:
     """Roots ξ₂ and ξ₃ by Eq. 16 with its printed prefactor, for two identical robots."""
-    eta1 = 2 * mass * k - damping**2
-    root = cmath.sqrt(damping**4 - 4 * mass**2 * k**2 - 4 * mass * damping**2 * k)
+    eta1, eta2 = eta_equation_16(mass, damping, k)
+    root = cmath.sqrt(eta2)
     return (eta1 + root) / (4 * mass**4), (eta1 - root) / (4 * mass**4)

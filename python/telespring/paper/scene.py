@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from telespring.model import Dyad, DyadAxis, Robot, Study, hman
-from telespring.paper.reference import Reference, reference_of, refuse_what_cannot_be_drawn
+from telespring.paper.reference import Reference, check_figure_ranges, reference_of
 
 __all__ = ["Scene"]
 
@@ -24,7 +24,7 @@ class Scene:
         Its axes, operators added to the robots.
     reference
         K and Δ of these axes (Eq. 11), for the middle of the operators' ranges.
-    alike, alike_axis, alike_reference
+    identical, identical_axis, identical_reference
         The paper's one-axis case: two robots that are both robot 1 on its first axis, handles free, as a
         dyad and as an axis, with their K and Δ.
     rehearsal
@@ -36,9 +36,9 @@ class Scene:
     study: Study
     axes: list[DyadAxis]
     reference: Reference
-    alike: Dyad
-    alike_axis: DyadAxis
-    alike_reference: Reference
+    identical: Dyad
+    identical_axis: DyadAxis
+    identical_reference: Reference
     rehearsal: Path | None = None
     modules: Path | None = None
 
@@ -48,15 +48,15 @@ class Scene:
         dyad = study.dyad
         axes = [dyad[name] for name in dyad.axes]
         mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
-        alike_axis = DyadAxis(mass, damping, mass, damping)
-        refuse_what_cannot_be_drawn(dyad, axes, alike_axis)
+        identical_axis = DyadAxis(mass, damping, mass, damping)
+        check_figure_ranges(dyad, axes, identical_axis)
         return cls(
             study=study,
             axes=axes,
             reference=reference_of(axes),
-            alike=Dyad(Robot([mass], [damping]), Robot([mass], [damping])),
-            alike_axis=alike_axis,
-            alike_reference=reference_of([alike_axis]),
+            identical=Dyad(Robot([mass], [damping]), Robot([mass], [damping])),
+            identical_axis=identical_axis,
+            identical_reference=reference_of([identical_axis]),
             rehearsal=rehearsal,
             modules=modules,
         )

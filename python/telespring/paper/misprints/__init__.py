@@ -1,7 +1,7 @@
-"""Where the paper prints something else than what follows from its own Eq. 1, with the numbers.
+"""Misprints of the paper: where it prints something that does not follow from its own Eq. 1.
 
-Every number is computed when the study runs: what is printed by the formulas in
-`telespring.paper.as_printed`, what is true by the package.
+Every number is computed when the report is made: printed values by the formulas in
+`telespring.paper.as_printed`, correct values by the package.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprint
 
 
 def misprints() -> list[Misprint]:
-    """All of them, in the paper's order, shown on the paper's own robots or the smallest example."""
+    """List all misprints in the paper's order, proven on the paper's own robots or on a small example."""
     dyad = hman()
     axes = [dyad[name] for name in dyad.axes]
     reference = min(axis.critical_stiffness() for axis in axes)

@@ -1,4 +1,4 @@
-"""What the arms and agents that hold the handles do to the stability of the study's conditions."""
+"""Stability of the study's conditions with the handles held by its arms and agents."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ Condition = tuple[float, float]
 
 
 def find_arms(scene: Scene) -> Findings:
-    """Judge the experiment's conditions with free handles and held by the study's arms and agents."""
+    """Assess the experiment's conditions with free handles and held by the study's arms and agents."""
     experiment = scene.study.experiment
     if experiment is None:
         return Findings()
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    found = stability_in_arms(scene.study, connected, scene.modules)
-    if found.holding is None:
-        why = f"Not known: {found.unknown}."
-        return Findings(numbers={"arms": {"known": False, "statements": [why], "conditions": []}})
-    numbers = {"known": True, "depends_on_pose": found.poses is not None, **_holding(found.holding)}
-    if found.poses is None:
-        # For its robots also the two largest stiffnesses as the paper prints them, rounded.
+    in_arms = stability_in_arms(scene.study, connected, scene.modules)
+    if in_arms.holding is None:
+        reason = f"Not known: {in_arms.unknown}."
+        return Findings(numbers={"arms": {"known": False, "statements": [reason], "conditions": []}})
+    numbers = {"known": True, "depends_on_pose": in_arms.poses is not None, **_holding(in_arms.holding)}
+    if in_arms.poses is None:
+        # For the paper's robots also its two largest stiffnesses as printed, rounded.
         printed = EXPERIMENT_STIFFNESSES[-2:] if scene.of_the_paper else ()
-        more, drawing = _boundary(found.holding, connected, printed)
+        more, drawing = _boundary(in_arms.holding, connected, printed)
     else:
-        more, drawing = _along_the_path(found, found.holding, found.poses)
+        more, drawing = _along_the_path(in_arms, in_arms.holding, in_arms.poses)
     return Findings(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
 
 
@@ -54,8 +54,8 @@ def _holding(holding: Holding) -> dict[str, Any]:
     return {
         "agent_stiffness": list(holding.agent_stiffness),
         "agent_damping": list(holding.agent_damping),
-        "arm_mass": [list(each) for each in holding.arm_mass],
-        "arm_damping": [list(each) for each in holding.arm_damping],
+        "arm_mass": [list(mass) for mass in holding.arm_mass],
+        "arm_damping": [list(damping) for damping in holding.arm_damping],
         "massless": not holding.has_arms,
     }
 
@@ -63,9 +63,9 @@ def _holding(holding: Holding) -> dict[str, Any]:
 def _boundary(
     holding: Holding, connected: list[Condition], printed: tuple[float, ...]
 ) -> tuple[dict[str, Any], str]:
-    """Find the boundary over stiffness and delay, where arms are alike in every pose."""
-    first, second = (Operator(each.mass, each.damping) for each in holding.held.operators)
-    found = boundary_in_arms(
+    """Compute the boundary over stiffness and delay for arms that do not depend on the pose."""
+    first, second = (Operator(operator.mass, operator.damping) for operator in holding.held.operators)
+    boundary = boundary_in_arms(
         holding.free,
         sorted({k for k, _ in connected} | set(printed)),
         agent_stiffness=holding.agent_stiffness,
@@ -74,52 +74,51 @@ def _boundary(
         horizon=max(1.0, *(1.1 * delay for _, delay in connected), 0.0),
     )
     drawing = figures.to_svg(
-        draw(found),
+        draw(boundary),
         "arms",
         "Stability over stiffness and delay with the handles in arms",
-        "One panel per axis. Shaded is what is stable while arms and agents hold both handles; a "
-        "dashed line is the boundary with free handles; marks are the experiment's conditions. "
-        + " ".join(found.statements()),
+        "One panel per axis. Shaded: stable while arms and agents hold both handles. Dashed: the boundary "
+        "with free handles. Marks: the experiment's conditions. " + " ".join(boundary.statements()),
     )
-    return found.numbers(), drawing
+    return boundary.numbers(), drawing
 
 
-def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict[str, Any], str]:
-    """Tell how stable the conditions are in the poses along the target's path."""
+def _along_the_path(in_arms: InArms, holding: Holding, poses: Poses) -> tuple[dict[str, Any], str]:
+    """Compute how stable the conditions are in the poses along the target's path."""
     free = [holding.free[name] for name in holding.free.axes]
     conditions = []
-    for each in found.conditions:
-        delay = 0.5 * sum(each.delay)
-        lost = [axis.name for axis in free if not axis.is_stable(each.stiffness, delay)]
-        assert each.worst_position is not None
+    for condition in in_arms.conditions:
+        delay = 0.5 * sum(condition.delay)
+        lost = [axis.name for axis in free if not axis.is_stable(condition.stiffness, delay)]
+        assert condition.worst_position is not None
         conditions.append(
             {
-                "stiffness": each.stiffness,
+                "stiffness": condition.stiffness,
                 "delay": delay,
                 "free": "unstable" if lost else "stable",
-                "in_arms": "stable" if each.stable else "unstable",
+                "in_arms": "stable" if condition.stable else "unstable",
                 "unstable_axes_free": lost,
                 "unstable_axes_in_arms": None,
-                "spectral_abscissa": each.spectral_abscissa,
-                "least_abscissa": each.least_abscissa,
-                "independent_abscissa": each.independent_abscissa,
-                "unstable_poses": each.unstable_poses,
-                "worst_position": list(each.worst_position),
-                "complete": each.complete,
+                "spectral_abscissa": condition.spectral_abscissa,
+                "least_abscissa": condition.least_abscissa,
+                "independent_abscissa": condition.independent_abscissa,
+                "unstable_poses": condition.unstable_poses,
+                "worst_position": list(condition.worst_position),
+                "complete": condition.complete,
             }
         )
-    statements = _statements(found.conditions, poses)
+    statements = _statements(in_arms.conditions, poses)
     drawing = figures.to_svg(
         figures.poses_figure(
             [
                 figures.PoseRange(
-                    f"{each.stiffness:.4g} N/m, {500.0 * sum(each.delay):.4g} ms",
-                    each.least_abscissa,
-                    each.spectral_abscissa,
-                    each.independent_abscissa,
-                    each.worst_position or (0.0, 0.0),
+                    f"{condition.stiffness:.4g} N/m, {500.0 * sum(condition.delay):.4g} ms",
+                    condition.least_abscissa,
+                    condition.spectral_abscissa,
+                    condition.independent_abscissa,
+                    condition.worst_position or (0.0, 0.0),
                 )
-                for each in found.conditions
+                for condition in in_arms.conditions
             ],
             poses.places,
             poses.cross_inertia,
@@ -141,16 +140,16 @@ def _along_the_path(found: InArms, holding: Holding, poses: Poses) -> tuple[dict
 
 
 def _statements(conditions: tuple[ConditionInArms, ...], poses: Poses) -> list[str]:
-    found = [f"{poses.in_words()}."]
-    for each in conditions:
-        where = f"Condition {each.stiffness:.0f} N/m, {500.0 * sum(each.delay):.0f} ms"
-        if not each.stable:
-            found.append(
-                f"{where}: unstable in {each.unstable_poses} of {len(poses.places)} poses, {each.pace()} "
-                f"in the worst."
+    sentences = [f"{poses.in_words()}."]
+    for condition in conditions:
+        where = f"Condition {condition.stiffness:.0f} N/m, {500.0 * sum(condition.delay):.0f} ms"
+        if not condition.stable:
+            sentences.append(
+                f"{where}: unstable in {condition.unstable_poses} of {len(poses.places)} poses, "
+                f"{condition.pace()} in the worst."
             )
-        if not each.complete:
-            found.append(f"{where}: that no root was missed is not certain in every pose.")
-    if conditions and all(each.stable for each in conditions):
-        found.append("Every condition is stable in every pose.")
-    return found
+        if not condition.complete:
+            sentences.append(f"{where}: it is not confirmed in every pose that no root was missed.")
+    if conditions and all(condition.stable for condition in conditions):
+        sentences.append("Every condition is stable in every pose.")
+    return sentences

@@ -1,4 +1,4 @@
-"""Figs. 9 and 10 and Table III: both robots identified on the simulated rig."""
+"""Figs. 9 and 10: identification of both robots on the simulated rig."""
 
 from __future__ import annotations
 
@@ -10,34 +10,34 @@ __all__ = ["SECTION", "find_identification"]
 
 
 def find_identification(scene: Scene) -> Findings:
-    """Drive the study's bare robots with the paper's excitation and estimate them from noisy logs."""
+    """Drive the study's bare robots with the paper's excitation and identify them from noisy logs."""
     from telespring.paper.sections.identification.numbers import study_identification
     from telespring.show.figures.identification import excitation_figure, regression_figure, residual_figure
 
-    found = study_identification(scene.study)
+    identification = study_identification(scene.study)
     names = [scene.robot_name(i) for i in (0, 1)]
     drawings = {
         "excitation": figures.to_svg(
-            excitation_figure(found.movements),
+            excitation_figure(identification.movements),
             "excitation",
             "Velocity, position and acceleration of the excitation",
             "Two columns, the paper's movement and a designed one, over one period.",
         ),
         "regression": figures.to_svg(
-            regression_figure(list(zip(names, found.robots, strict=True))),
+            regression_figure(list(zip(names, identification.robots, strict=True))),
             "regression",
             "Measured and estimated force, and its plane over velocity and acceleration",
             "A row per robot and axis: force over time on the left, samples and plane on the right.",
         ),
     }
-    for i, (name, robot) in enumerate(zip(names, found.robots, strict=True), start=1):
+    for i, (name, robot) in enumerate(zip(names, identification.robots, strict=True), start=1):
         drawings[f"residuals{i}"] = figures.to_svg(
             residual_figure(robot),
             f"residuals{i}",
-            f"What the model leaves of the force, {name}",
+            f"Residuals of the force, {name}",
             "A row per axis: over time, over velocity, and the autocorrelation.",
         )
-    return Findings(numbers={"identification": found.numbers}, drawings=drawings)
+    return Findings(numbers={"identification": identification.numbers}, drawings=drawings)
 
 
 SECTION = Section(

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from telespring.model import Experiment
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
-from telespring.rehearsal.preflight import laboratory_settings, target_path, warnings_of
+from telespring.rehearsal.preflight import target_path, warnings_of
 from telespring.show import figures
 
 __all__ = ["SECTION", "find_laboratory"]
@@ -43,12 +43,12 @@ def find_laboratory(scene: Scene) -> Findings:
     experiment = scene.study.experiment
     if experiment is None:
         return Findings()
-    settings = laboratory_settings(scene.study)
+    settings = experiment.settings
     rows: list[dict[str, Any]] = []
-    for i, friction in enumerate(settings["coulomb"], start=1):
-        if any(friction):
+    for i, friction in enumerate(scene.study.coulomb, start=1):
+        if friction.any():
             rows += [
-                _row(f"robot {i}", f"Coulomb friction, {axis}", force, "N")
+                _row(f"robot {i}", f"Coulomb friction, {axis}", float(force), "N")
                 for axis, force in zip(scene.study.dyad.axes, friction, strict=True)
             ]
     for i, agent in enumerate(experiment.agents, start=1):
@@ -59,17 +59,17 @@ def find_laboratory(scene: Scene) -> Findings:
     if experiment.coupling_damping:
         rows.append(_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
     rows.append(_row("controllers", "sample period", experiment.sample_period, "s"))
-    if settings["computing_tick"]:
+    if settings.computing_tick:
         rows.append(_row("controllers", "a force acts", "one period after its samples", ""))
     rows += [
-        _row(part, name, settings[key], unit)
-        for part, name, key, unit in (
-            ("controllers", "lag of the actuators", "actuator_lag", "s"),
-            ("controllers", "resolution of the encoders", "encoder_resolution", "m"),
-            ("network", "jitter, the most that a packet is later", "jitter", "s"),
-            ("network", "probability that a packet is lost", "loss", "1"),
+        _row(part, name, value, unit)
+        for part, name, value, unit in (
+            ("controllers", "lag of the actuators", settings.actuator_lag, "s"),
+            ("controllers", "resolution of the encoders", settings.encoder_resolution, "m"),
+            ("network", "jitter, the most that a packet is later", settings.jitter, "s"),
+            ("network", "probability that a packet is lost", settings.loss, "1"),
         )
-        if settings[key]
+        if value
     ]
     rows += [
         _row("protocol", "conditions", len(experiment.conditions), "1"),

@@ -1,4 +1,4 @@
-"""The paper's misprints, each with its numbers."""
+"""The paper's misprints, each with the numbers that prove it."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ __all__ = ["SECTION", "find_misprints"]
 
 
 def find_misprints(_scene: Scene) -> Findings:
-    """Compute what is printed and what is true; the misprints are the same in every study."""
-    return Findings(numbers={"misprints": [each.to_json() for each in misprints()]})
+    """Compute printed and correct values; the misprints are the same in every study."""
+    return Findings(numbers={"misprints": [misprint.to_json() for misprint in misprints()]})
 
 
 SECTION = Section(

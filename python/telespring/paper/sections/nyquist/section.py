@@ -15,8 +15,8 @@ __all__ = ["SECTION", "find_nyquist"]
 
 
 def find_nyquist(scene: Scene) -> Findings:
-    """Draw nine loci of two robots alike and count what they encircle."""
-    ideal, axis, base = scene.alike, scene.alike_axis, scene.alike_reference
+    """Draw nine loci of two identical robots and count their encirclements of −1."""
+    dyad, axis, base = scene.identical, scene.identical_axis, scene.identical_reference
     grid, rows = [], []
     letters = iter("abcdefghi")
     for stiffness_factor in (0.5, 1.0, 2.0):
@@ -24,9 +24,9 @@ def find_nyquist(scene: Scene) -> Findings:
         drawn = []
         for delay_factor in (0.5, 1.0, 2.0):
             delay = delay_factor * base.delay
-            found = nyquist(ideal, stiffness, delay)
+            locus = nyquist(dyad, stiffness, delay)
             verdict = classify(axis, stiffness, delay)
-            count = None if verdict == "marginal" else found.encirclements
+            count = None if verdict == "marginal" else locus.encirclements
             note = {
                 "stable": "stable",
                 "marginal": "marginal",
@@ -35,7 +35,7 @@ def find_nyquist(scene: Scene) -> Findings:
             drawn.append(
                 figures.NyquistPanel(
                     setting=label_setting(stiffness_factor, delay_factor),
-                    locus=np.asarray(found.locus),
+                    locus=np.asarray(locus.locus),
                     verdict=verdict,
                     note=note,
                 )
@@ -49,8 +49,8 @@ def find_nyquist(scene: Scene) -> Findings:
                     "delay": delay,
                     "verdict": verdict,
                     "encirclements": count,
-                    "peak_loop_gain": float(np.abs(found.locus).max()),
-                    "spectral_abscissa": float(spectral_abscissa(ideal, stiffness, delay)),
+                    "peak_loop_gain": float(np.abs(locus.locus).max()),
+                    "spectral_abscissa": float(spectral_abscissa(dyad, stiffness, delay)),
                 }
             )
         grid.append(drawn)

@@ -15,9 +15,9 @@ __all__ = ["SECTION", "find_responses"]
 
 
 def find_responses(scene: Scene) -> Findings:
-    """Simulate opposite steps of force over sixteen stiffnesses and delays."""
+    """Simulate opposite steps of force at sixteen combinations of stiffness and delay."""
     dyad, axes, base = scene.dyad, scene.axes, scene.reference
-    # Long enough for the marginal case of Fig. 5(h) to show that it neither grows nor dies.
+    # Long enough to show that the marginal case of Fig. 5(h) neither grows nor decays.
     duration = 25.0 * base.delay
     samples = 801
     rate = (samples - 1) / duration
@@ -29,9 +29,9 @@ def find_responses(scene: Scene) -> Findings:
         drawn = []
         for delay_factor in (0.0, 0.5, 1.0, 2.0):
             delay = delay_factor * base.delay
-            found = simulate(dyad, stiffness, delay, forces, duration, rate=rate)
-            time = np.asarray(found["time"])
-            position = np.asarray(found["position"])
+            motion = simulate(dyad, stiffness, delay, forces, duration, rate=rate)
+            time = np.asarray(motion["time"])
+            position = np.asarray(motion["position"])
             # The paper's figure has no column without delay.
             letter = next(letters) if delay_factor else ""
             verdicts = [classify(axis, stiffness, delay) for axis in axes]

@@ -18,7 +18,7 @@ def find_reference(scene: Scene) -> Findings:
     """Compute K and Δ, as Table III defines them, and the limits of every axis."""
     return Findings(
         numbers={
-            "table3": _table3(scene.alike_axis, scene.alike_reference, scene.reference),
+            "table3": _table3(scene.identical_axis, scene.identical_reference, scene.reference),
             "axes": [_axis_limits(axis, scene.reference) for axis in scene.axes],
         }
     )
@@ -34,10 +34,10 @@ SECTION = Section(
 )
 
 
-def _table3(alike_axis: DyadAxis, alike: Reference, base: Reference) -> dict[str, Any]:
+def _table3(identical_axis: DyadAxis, alike: Reference, base: Reference) -> dict[str, Any]:
     return {
-        "M": alike_axis.masses[0],
-        "B": alike_axis.dampings[0],
+        "M": identical_axis.masses[0],
+        "B": identical_axis.dampings[0],
         "K": {"ours": alike.stiffness, "printed": TABLE_III.base_stiffness},
         "Delta": {"ours": alike.delay, "printed": TABLE_III.base_delay},
         "K_xy": {
