@@ -265,7 +265,7 @@ def test_law_the_page_says_what_its_limits_hold_for(analysis: Analysis, held: An
         "computing time 0.5 ms",
         "114 ms in the marked row",
         "116.5 ms in the marked row",
-        "sampled controllers bear less",
+        "sampled controllers allow less",
         "worst over them",
     ):
         assert words in caption, words
