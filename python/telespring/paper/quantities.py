@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Literal
 
-__all__ = ["Style", "digits_within", "format_quantity", "format_share"]
+__all__ = ["Style", "digits_within", "format_quantity", "format_share", "signed"]
 
 Style = Literal["nearest", "limit", "given", "hundredths"]
 
@@ -29,18 +29,18 @@ def format_quantity(
     Parameters
     ----------
     value
-        In SI units; None for an unbounded or missing one.
+        In SI units; None for one that is unbounded or missing.
     unit
-        Its SI unit; "1" for a pure number, "seconds" for a time that is not told in milliseconds, such as a
+        Its SI unit; "1" for a pure number, "seconds" for a time that is not shown in milliseconds, such as a
         trial's length.
     digits
         Significant digits.
     style
-        "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
-        within it; "given" leaves away zeros at the end, as a person writes a value; "hundredths" has two
-        decimals whatever the size, as a table's columns do.
+        "nearest" rounds to the nearest; "limit" rounds down, so that a displayed limit lies within the
+        exact one; "given" omits trailing zeros, as a person writes a value; "hundredths" always has two
+        decimals, as in a table's columns.
     bare
-        Without the unit, which the reader is then told elsewhere, such as above a table's column.
+        Without the unit, which is then shown elsewhere, such as in the heading of a table's column.
 
     Returns
     -------
@@ -62,9 +62,9 @@ def format_quantity(
     """
     if value is None:
         return "no limit"
-    # A delay is told in milliseconds, the length of a trial in seconds.
+    # A delay is shown in milliseconds, the length of a trial in seconds.
     shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
-    # In decimals, so that 0.029 s is 29 ms and not a bit less, which would be rounded down.
+    # In decimals, so that 0.029 s is 29 ms and not slightly less, which would be rounded down.
     scaled = Decimal(repr(float(value))) * Decimal(factor)
     with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
         if style == "hundredths":
@@ -86,7 +86,7 @@ def format_quantity(
 
 
 def digits_within(value: float | None, interval: Sequence[float | None] | None) -> int:
-    """Find how many digits of an estimate its interval makes worth telling.
+    """Compute how many significant digits of an estimate its interval justifies.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def digits_within(value: float | None, interval: Sequence[float | None] | None) 
     Returns
     -------
     int
-        Significant digits with which two of the interval's width are seen; at least 3, at most 10.
+        Significant digits, so that two digits of the interval's width show; at least 3, at most 10.
 
     Examples
     --------
@@ -115,19 +115,19 @@ def digits_within(value: float | None, interval: Sequence[float | None] | None) 
 
 
 def format_share(share: float, draws: int) -> str:
-    """Write a probability that was counted, with what the number of draws can tell of none and of all.
+    """Write a probability estimated by counting draws; none and all become bounds.
 
     Parameters
     ----------
     share
         Between 0 and 1.
     draws
-        How many were counted.
+        Number of draws.
 
     Returns
     -------
     str
-        With as many decimals as one of the draws has.
+        With as many decimals as the share of one draw needs.
 
     Examples
     --------
@@ -140,6 +140,18 @@ def format_share(share: float, draws: int) -> str:
     if share >= 1.0:
         return f"> {1.0 - 1.0 / draws:.{decimals}f}"
     return f"{share:.{decimals}f}"
+
+
+def signed(value: float, digits: int) -> str:
+    """Write a number with its sign, with a typographic minus; what rounds to zero has none.
+
+    Examples
+    --------
+    >>> signed(-1.26, 1), signed(0.5, 1), signed(-0.04, 1)
+    ('−1.3', '+0.5', '0.0')
+    """
+    text = f"{value:+.{digits}f}"
+    return (text if float(text) else text[1:]).replace("-", "−")
 
 
 def _superscript(exponent: int) -> str:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from telespring.paper.calibration.run import Calibration
-from telespring.paper.calibration.statements import signed
 from telespring.paper.calibration.unknowns import NAMES
+from telespring.paper.quantities import signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

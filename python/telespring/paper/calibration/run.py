@@ -17,7 +17,6 @@ from telespring.paper.calibration.fit import Fit, fit
 from telespring.paper.calibration.laboratory import RigSimulator
 from telespring.paper.calibration.least_squares import LeastSquares, least_squares
 from telespring.paper.calibration.likelihood import Likelihood
-from telespring.paper.calibration.statements import statements
 from telespring.paper.calibration.surrogate import CAP, Surrogate
 from telespring.paper.calibration.unknowns import HIGH, VARIANTS
 from telespring.paper.published import TABLE_I, TRIALS, PublishedRow
@@ -89,8 +88,6 @@ class Calibration:
         Its cross-validated error.
     trials
         Of each condition in the predictions.
-    statements
-        Sentences on what disagrees, and why.
     """
 
     published: tuple[PublishedRow, ...]
@@ -103,7 +100,6 @@ class Calibration:
     scores: dict[str, dict[str, Score]]
     surrogate: SurrogateError
     trials: int
-    statements: tuple[str, ...]
 
     def residuals(self, which: str) -> FloatArray:
         """Return simulated minus published means of the fitted rows, (row, robot), m."""
@@ -157,7 +153,6 @@ class Calibration:
                 for name, scores in self.scores.items()
             },
             "arrows": {name: self._arrow_counts(prediction) for name, prediction in self.predictions.items()},
-            "statements": list(self.statements),
         }
 
     def _cells(self) -> list[dict[str, Any]]:
@@ -282,9 +277,6 @@ def calibrate(
         scores=scores,
         surrogate=_surrogate_error(surrogate, design_trials),
         trials=trials,
-        statements=tuple(
-            statements(table, fitted, held_out, fits, alternative, predictions, scores),
-        ),
     )
 
 

@@ -11,10 +11,12 @@ from telespring.paper.calibration.comparison import Prediction, Score
 from telespring.paper.calibration.fit import Fit
 from telespring.paper.calibration.least_squares import LeastSquares
 from telespring.paper.calibration.likelihood import Likelihood
+from telespring.paper.calibration.run import Calibration
 from telespring.paper.calibration.unknowns import UNKNOWNS
 from telespring.paper.published import PublishedRow
+from telespring.paper.quantities import signed
 
-__all__ = ["signed", "statements"]
+__all__ = ["statements"]
 
 #: From here on two unknowns count as hard to tell apart.
 _CORRELATED = 0.7
@@ -28,16 +30,10 @@ _NAMES = {
 _TITLES = {"inside": "inertia inside Table III", "on top": "inertia on top of Table III"}
 
 
-def statements(
-    table: Sequence[PublishedRow],
-    fitted: Sequence[int],
-    held_out: Sequence[int],
-    fits: Mapping[str, Fit],
-    alternative: LeastSquares,
-    predictions: Mapping[str, Prediction],
-    scores: Mapping[str, Mapping[str, Score]],
-) -> list[str]:
+def statements(calibration: Calibration) -> list[str]:
     """Write sentences on the quality of the fits, on the unknowns, and on what disagrees and why."""
+    table, fitted, held_out = calibration.published, calibration.fitted, calibration.held_out
+    fits, predictions, scores = calibration.fits, calibration.predictions, calibration.scores
     used = ", ".join(table[i].label for i in fitted)
     sentences = [
         (
@@ -47,7 +43,7 @@ def statements(
     ]
     for name, fit in fits.items():
         sentences += _of_fit(name, fit, table, fitted)
-    sentences += _of_variants(fits, alternative, scores)
+    sentences += _of_variants(fits, calibration.alternative, scores)
     # one model need not be described twice
     same = len({tuple(np.round(fit.point, 2)) for fit in fits.values()}) == 1
     titles = {"inside": "either variant"} if same and "inside" in fits else dict(_TITLES)
@@ -324,18 +320,6 @@ def _mm(length: float) -> str:
 
 def _pair(change: FloatArray) -> str:
     return f"{_signed(change[0])} and {_signed(change[1])} mm"
-
-
-def signed(value: float, digits: int) -> str:
-    """Write a number with its sign, with a typographic minus; what rounds to zero has none.
-
-    Examples
-    --------
-    >>> signed(-1.26, 1), signed(0.5, 1), signed(-0.04, 1)
-    ('−1.3', '+0.5', '0.0')
-    """
-    text = f"{value:+.{digits}f}"
-    return (text if float(text) else text[1:]).replace("-", "−")
 
 
 def _signed(length: float) -> str:
