@@ -22,24 +22,7 @@ __all__ = ["look_up", "places_of", "render", "render_section"]
 
 
 def look_up(numbers: Mapping[str, Any], key: str) -> Any:
-    """Find the value at a dotted key such as ``summary.rows.3.delay``.
-
-    Parameters
-    ----------
-    numbers
-        Nested dicts and lists.
-    key
-        Names and list indices, joined by dots.
-
-    Returns
-    -------
-    object
-        What stands there.
-
-    Raises
-    ------
-    KeyError, IndexError
-        Where nothing does.
+    """Return the value at a dotted key of nested dicts and lists, such as ``summary.rows.3.delay``.
 
     Examples
     --------
@@ -53,7 +36,7 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
 
 
 def render(study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
-    """Render the whole page.
+    """Render the whole page, HTML that loads nothing from elsewhere.
 
     Parameters
     ----------
@@ -61,11 +44,6 @@ def render(study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
         The key `study` of `study.json`.
     findings
         Results of any sections, by the section's name.
-
-    Returns
-    -------
-    str
-        HTML that loads nothing from elsewhere.
     """
     shown = [section for section in SECTIONS if _is_shown(section, findings)]
     return (

@@ -11,9 +11,12 @@ from telespring.analysis import condition_label
 from telespring.references import read_reference
 
 __all__ = [
+    "AGENT_STIFFNESS",
     "BASELINE_MEDIAN",
     "EXPERIMENT_DELAYS",
+    "EXPERIMENT_DELAY_FACTORS",
     "EXPERIMENT_STIFFNESSES",
+    "EXPERIMENT_STIFFNESS_FACTORS",
     "TABLE_I",
     "TABLE_II",
     "TABLE_III",
@@ -101,11 +104,21 @@ TABLE_I: Sequence[PublishedRow] = _table_1()
 #: Table II, a row per range of stiffness from small to large: sets of η₁, η₂, ξ₁, ξ₂ and ξ₃.
 TABLE_II: tuple[tuple[str, ...], ...] = tuple(tuple(row["sets"]) for row in _DU2025["table2"]["row"])
 TABLE_III = _table_3()
+#: Stiffness k_c of an agent's arm, N/m (Table III).
+AGENT_STIFFNESS: float = _DU2025["table3"]["reference"]["k_c"]["value"]
 #: Median of TE2 in the unconnected mode, m (Fig. 8, caption).
 BASELINE_MEDIAN: float = _MILLI * _DU2025["table1"]["baseline_median_TE2"]
-#: Section IV-D: stiffness (N/m) and one-way delay (s) of the experiment, and trials of each condition.
+#: Section IV-D: stiffness (N/m) and one-way delay (s) of the experiment.
 EXPERIMENT_STIFFNESSES: tuple[float, ...] = tuple(_DU2025["conditions"]["stiffness"]["values"])
 EXPERIMENT_DELAYS: tuple[float, ...] = tuple(
     _MILLI * delay for delay in _DU2025["conditions"]["delay"]["values"]
 )
+#: The same conditions in multiples of K_xy and Δ_xy.
+EXPERIMENT_STIFFNESS_FACTORS: tuple[float, ...] = tuple(
+    _DU2025["conditions"]["stiffness"]["as_multiples_of_K_xy"]
+)
+EXPERIMENT_DELAY_FACTORS: tuple[float, ...] = tuple(
+    _DU2025["conditions"]["delay"]["as_multiples_of_Delta_xy"]
+)
+#: Trials of each condition.
 TRIALS: int = _DU2025["conditions"]["trials"]

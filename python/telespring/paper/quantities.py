@@ -42,11 +42,6 @@ def format_quantity(
     bare
         Without the unit, which is then shown elsewhere, such as in the heading of a table's column.
 
-    Returns
-    -------
-    str
-        Number and unit.
-
     Examples
     --------
     >>> format_quantity(0.16718632, "s")
@@ -86,19 +81,7 @@ def format_quantity(
 
 
 def digits_within(value: float | None, interval: Sequence[float | None] | None) -> int:
-    """Compute how many significant digits of an estimate its interval justifies.
-
-    Parameters
-    ----------
-    value
-        The estimate; None where there is none.
-    interval
-        Its lower and upper end.
-
-    Returns
-    -------
-    int
-        Significant digits, so that two digits of the interval's width show; at least 3, at most 10.
+    """Compute how many significant digits show two digits of an interval's width: at least 3, at most 10.
 
     Examples
     --------
@@ -115,19 +98,7 @@ def digits_within(value: float | None, interval: Sequence[float | None] | None) 
 
 
 def format_share(share: float, draws: int) -> str:
-    """Write a probability estimated by counting draws; none and all become bounds.
-
-    Parameters
-    ----------
-    share
-        Between 0 and 1.
-    draws
-        Number of draws.
-
-    Returns
-    -------
-    str
-        With as many decimals as the share of one draw needs.
+    """Write a probability that was estimated from draws; none and all become bounds.
 
     Examples
     --------

@@ -37,16 +37,9 @@ def minimise(
     objective
         Maps points (slice, sample, unknown) to values (slice, sample).
     start
-        One point per slice (slice, unknown); unknowns that are not free keep these values.
-    free
-        Indices of the unknowns that may vary.
+        One point per slice (slice, unknown); unknowns whose index is not in `free` keep these values.
     first, further, rounds
         Number of samples over the whole cube, of samples in a later round, and of later rounds.
-
-    Returns
-    -------
-    tuple of ndarray
-        The best points (slice, unknown) and their values (slice,).
     """
     from scipy.stats import qmc
 

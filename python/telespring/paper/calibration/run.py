@@ -19,12 +19,12 @@ from telespring.paper.calibration.least_squares import LeastSquares, least_squar
 from telespring.paper.calibration.likelihood import Likelihood
 from telespring.paper.calibration.surrogate import CAP, Surrogate
 from telespring.paper.calibration.unknowns import HIGH, VARIANTS
-from telespring.paper.published import TABLE_I, TRIALS, PublishedRow
+from telespring.paper.published import EXPERIMENT_STIFFNESSES, TABLE_I, TRIALS, PublishedRow
 
 __all__ = ["Calibration", "SurrogateError", "calibrate"]
 
-#: The stiffness whose conditions are fitted beside the unconnected mode, N/m.
-_FITTED_STIFFNESS = 142.0
+#: The stiffness whose conditions are fitted besides the unconnected mode, N/m.
+_FITTED_STIFFNESS = max(EXPERIMENT_STIFFNESSES)
 _SIZES: Sizes = (96, 64, 32)
 _DESIGN_TRIALS = 2
 

@@ -10,6 +10,7 @@ from telespring._json import finite_or_none
 from telespring.model import Dyad, DyadAxis, Robot
 from telespring.paper import as_printed
 from telespring.paper.misprints.record import Evidence, Misprint
+from telespring.references import read_reference
 from telespring.theory.spectrum import characteristic_roots, spectral_abscissa
 
 __all__ = [
@@ -22,8 +23,15 @@ __all__ = [
     "stability_returns",
 ]
 
+
+def _example_of(key: str) -> tuple[tuple[float, float, float, float], float]:
+    """Parameters m1, b1, m2, b2 and stiffness of the example that the references give for a misprint."""
+    example = next(m["example"] for m in read_reference("du2025")["misprint"] if m["report"] == key)
+    return (example["m1"], example["b1"], example["m2"], example["b2"]), example["k"]
+
+
 #: Masses (kg), dampings (N·s/m) and stiffness (N/m) of a dyad that is stable again at a longer delay.
-RETURNING = ((0.97670822, 2.15372614, 0.30379312, 4.59594729), 9.174736188)
+RETURNING = _example_of("equation-4")
 
 
 def _dyad(m1: float, b1: float, m2: float, b2: float) -> Dyad:
@@ -167,21 +175,11 @@ def less_or_equal(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
 
 
 def held_partner_growth(mass: float, damping: float, stiffness: float) -> tuple[float, float]:
-    """Compute how two identical robots move apart when each received position is held for half a swing.
+    """Return the length of each hold (s) and the growth of the distance per hold, of half a swing each.
 
     The delay then rises from 0 to the length of the hold and falls back to 0: it is bounded, but not
     constant. Each robot swings about the held position, m x'' + b x' + k x = k x_held, and the hold ends
-    at the turning point of the swing.
-
-    Parameters
-    ----------
-    mass, damping, stiffness
-        kg, N·s/m and N/m; the stiffness above b²/(4m), so that the held robot overshoots.
-
-    Returns
-    -------
-    hold, growth
-        Length of each hold (s), and the factor by which the distance grows per hold.
+    at the turning point of the swing. The stiffness must exceed b²/(4m), so that the robot overshoots.
     """
     decay = damping / (2 * mass)
     frequency = math.sqrt(stiffness / mass - decay**2)

@@ -15,6 +15,7 @@ import numpy as np
 
 from telespring._json import finite_or_none
 from telespring.model import Dyad, DyadAxis, Operator
+from telespring.paper.published import AGENT_STIFFNESS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -150,7 +151,7 @@ def boundary_in_arms(
     dyad: Dyad,
     stiffnesses: Sequence[float],
     *,
-    agent_stiffness: tuple[float, float] = (120.0, 120.0),
+    agent_stiffness: tuple[float, float] = (AGENT_STIFFNESS, AGENT_STIFFNESS),
     arms: tuple[Operator, Operator] | None = None,
     conditions: Sequence[tuple[float, float]] = (),
     horizon: float = 1.0,
@@ -164,7 +165,7 @@ def boundary_in_arms(
     stiffnesses
         Of the virtual spring, N/m.
     agent_stiffness
-        k_c of agent 1 and 2, N/m; Table III has 120 for both.
+        k_c of agent 1 and 2, N/m; by default that of Table III, 120 N/m.
     arms
         Mass and damping of both arms and of the agents' dampers, and any stiffness besides
         `agent_stiffness`; by default massless and undamped.

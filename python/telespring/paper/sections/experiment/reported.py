@@ -13,17 +13,8 @@ __all__ = ["compare_reported_tests"]
 def compare_reported_tests(analysed: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Set each test that Section V of the paper reports beside the same test of our trials.
 
-    Parameters
-    ----------
-    analysed
-        Result of `telespring.analysis.analyse_trials`.
-
-    Returns
-    -------
-    list of dict
-        `statement`, `test`, `printed_significant` at the printed `level`, our raw `p` and `p_holm` (None
-        where a group has no trial), and `agrees`: whether ours is on the same side of that level. Statements
-        on conditions that were not run are left out.
+    A row's `agrees` is whether our raw `p` is on the same side of the printed `level`. Statements on
+    conditions that were not run are left out; `p` is None where a group has no trial.
     """
     printed = read_reference("du2025")["section5"]
     rows = []

@@ -15,6 +15,7 @@ from telespring.identification.excitation import Excitation, design_excitation, 
 from telespring.identification.regression import paper_reweightings
 from telespring.identification.simulated_logs import ARM, Noise, RigLog, rig_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
+from telespring.paper.published import EXPERIMENT_DELAY_FACTORS, EXPERIMENT_STIFFNESS_FACTORS
 from telespring.paper.reference import Reference, reference_of
 
 if TYPE_CHECKING:
@@ -24,10 +25,6 @@ __all__ = ["IdentificationStudy", "study_identification"]
 
 #: Seed of the logs' noise; fixed, so that the same study gives the same numbers.
 _SEED = 20251122
-
-#: The paper's 16 conditions in multiples of K_xy and Δ_xy.
-_STIFFNESS_FACTORS = (0.5, 1.0, 2.0, 4.0)
-_DELAY_FACTORS = (0.0, 0.5, 1.0, 2.0)
 
 #: Monte Carlo draws for each probability.
 _DRAWS = 5000
@@ -61,15 +58,7 @@ class IdentificationStudy:
 
 
 def study_identification(study: Study | None = None, seed: int = _SEED) -> IdentificationStudy:
-    """Identify a study's bare robots from noisy logs of the simulated rig and propagate the errors.
-
-    Parameters
-    ----------
-    study
-        The robots, friction included; the paper's by default.
-    seed
-        Seed of the sensors' noise.
-    """
+    """Identify a study's bare robots, the paper's by default, from noisy logs of the simulated rig."""
     source = Study.paper() if study is None else study
     dyad = source.dyad
     movement, designed = paper_excitation(), _designed()
@@ -232,8 +221,8 @@ def _verdict(robots: tuple[Identification, Identification], reference: Reference
             }
         )
     conditions = []
-    for factor in _STIFFNESS_FACTORS:
-        for delay_factor in _DELAY_FACTORS:
+    for factor in EXPERIMENT_STIFFNESS_FACTORS:
+        for delay_factor in EXPERIMENT_DELAY_FACTORS:
             k, delay = factor * reference.stiffness, delay_factor * reference.delay
             probability = stable_probability(estimated, (one, two), k, delay, draws=_DRAWS)
             conditions.append(

@@ -20,22 +20,10 @@ _ROUNDING = 1e-13
 def roots_of_identical_robots(
     mass: float, damping: float, stiffness: float
 ) -> tuple[complex, complex, complex]:
-    """Compute ξ₁, ξ₂ and ξ₃ of two identical robots.
+    """Compute ξ₁, ξ₂ and ξ₃, squares of frequencies (rad²/s²), of two identical robots.
 
     The cubic of Eq. 8 then factors: F = (m²ξ − η₁)(m²ξ² − η₁ξ + 2k²), whose second factor has the
     discriminant η₂.
-
-    Parameters
-    ----------
-    mass, damping
-        Of each robot, kg and N·s/m.
-    stiffness
-        N/m.
-
-    Returns
-    -------
-    tuple of complex
-        Squares of frequencies, rad²/s².
 
     Examples
     --------
@@ -48,19 +36,9 @@ def roots_of_identical_robots(
 
 
 def number_set(value: complex, size: float) -> str:
-    """Name the smallest of the table's sets that contains a value: "0", "R+", "R-" or "C".
+    """Name the smallest of the table's sets that contains a value: "0", "R+", "R-" or "C" (not real).
 
-    Parameters
-    ----------
-    value
-        A number.
-    size
-        Size of the terms that it is the sum of, which sets its rounding error.
-
-    Returns
-    -------
-    str
-        "C" if it is not real.
+    `size` is that of the terms that the value is the sum of, which sets its rounding error.
     """
     if abs(value) <= _ROUNDING * size:
         return "0"
