@@ -40,11 +40,11 @@ from telespring.paper.calibration.likelihood import Likelihood, threshold
 from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.surrogate import Surrogate
 from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
-from telespring.paper.quantities import signed
 from telespring.paper.sections.arms.boundary import boundary_in_arms
 from telespring.paper.sections.arms.boundary import draw as draw_boundary
 from telespring.paper.sections.calibration.statements import _of_growth, statements
 from telespring.show import figures
+from telespring.show.quantities import format_signed
 from telespring.study.editing import with_values
 
 FITTED = [i for i, row in enumerate(TABLE_I) if row.stiffness in (None, 142.0)]
@@ -296,7 +296,7 @@ def test_law_a_run_away_is_not_taken_as_proof_of_damping() -> None:
 
 
 def test_law_statements_write_numbers_as_print_does(on_stand_in: Calibration) -> None:
-    assert [signed(each, 1) for each in (-0.04, 0.04, -0.06, 1.0)] == ["0.0", "0.0", "−0.1", "+1.0"]
+    assert [format_signed(each, 1) for each in (-0.04, 0.04, -0.06, 1.0)] == ["0.0", "0.0", "−0.1", "+1.0"]
     for sentence in statements(on_stand_in):
         assert not re.search(r"(?<![\w-])-\d", sentence), sentence
         assert not re.search(r"[-−+]0\.0+\b(?!\d)", sentence), sentence

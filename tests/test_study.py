@@ -18,10 +18,10 @@ import telespring as ts
 from telespring.paper import PARTS, STEPS, Analysis, analyse, write
 from telespring.paper.misprints import held_partner_growth
 from telespring.paper.page import look_up, places_of
-from telespring.paper.quantities import Style, format_quantity
 from telespring.paper.sections import SECTIONS
 from telespring.paper.sections.summary.allowed import summarise
 from telespring.rehearsal import run_protocol
+from telespring.show.quantities import Style, format_quantity
 
 # An unequal pair with one axis and an arm on one side, as far from the H-MANs as the file allows.
 OTHER = """

@@ -14,9 +14,9 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from telespring.paper.quantities import Style, digits_within, format_quantity, format_share
 from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections import SECTIONS
+from telespring.show.quantities import Style, digits_within, format_quantity, format_share
 
 __all__ = ["look_up", "places_of", "render", "render_section"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from telespring.paper.calibration.run import Calibration
 from telespring.paper.calibration.unknowns import NAMES
-from telespring.paper.quantities import signed
+from telespring.show.quantities import format_signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,7 +88,7 @@ def draw_pairs(calibration: Calibration) -> Figure:
             correlation = fit.correlation[order.index(one), order.index(two)]
             panels.append(
                 figures.PairPanel(
-                    f"{variant}: correlation {signed(correlation, 2)}",
+                    f"{variant}: correlation {format_signed(correlation, 2)}",
                     (_LABELS[one], _LABELS[two]),
                     pair.first,
                     pair.second,

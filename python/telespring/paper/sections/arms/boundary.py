@@ -16,6 +16,7 @@ import numpy as np
 from telespring._json import finite_or_none
 from telespring.model import Dyad, DyadAxis, Operator
 from telespring.paper.published import AGENT_STIFFNESS
+from telespring.show.quantities import format_pair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -114,9 +115,9 @@ class ArmsBoundary:
             same = (held.masses, held.dampings) == (free.masses, free.dampings)
             arms = "" if same else " and the arms' mass and damping"
             sentences.append(
-                f"Axis {free.name}: held by {_newtons(self.agent_stiffness)}{arms}, the dyad is stable at "
-                f"every constant delay up to {held.critical_stiffness():.1f} N/m; with free handles, up to "
-                f"{free.critical_stiffness():.1f} N/m."
+                f"Axis {free.name}: held by {format_pair(self.agent_stiffness, 'N/m')}{arms}, the dyad is "
+                f"stable at every constant delay up to {held.critical_stiffness():.1f} N/m; with free "
+                f"handles, up to {free.critical_stiffness():.1f} N/m."
             )
             for stiffness, windows in zip(self.stiffnesses, axis.unstable_held, strict=True):
                 if windows:
@@ -272,11 +273,6 @@ def _verdict(unstable: list[str]) -> str:
 
 def _on(unstable: list[str]) -> str:
     return f" on {' and '.join(unstable)}" if unstable else ""
-
-
-def _newtons(stiffness: tuple[float, float]) -> str:
-    one, two = stiffness
-    return f"{one:g} N/m" if one == two else f"{one:g} and {two:g} N/m"
 
 
 def _window(window: tuple[float, float], horizon: float) -> str:

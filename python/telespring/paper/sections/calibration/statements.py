@@ -14,7 +14,7 @@ from telespring.paper.calibration.likelihood import Likelihood
 from telespring.paper.calibration.run import Calibration
 from telespring.paper.calibration.unknowns import UNKNOWNS
 from telespring.paper.published import PublishedRow
-from telespring.paper.quantities import signed
+from telespring.show.quantities import format_error, format_signed
 
 __all__ = ["statements"]
 
@@ -60,9 +60,9 @@ def _of_fit(name: str, fit: Fit, table: Sequence[PublishedRow], fitted: Sequence
     common, difference = fit.misfit
     title = _TITLES[name]
     sentences = [
-        f"With {title} the fit is {_listed(fit.values)}. Its root-mean-square error is {_mm(common)} in the "
-        f"mean of TE1 and TE2 of a condition and {_mm(difference)} in half their difference; the sampling "
-        f"error of either is {_mm(sampling)}. "
+        f"With {title} the fit is {_listed(fit.values)}. Its root-mean-square error is "
+        f"{format_error(common)} in the mean of TE1 and TE2 of a condition and {format_error(difference)} in "
+        f"half their difference; the sampling error of either is {format_error(sampling)}. "
         + (
             "The model does not fit to within that error."
             if max(common, difference) > 2 * sampling
@@ -91,7 +91,7 @@ def _of_fit(name: str, fit: Fit, table: Sequence[PublishedRow], fitted: Sequence
             f"{', '.join(unbounded)}."
         )
     correlated = [
-        f"{_NAMES[one]} and {_NAMES[two]} ({signed(fit.correlation[i, j], 2)})"
+        f"{_NAMES[one]} and {_NAMES[two]} ({format_signed(fit.correlation[i, j], 2)})"
         for i, one in enumerate(fit.values)
         for j, two in enumerate(fit.values)
         if i < j and abs(fit.correlation[i, j]) >= _CORRELATED
@@ -131,8 +131,8 @@ def _of_likelihood(
     """Compare the chosen likelihood with plain least squares, and report what holds under both."""
     both = scores["least squares"]["both"]
     held_out = (
-        f"its r.m.s. error over the held-out cells is {_mm(both.rms_error)}, with rank correlations of "
-        f"{_ranks(scores['least squares'])}, both together {_rank(both)}"
+        f"its r.m.s. error over the held-out cells is {format_error(both.rms_error)}, with rank correlations "
+        f"of {_ranks(scores['least squares'])}, both together {_rank(both)}"
         if np.isfinite(both.rms_error)
         else "trials of held-out conditions then diverge, so that there is no score"
     )
@@ -142,10 +142,10 @@ def _of_likelihood(
     return [
         (
             "The likelihood is a choice: it separates the mean of a condition's two errors from half their "
-            "difference, each with its own misfit, because both errors come from one coupled motion. "
-            "Plain least squares over the same fitted cells, with inertia on top, gives "
-            f"{_listed(alternative.values)}, with an r.m.s. error over those cells of {_mm(alternative.rms)} "
-            f"instead of {_mm(alternative.rms_of_fit)}; {held_out}."
+            "difference, each with its own misfit, because both errors come from one coupled motion. Plain "
+            "least squares over the same fitted cells, with inertia on top, gives "
+            f"{_listed(alternative.values)}, with an r.m.s. error over those cells of "
+            f"{format_error(alternative.rms)} instead of {format_error(alternative.rms_of_fit)}; {held_out}."
         ),
         (
             f"Under either likelihood the arm mass on top is about {masses[0]:.2f} kg."
@@ -168,10 +168,11 @@ def _of_held_out(name: str, title: str, scores: Mapping[str, Mapping[str, Score]
     better = "smaller" if ours.rms_error < null.rms_error else "larger"
     return [
         (
-            f"With {title} the r.m.s. error over the {ours.cells} held-out cells is {_mm(ours.rms_error)} "
-            f"(mean {_signed(ours.mean_error)} mm), {better} than that of the null prediction, that nothing "
-            f"changes from the unconnected mode ({_mm(null.rms_error)}). Rank correlation with the published "
-            f"means: {_ranks(scores[name])}."
+            f"With {title} the r.m.s. error over the {ours.cells} held-out cells is "
+            f"{format_error(ours.rms_error)} (mean {_signed(ours.mean_error)} mm), {better} than that of the "
+            "null prediction, that nothing changes from the unconnected mode "
+            f"({format_error(null.rms_error)}). Rank correlation with the published means: "
+            f"{_ranks(scores[name])}."
         ),
         _of_pooled_rank(title, ours, null),
     ]
@@ -314,16 +315,12 @@ def _high(key: str) -> float:
     return next(unknown.high for unknown in UNKNOWNS if unknown.name == key)
 
 
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.2f} mm" if length < 1e-3 else f"{1e3 * length:.1f} mm"
-
-
 def _pair(change: FloatArray) -> str:
     return f"{_signed(change[0])} and {_signed(change[1])} mm"
 
 
 def _signed(length: float) -> str:
-    return signed(1e3 * length, 1)
+    return format_signed(1e3 * length, 1)
 
 
 def _plain(length: float) -> str:
@@ -338,4 +335,4 @@ def _rank(score: Score) -> str:
     if score.rank_correlation is None or score.p_value is None:
         return "none"
     p = f"p = {score.p_value:.3f}" if score.p_value >= 0.001 else "p < 0.001"
-    return f"{signed(score.rank_correlation, 2)} ({p})"
+    return f"{format_signed(score.rank_correlation, 2)} ({p})"

@@ -1,0 +1,270 @@
+"""Quantities as people read them: millimetres, milliseconds, newtons, significant digits.
+
+All that the package shows is written here, whether on a screen, in a sentence or in the report. A limit is
+rounded to the safe side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal, localcontext
+from typing import Literal, TypeAlias
+
+__all__ = [
+    "Rounding",
+    "Style",
+    "digits_within",
+    "format_error",
+    "format_number",
+    "format_pair",
+    "format_position",
+    "format_probability",
+    "format_quantity",
+    "format_share",
+    "format_signed",
+    "format_stiffness",
+    "format_time",
+]
+
+Rounding: TypeAlias = Literal["nearest", "down", "up"]
+Style: TypeAlias = Literal["nearest", "limit", "given", "hundredths"]
+
+_ROUNDING = {"nearest": ROUND_HALF_EVEN, "down": ROUND_FLOOR, "up": ROUND_CEILING}
+
+#: Units that a person reads, by the SI unit in `study.json`: the shown unit and its factor.
+_SHOWN = {
+    "s": ("ms", 1e3),
+    "m": ("mm", 1e3),
+    "m/N": ("mm/N", 1e3),
+    "seconds": ("s", 1.0),
+    "rad": ("°", 180.0 / math.pi),
+}
+
+
+def _decimal(value: float) -> Decimal:
+    # The shortest decimal that reads back as the same number: 0.029 s is 29 ms, not a bit less.
+    return Decimal(repr(float(value)))
+
+
+def format_number(value: float, digits: int = 4, *, rounding: Rounding = "nearest", shift: int = 0) -> str:
+    """Write a number with significant digits and no zeros at its end.
+
+    Parameters
+    ----------
+    value
+        The number.
+    digits
+        Significant digits.
+    rounding
+        "down" for a limit that must stay above what is safe to use, "up" for one that must stay below.
+    shift
+        Write the number times ten to this power: 3 for a length in mm or a time in ms.
+
+    Returns
+    -------
+    str
+        The digits.
+
+    Examples
+    --------
+    >>> format_number(0.16719, rounding="down", shift=3), format_number(0.3, rounding="down", shift=3)
+    ('167.1', '300')
+    """
+    shown = Context(prec=digits, rounding=_ROUNDING[rounding]).plus(_decimal(value).scaleb(shift))
+    if shown == 0 or -5 < shown.adjusted() < 7:
+        text = f"{shown:f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    return f"{float(shown):.{digits}g}"
+
+
+def format_time(value: float, digits: int = 4, *, rounding: Rounding = "nearest") -> str:
+    """Write a time or delay, given in s: in ms below 1 s; "no limit" where it is infinite.
+
+    Examples
+    --------
+    >>> format_time(0.16719, rounding="down"), format_time(11392.6), format_time(float("inf"))
+    ('167.1 ms', '11390 s', 'no limit')
+    """
+    if math.isinf(value):
+        return "no limit"
+    if value < 1.0:
+        return f"{format_number(value, digits, rounding=rounding, shift=3)} ms"
+    return f"{format_number(value, digits, rounding=rounding)} s"
+
+
+def format_stiffness(value: float, *, rounding: Rounding = "down") -> str:
+    """Write a stiffness that must not be exceeded, N/m; "no limit" where it is infinite.
+
+    Examples
+    --------
+    >>> format_stiffness(35.615988), format_stiffness(float("inf"))
+    ('35.61 N/m', 'no limit')
+    """
+    return "no limit" if math.isinf(value) else f"{format_number(value, rounding=rounding)} N/m"
+
+
+def format_position(position: Sequence[float]) -> str:
+    """Write a place in the plane, given in m, in whole mm.
+
+    Examples
+    --------
+    >>> format_position((-0.0001, 0.12))
+    '(0, 120) mm'
+    """
+    x, y = (round(1e3 * coordinate) for coordinate in position)
+    return f"({x}, {y}) mm"
+
+
+def format_pair(values: tuple[float, float], unit: str) -> str:
+    """Write what robot 1 and robot 2 have, once where they have the same.
+
+    Examples
+    --------
+    >>> format_pair((120.0, 120.0), "N/m"), format_pair((150.0, 100.0), "N/m")
+    ('120 N/m', '150 and 100 N/m')
+    """
+    one, two = values
+    return f"{one:g} {unit}" if one == two else f"{one:g} and {two:g} {unit}"
+
+
+def format_signed(value: float, decimals: int) -> str:
+    """Write a number with its sign and a typographic minus; what rounds to zero has no sign.
+
+    Examples
+    --------
+    >>> format_signed(-1.26, 1), format_signed(0.5, 1), format_signed(-0.04, 1)
+    ('−1.3', '+0.5', '0.0')
+    """
+    text = f"{value:+.{decimals}f}"
+    return (text if float(text) else text[1:]).replace("-", "−")
+
+
+def format_error(length: float) -> str:
+    """Write a tracking error or its scatter, given in m: in mm with one decimal, two below 1 mm.
+
+    Examples
+    --------
+    >>> format_error(0.01234), format_error(0.000321)
+    ('12.3 mm', '0.32 mm')
+    """
+    return f"{1e3 * length:.2f} mm" if length < 1e-3 else f"{1e3 * length:.1f} mm"
+
+
+def format_quantity(
+    value: float | None, unit: str = "1", digits: int = 4, *, style: Style = "nearest", bare: bool = False
+) -> str:
+    """Write a quantity for the report: milliseconds, millimetres, significant digits.
+
+    Parameters
+    ----------
+    value
+        In SI units; None for an unbounded or missing one.
+    unit
+        Its SI unit; "1" for a pure number, "seconds" for a time that is not shown in milliseconds, such as
+        a trial's length.
+    digits
+        Significant digits.
+    style
+        "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
+        within it; "given" drops zeros at the end, as a person writes a value; "hundredths" has two
+        decimals whatever the size, as a table's columns do.
+    bare
+        Without the unit, which then stands elsewhere, such as above a table's column.
+
+    Returns
+    -------
+    str
+        Number and unit.
+
+    Examples
+    --------
+    >>> format_quantity(0.16718632, "s")
+    '167.2 ms'
+    >>> format_quantity(0.16718632, "s", style="limit")
+    '167.1 ms'
+    >>> format_quantity(0.8334, "kg", 6, style="given")
+    '0.8334 kg'
+    >>> format_quantity(29.111, "s")
+    '29.11 s'
+    >>> format_quantity(None, "s")
+    'no limit'
+    """
+    if value is None:
+        return "no limit"
+    # A delay is shown in milliseconds, the length of a trial in seconds.
+    shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
+    scaled = _decimal(value) * Decimal(factor)
+    with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
+        if style == "hundredths":
+            text = f"{scaled:.2f}"
+        elif scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
+            mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
+            text = f"{mantissa}·10{_superscript(int(exponent))}"
+        elif scaled == scaled.to_integral_value():
+            text = f"{abs(scaled) if scaled == 0 else scaled:.0f}"
+        else:
+            decimals = max(0, digits - 1 - scaled.adjusted())
+            text = f"{scaled:.{decimals}f}"
+            if style == "given" and "." in text:
+                text = text.rstrip("0").rstrip(".")
+    text = text.replace("-", "−")
+    if bare or shown == "1":
+        return text
+    return f"{text}{'' if shown == '°' else ' '}{shown}"
+
+
+def _superscript(exponent: int) -> str:
+    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def digits_within(value: float | None, interval: Sequence[float | None] | None) -> int:
+    """Return how many digits of an estimate its interval supports: at least 3, at most 10.
+
+    Two digits of the interval's width are then seen.
+
+    Examples
+    --------
+    >>> digits_within(10.1168, (10.1142, 10.1193))
+    6
+    >>> digits_within(10.1, (8.0, 12.0))
+    3
+    """
+    ends = [end for end in interval or () if end is not None]
+    width = max(ends) - min(ends) if len(ends) == 2 else 0.0
+    if not value or not width:
+        return 4
+    return min(10, max(3, math.floor(math.log10(abs(value))) - math.floor(math.log10(width)) + 2))
+
+
+def format_share(share: float, draws: int) -> str:
+    """Write a probability estimated from draws, for the report: none and all to what the draws can show.
+
+    Examples
+    --------
+    >>> [format_share(share, 5000) for share in (0.0, 0.5, 0.9998, 1.0)]
+    ['< 0.0002', '0.5000', '0.9998', '> 0.9998']
+    """
+    decimals = max(1, math.ceil(math.log10(draws)))
+    if share <= 0.0:
+        return f"< {1.0 / draws:.{decimals}f}"
+    if share >= 1.0:
+        return f"> {1.0 - 1.0 / draws:.{decimals}f}"
+    return f"{share:.{decimals}f}"
+
+
+def format_probability(share: float, standard_error: float, draws: int) -> str:
+    """Write a probability estimated from draws, for a screen: percent with its standard error.
+
+    Examples
+    --------
+    >>> format_probability(0.9734, 0.0011, 20000), format_probability(1.0, 0.00005, 20000)
+    ('97.34 % (± 0.11 %, 20000 draws)', 'above 99.995 % (20000 draws)')
+    """
+    if share in (0.0, 1.0):
+        # What no draw (or every one) shows is known to one draw in so many at best.
+        side, bound = ("below", 1.0 / draws) if share == 0.0 else ("above", 1.0 - 1.0 / draws)
+        return f"{side} {100.0 * bound:.{math.ceil(math.log10(draws)) - 2}f} % ({draws} draws)"
+    percent = 100.0 * standard_error
+    decimals = max(0, 1 - math.floor(math.log10(percent)))
+    return f"{100.0 * share:.{decimals}f} % (± {percent:.{decimals}f} %, {draws} draws)"
