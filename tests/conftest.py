@@ -9,7 +9,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import json
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from telespring.cli import app
 from telespring.paper import Analysis
+from telespring.references import read_reference
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -88,4 +88,4 @@ def hman() -> ts.Dyad:
 @pytest.fixture(scope="session")
 def du2025() -> dict[str, Any]:
     """Return the numbers that the paper prints."""
-    return tomllib.loads((ROOT / "references" / "du2025.toml").read_text(encoding="utf-8"))
+    return read_reference("du2025")

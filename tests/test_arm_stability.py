@@ -25,7 +25,6 @@ from telespring.paper.page import render
 from telespring.paper.scene import Scene
 from telespring.paper.sections.arms.section import find_arms
 from telespring.paper.sections.laboratory.section import find_laboratory
-from telespring.paper.sections.robots.section import find_allowed
 from telespring.show import figures
 from telespring.show.screens.arms import describe_unavailable
 from telespring.theory.poses import pose_stability
@@ -365,12 +364,11 @@ def test_law_rehearse_ends_with_the_verdict_beside_how_trials_ended(tmp_path: Pa
 
 
 def page(study: ts.Study) -> tuple[dict[str, Any], str]:
-    """Return the arms' part of `study.json` and of the page, without the other parts."""
+    """Return the arms' section of `study.json` and the page without any other section."""
     scene = Scene.of(study)
-    part = find_arms(scene)
-    numbers = {"study": find_allowed(scene).numbers["study"], **part.numbers}
-    json.dumps(numbers, allow_nan=False)
-    return numbers["arms"], render(numbers, part.drawings)
+    findings = find_arms(scene)
+    json.dumps(findings.numbers, allow_nan=False)
+    return findings.numbers["arms"], render(scene.describe_study(), {"arms": findings})
 
 
 def test_law_the_report_has_the_arms_that_the_study_has() -> None:

@@ -7,11 +7,11 @@ import pytest
 
 import oracle_collocation as oracle
 import telespring as ts
-from telespring.paper import as_printed
+from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.sections.arms.boundary import ArmsBoundary, boundary_in_arms
 
 REFERENCE = ts.critical_stiffness(0.8334, 7.7257, 0.7776, 7.4208)  # K_xy, 35.616 N/m
-CONDITIONS = [(k, delay) for k in as_printed.EXPERIMENT_STIFFNESSES for delay in as_printed.EXPERIMENT_DELAYS]
+CONDITIONS = [(k, delay) for k in EXPERIMENT_STIFFNESSES for delay in EXPERIMENT_DELAYS]
 
 
 @pytest.fixture(scope="module")

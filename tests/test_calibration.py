@@ -37,12 +37,12 @@ from telespring.paper.calibration.fit import fit
 from telespring.paper.calibration.laboratory import RigSimulator
 from telespring.paper.calibration.least_squares import least_squares
 from telespring.paper.calibration.likelihood import Likelihood, threshold
-from telespring.paper.calibration.minimise import lowest
-from telespring.paper.calibration.statements import _of_growth
+from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.surrogate import Surrogate
 from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
 from telespring.paper.sections.arms.boundary import boundary_in_arms
 from telespring.paper.sections.arms.boundary import draw as draw_boundary
+from telespring.paper.sections.calibration.statements import _of_growth, statements
 from telespring.show import figures
 from telespring.show.quantities import format_signed
 from telespring.study.editing import with_values
@@ -151,7 +151,7 @@ def test_law_everything_goes_into_json(on_stand_in: Calibration) -> None:
     assert numbers["arrows"]["ideal"]["of_held_out"] == 24
     for counts in numbers["arrows"].values():
         assert counts["agreeing"] + len(counts["disagreeing"]) == 33
-    assert all(each.endswith(".") for each in numbers["statements"])
+    assert all(sentence.endswith(".") for sentence in statements(on_stand_in))
 
 
 # ---- recovery ----------------------------------------------------------------------------------------
@@ -269,7 +269,7 @@ def test_law_the_choice_of_likelihood_is_told_with_what_another_gives(on_stand_i
     assert set(other["unknowns"]) == set(NAMES)
     assert len(other["cells"]) == 17
     assert numbers["held_out"]["least squares"]["both"]["cells"] == 24
-    said = " ".join(on_stand_in.statements)
+    said = " ".join(statements(on_stand_in))
     assert "The likelihood is a choice" in said
     assert f"arm mass {other['unknowns']['arm_mass']['value']:.2f} kg" in said
     assert f"{other['rms_error_of_fitted_cells']:.1f} mm" in said
@@ -279,7 +279,7 @@ def test_law_the_choice_of_likelihood_is_told_with_what_another_gives(on_stand_i
 def test_law_the_null_predictions_rank_correlation_is_told_beside_the_models(
     on_stand_in: Calibration,
 ) -> None:
-    said = " ".join(on_stand_in.statements)
+    said = " ".join(statements(on_stand_in))
     for name in ("inside", "as unconnected"):
         rank = on_stand_in.scores[name]["both"].rank_correlation
         assert rank is not None
@@ -297,7 +297,7 @@ def test_law_a_run_away_is_not_taken_as_proof_of_damping() -> None:
 
 def test_law_statements_write_numbers_as_print_does(on_stand_in: Calibration) -> None:
     assert [format_signed(each, 1) for each in (-0.04, 0.04, -0.06, 1.0)] == ["0.0", "0.0", "−0.1", "+1.0"]
-    for sentence in on_stand_in.statements:
+    for sentence in statements(on_stand_in):
         assert not re.search(r"(?<![\w-])-\d", sentence), sentence
         assert not re.search(r"[-−+]0\.0+\b(?!\d)", sentence), sentence
         assert "_xy" not in sentence
@@ -368,7 +368,7 @@ def test_law_the_search_finds_a_valley_inside_and_on_a_bound() -> None:
         return np.asarray(np.sum(away**2, axis=-1) + 0.5 * away[..., 0] * away[..., 2])
 
     start = np.array([[0.0, 0.5, 0.0, 0.5], [0.0, 0.5, 0.2, 0.5]])
-    found, value = lowest(bowl, start, [0, 1, 3], first=512, further=128, rounds=12)
+    found, value = minimise(bowl, start, [0, 1, 3], first=512, further=128, rounds=12)
     for row, fixed in zip(found, (0.0, 0.2), strict=True):
         expected = [0.31 - 0.25 * (fixed - 0.77), 0.0, fixed, 1.0]
         assert row == pytest.approx(expected, abs=2e-3)

@@ -534,13 +534,14 @@ def test_law_ctrl_c_leaves_no_half_written_file(tmp_path: Path) -> None:
 WAITS_FOR_ITS_FIRST_STEP = """
 import sys, time
 from telespring import cli
-from telespring.paper import reproduce as run
+from dataclasses import replace
+from telespring.paper import reproduce
 def waits(scene):
     sys.stdout.write("begun\\n")
     sys.stdout.flush()
     time.sleep(60)
-run.PARTS = (run.PARTS[0], run.Part("waits", waits))
-run.STEPS = cli_steps = (*(part.name for part in run.PARTS), "report")
+reproduce.PARTS = (reproduce.PARTS[0], replace(reproduce.PARTS[1], step="waits", find=waits))
+reproduce.STEPS = cli_steps = (*(section.step for section in reproduce.PARTS), "report")
 import telespring.paper
 telespring.paper.STEPS = cli_steps
 cli.app(["reproduce", "--out", sys.argv[1]])

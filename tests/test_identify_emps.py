@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from telespring import cli
 from telespring._types import FloatArray
 from telespring.identification import identify, paper_reweightings, read_log
 from telespring.identification.results import Method
+from telespring.references import read_reference
 
 ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT.parent / "shared" / "data" / "emps" / "DATA_EMPS.mat"
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def janot2019() -> dict[str, Any]:
-    return tomllib.loads((ROOT / "references" / "janot2019.toml").read_text(encoding="utf-8"))
+    return read_reference("janot2019")
 
 
 def columns(gtau: float) -> tuple[FloatArray, FloatArray, FloatArray]:

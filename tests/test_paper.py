@@ -11,8 +11,13 @@ import pytest
 import telespring as ts
 from printed_formulas import maximum_delay
 from telespring.paper import as_printed
+from telespring.paper.published import TABLE_II
 from telespring.paper.scene import Scene
-from telespring.paper.sections.number_sets.section import find_number_sets, number_set, roots_of_robots_alike
+from telespring.paper.sections.number_sets.section import (
+    find_number_sets,
+    number_set,
+    roots_of_identical_robots,
+)
 
 
 @pytest.fixture(scope="module")
@@ -55,15 +60,15 @@ def test_cross_printed_formulas_in_the_core_against_companion_matrix_roots() -> 
 
 
 def test_ref_table_ii_is_transcribed(du2025: dict[str, Any]) -> None:
-    assert [tuple(row["sets"]) for row in du2025["table2"]["row"]] == list(as_printed.TABLE_II)
+    assert [tuple(row["sets"]) for row in du2025["table2"]["row"]] == list(TABLE_II)
     assert du2025["table2"]["columns"] == ["eta1", "eta2", "xi1", "xi2", "xi3"]
 
 
-def test_cross_roots_of_robots_alike_against_the_companion_matrix() -> None:
+def test_cross_roots_of_identical_robots_against_the_companion_matrix() -> None:
     """Appendix A2's factors, with the prefactor corrected, against numpy's roots of Eq. 8."""
     mass, damping = 0.8334, 7.7257
     for stiffness in (5.0, 14.0, 20.0, 30.0, 50.0, 142.0):
-        ours = np.sort_complex(np.array(roots_of_robots_alike(mass, damping, stiffness)))
+        ours = np.sort_complex(np.array(roots_of_identical_robots(mass, damping, stiffness)))
         theirs = np.sort_complex(
             np.roots(as_printed.cubic_equation_8(mass, damping, mass, damping, stiffness))
         )

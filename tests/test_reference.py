@@ -16,6 +16,7 @@ import pytest
 from scipy.optimize import brentq
 
 import telespring as ts
+from telespring.references import read_reference
 
 # Du, Kulkarni, Kager, Campolo, Table III: m1, b1, m2, b2 of the two H-MANs
 HMAN = {"x": (0.8334, 7.7257, 0.7776, 7.4208), "y": (1.0649, 10.1168, 1.3407, 9.3496)}
@@ -154,14 +155,8 @@ def test_ref_two_crossings_part_from_a_tangency() -> None:
     assert not ts.crossings(*robots, critical * (1 - 1e-8))
 
 
-def published(root: Path) -> list[dict[str, Any]]:
-    text = (root / "references" / "gu2003.toml").read_text(encoding="utf-8")
-    systems: list[dict[str, Any]] = tomllib.loads(text)["system"]
-    return systems
-
-
-def test_ref_published_limits_of_delay_systems(root: Path) -> None:
-    systems = published(root)
+def test_ref_published_limits_of_delay_systems() -> None:
+    systems = read_reference("gu2003")["system"]
     assert len(systems) == 3
     for system in systems:
         now, late = np.array(system["A0"]), np.array(system["A1"])
@@ -194,7 +189,7 @@ def test_ref_published_systems_are_copied_as_they_were_collected(root: Path) -> 
     if not file.is_file():
         pytest.skip(f"{file} IS MISSING: references/gu2003.toml is not compared with what it was copied from")
     collected = tomllib.loads(file.read_text(encoding="utf-8"))["system"]
-    for ours, theirs in zip(published(root), collected, strict=True):
+    for ours, theirs in zip(read_reference("gu2003")["system"], collected, strict=True):
         for key in ("A0", "A1", "stable", "crossing_frequency"):
             assert ours.get(key) == theirs.get(key)
         assert theirs["published"].startswith(ours["published"])

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from telespring.analysis import compare, compare_pairs, holm, kruskal_wallis, superiority_interval
-
-
-def published(root: Path, name: str) -> dict[str, Any]:
-    return tomllib.loads((root / "references" / f"{name}.toml").read_text(encoding="utf-8"))
+from telespring.references import read_reference
 
 
 def ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -34,8 +28,8 @@ def tie_term(values: NDArray[np.float64]) -> float:
     return float((counts**3 - counts).sum())
 
 
-def test_ref_wilcoxon_of_hollander_and_wolfe(root: Path) -> None:
-    example = published(root, "hollander1973")["rank_sum"]
+def test_ref_wilcoxon_of_hollander_and_wolfe() -> None:
+    example = read_reference("hollander1973")["rank_sum"]
     found = compare(example["term"], example["earlier"])
     assert found.statistic == example["statistic"]
     assert found.method == "exact"
@@ -45,8 +39,8 @@ def test_ref_wilcoxon_of_hollander_and_wolfe(root: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["hollander1973", "dobson1983"])
-def test_ref_kruskal_wallis_of_textbooks(root: Path, name: str) -> None:
-    example = published(root, name)["kruskal_wallis"]
+def test_ref_kruskal_wallis_of_textbooks(name: str) -> None:
+    example = read_reference(name)["kruskal_wallis"]
     groups = {key: values for key, values in example.items() if isinstance(values, list)}
     found = kruskal_wallis(groups)
     assert found.statistic is not None
@@ -57,8 +51,8 @@ def test_ref_kruskal_wallis_of_textbooks(root: Path, name: str) -> None:
     assert found.p_value == pytest.approx(example["p"], abs=5e-6 if name == "dobson1983" else 5e-3)
 
 
-def test_ref_superiority_of_bonett(root: Path) -> None:
-    example = published(root, "bonett2021")["superiority"]
+def test_ref_superiority_of_bonett() -> None:
+    example = read_reference("bonett2021")["superiority"]
     assert compare(example["first"], example["second"]).superiority == example["estimate"]
 
 

@@ -70,6 +70,7 @@ __all__ = [
     "certified_roots",
     "characteristic_roots",
     "critical_stiffness",
+    "cross_inertia",
     "crossings",
     "decay_stiffness",
     "frequency_grid",
@@ -82,6 +83,8 @@ __all__ = [
     "nyquist",
     "open_loop",
     "partner_response",
+    "pose_stability",
+    "pose_system",
     "robot_record",
     "simulate",
     "simulate_handle",
@@ -988,5 +991,26 @@ def simulate_handle(
     position0: Sequence[float],
     velocity0: Sequence[float] = ...,
 ) -> HandleMotion: ...
+def pose_stability(
+    dyad: Dyad,
+    arms: tuple[Arm | Mapping[str, Any] | None, Arm | Mapping[str, Any] | None],
+    stiffness: float,
+    delay: Delay,
+    positions: ArrayLike,
+    agent_stiffness: tuple[float, float],
+) -> tuple[FloatArray, FloatArray, bool]: ...
+def cross_inertia(
+    dyad: Dyad,
+    arms: tuple[Arm | Mapping[str, Any] | None, Arm | Mapping[str, Any] | None],
+    positions: ArrayLike,
+) -> FloatArray: ...
+def pose_system(
+    dyad: Dyad,
+    arms: tuple[Arm | Mapping[str, Any] | None, Arm | Mapping[str, Any] | None],
+    stiffness: float,
+    delay: Delay,
+    position: ArrayLike,
+    agent_stiffness: tuple[float, float],
+) -> DelaySystem: ...
 def robot_record(robot_file: str | PathLike[str]) -> RobotRecord: ...
 def arm_operator(arm: Arm | Mapping[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

@@ -14,6 +14,7 @@ mod experiment;
 mod model;
 mod participants;
 mod plant;
+mod poses;
 mod recording;
 mod records;
 mod response;
@@ -55,6 +56,8 @@ mod _core {
     use crate::participants::{Agent, Arm, Task};
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
+    #[pymodule_export]
+    use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]
     use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]

@@ -25,7 +25,7 @@ fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
 }
 
 /// An `Arm`, or a mapping of the keys that it has in a study file.
-fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
+pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
     if let Ok(arm) = value.cast::<Arm>() {
         return Ok(arm.get().0);
     }

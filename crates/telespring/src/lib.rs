@@ -14,6 +14,7 @@
 //! | [`session`] | one side of a live coupling: packets and time in, force and packets out |
 //! | [`rig`] | the virtual laboratory: two sessions, robots, arms and a network in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
+//! | [`poses`] | a dyad held by two-link arms, one frozen pose at a time |
 //! | [`quantity`] | the physical quantities with their units and ranges |
 //! | [`error`] | the error type for invalid input |
 //!
@@ -27,6 +28,7 @@ pub mod dde;
 pub mod delay_system;
 pub mod error;
 pub mod model;
+pub mod poses;
 pub mod quantity;
 pub mod response;
 pub mod rig;

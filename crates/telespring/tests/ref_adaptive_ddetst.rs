@@ -1,6 +1,6 @@
 //! The problems of DDETST with closed-form solutions: W. H. Enright and H. Hayashi (1997), "The evaluation of
 //! numerical software for delay differential equations", in Boisvert (ed.), The Quality of Numerical Software,
-//! Chapman & Hall, pp. 179-192; numbering as there. Facts in references/enright1997.toml.
+//! Chapman & Hall, pp. 179-192; numbering as there. Facts in python/telespring/references/enright1997.toml.
 //!
 //! Each allowed factor is the problem's own amplification of local errors, measured once and rounded up to the next
 //! of 1, 3, 10, 30, …: an error in the method or in the tracking of breaks shows as orders of magnitude.

@@ -1,6 +1,6 @@
 //! Problems with closed-form solutions of C. A. H. Paul (1994), "A test set of functional differential
 //! equations", Technical Report 249, Manchester Centre for Computational Mathematics; numbering as there. Facts in
-//! references/paul1994.toml. Factors as in ref_adaptive_ddetst.rs.
+//! python/telespring/references/paul1994.toml. Factors as in ref_adaptive_ddetst.rs.
 
 mod adaptive_support;
 

@@ -1,13 +1,14 @@
-"""The paper on a study's robots: numbers, figures, and one page that holds both.
+"""Reproduction of Du et al. (2025) for a study's robots: numbers, figures, and one page that holds both.
 
-`analyse` computes, `write` puts `report.html` and `study.json` into a folder. The keys of
-`study.json` are listed in `docs/study-json.md`; everything in it is in SI units unless its row there
-says otherwise, and a value that is infinite or does not exist is null.
+`analyse` computes, `write` puts `report.html` and `study.json` into a folder. The keys of `study.json` are
+listed in `docs/study-json.md`. Everything in it is in SI units unless its row there says otherwise; a value
+that is infinite or does not exist is null.
 
-Each part of the paper is a module with functions from `Scene` to `Found`; `PARTS` lists them.
+The report consists of sections, one folder each in `telespring.paper.sections`.
 """
 
 from telespring.paper.reproduce import PARTS, STEPS, Analysis, analyse, write
-from telespring.paper.scene import Found, Part, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Section
 
-__all__ = ["PARTS", "STEPS", "Analysis", "Found", "Part", "Scene", "analyse", "write"]
+__all__ = ["PARTS", "STEPS", "Analysis", "Findings", "Scene", "Section", "analyse", "write"]

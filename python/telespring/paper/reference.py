@@ -1,4 +1,4 @@
-"""Reference stiffness K and delay Δ of a study, in whose multiples the paper draws its figures."""
+"""Reference stiffness K and delay Δ of a study: the paper draws its figures at multiples of them."""
 
 from __future__ import annotations
 
@@ -7,16 +7,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from telespring._errors import InvalidInput
-from telespring.model import Dyad, Robot
-from telespring.theory.axis import Axis, free_axis
+from telespring.model import Dyad, DyadAxis, Robot
 
-__all__ = ["MAP_POINTS", "MAP_WIDTH", "Reference", "classify", "reference_of", "refuse_what_cannot_be_drawn"]
+__all__ = [
+    "FACTORS",
+    "FACTOR_LABELS",
+    "MAP_POINTS",
+    "MAP_WIDTH",
+    "Reference",
+    "check_figure_ranges",
+    "classify",
+    "label_setting",
+    "reference_of",
+]
 
-#: The map is drawn over this many stiffnesses up to this multiple of K, the largest that is used.
+#: Multiples of K at which the paper draws its figures, and how multiples of K and Δ are written.
+FACTORS = (0.5, 1.0, 2.0, 4.0)
+FACTOR_LABELS = {0.0: "0", 0.5: "0.5", 1.0: "", 2.0: "2", 4.0: "4"}
+
+#: The map has this many stiffnesses, up to this multiple of K, the largest of all figures.
 MAP_POINTS = 600
 MAP_WIDTH = 4.6
 
-#: What the figures use: multiples of K, of Δ, and of the first robot's mass and damping.
+#: Extreme multiples in the figures: of K, of Δ, and of the first robot's mass and damping.
 _STIFFNESS_FACTORS = (MAP_WIDTH / MAP_POINTS, MAP_WIDTH)
 _DELAY_FACTOR = 2.0
 _ROBOT_FACTORS = (0.5, 4.0)
@@ -30,7 +43,7 @@ _LARGEST_DAMPING = 1e6
 
 @dataclass(frozen=True)
 class Reference:
-    """Reference stiffness (N/m) and delay (s) of a set of axes, as in Eq. 11 at twice the stiffness."""
+    """Reference stiffness K (N/m) and delay Δ (s, at 2K) of some axes, Eq. 11, and the axes that set them."""
 
     stiffness: float
     delay: float
@@ -38,21 +51,11 @@ class Reference:
     delay_axis: str
 
 
-def reference_of(axes: list[Axis]) -> Reference:
-    """Find K and Δ of Eq. 11, from the exact critical stiffness.
+def reference_of(axes: list[DyadAxis]) -> Reference:
+    """Compute K and Δ of Eq. 11 from the exact critical stiffness; every axis must be damped.
 
-    Operators can make every stiffness safe; Eq. 5 on the same masses and dampings and a delay of
-    0.1 s then stand in, so that there still is something to draw.
-
-    Parameters
-    ----------
-    axes
-        Every axis must be damped, and K must lie in the range of `refuse_what_cannot_be_drawn`.
-
-    Returns
-    -------
-    Reference
-        K, Δ and the axes that set them.
+    Operators can make every stiffness safe. Then Eq. 5 with the same masses and dampings gives K, and Δ is
+    0.1 s, so that the figures can still be drawn.
     """
     stiffness, stiffness_axis = _reference_stiffness(axes)
     delays = {axis.name: float(axis.maximum_delay(2 * stiffness)) for axis in axes}
@@ -61,8 +64,14 @@ def reference_of(axes: list[Axis]) -> Reference:
     return Reference(stiffness, delay if math.isfinite(delay) else 0.1, stiffness_axis, delay_axis)
 
 
-def classify(axis: Axis, stiffness: float, delay: float) -> str:
-    """Say "stable", "unstable", or "marginal" where the delay is a crossing up to rounding."""
+def label_setting(stiffness_factor: float, delay_factor: float) -> str:
+    """Write a stiffness and a delay as multiples of K and Δ, as in "k = 2K, δ = 0.5Δ"."""
+    delay = f"δ = {FACTOR_LABELS[delay_factor]}{'Δ' if delay_factor else ''}"
+    return f"k = {FACTOR_LABELS[stiffness_factor]}K, {delay}"
+
+
+def classify(axis: DyadAxis, stiffness: float, delay: float) -> str:
+    """Return "stable", "unstable", or "marginal" if the delay is a crossing up to rounding (1e-9)."""
     for crossing in axis.crossings(stiffness):
         spacing = math.pi / crossing.frequency
         turns = round((delay - crossing.delay) / spacing)
@@ -71,30 +80,15 @@ def classify(axis: Axis, stiffness: float, delay: float) -> str:
     return "stable" if axis.is_stable(stiffness, delay) else "unstable"
 
 
-def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> None:
-    """Refuse robots whose figures would leave the ranges of the core, by what the user wrote.
-
-    Parameters
-    ----------
-    dyad
-        The study's robots.
-    axes
-        The study's own axes.
-    alike
-        Two robots that are both like robot 1 on its first axis.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Naming the mass or damping that takes a figure out of range.
-    """
+def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -> None:
+    """Refuse robots whose figures would leave the ranges of the core, by the mass or damping at fault."""
     for side, robot in enumerate(dyad.robots, start=1):
         for i, damping in enumerate(robot.damping):
             if damping == 0.0:
                 raise InvalidInput(
                     f"robot{side}.damping[{i}]",
                     "0",
-                    "the paper's study needs a damping above 0 N·s/m on every axis, for K is 0 without it",
+                    "the report needs a damping above 0 N·s/m on every axis, because K is 0 without it",
                     "Give the measured damping, or use `telespring decide`.",
                 )
     # Fig. 4 varies the first robot on its first axis.
@@ -104,21 +98,21 @@ def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> No
         raise InvalidInput(
             "robot1.mass[0]",
             f"{mass:g}",
-            f"the study, which also draws half and four times this mass, takes {least:g} to {most:g} kg",
+            f"the report, which also draws half and four times this mass, takes {least:g} to {most:g} kg",
             "Check the unit (kg), or use `telespring decide`.",
         )
     if damping > _LARGEST_DAMPING / _ROBOT_FACTORS[1]:
         raise InvalidInput(
             "robot1.damping[0]",
             f"{damping:g}",
-            f"the study, which also draws four times this damping, takes up to "
+            f"the report, which also draws four times this damping, takes up to "
             f"{_LARGEST_DAMPING / _ROBOT_FACTORS[1]:g} N·s/m",
             "Check the unit (N·s/m), or use `telespring decide`.",
         )
-    for group, robots in ((axes, dyad.robots), ([alike], dyad.robots[:1])):
+    for group, robots in ((axes, dyad.robots), ([identical], dyad.robots[:1])):
         stiffness, name = _reference_stiffness(group)
         low, high = (factor * stiffness for factor in _STIFFNESS_FACTORS)
-        axis = next(each for each in group if each.name == name)
+        axis = next(axis for axis in group if axis.name == name)
         if low < _STIFFNESS_RANGE[0] or high > _STIFFNESS_RANGE[1]:
             least, most = (
                 bound / factor for bound, factor in zip(_STIFFNESS_RANGE, _STIFFNESS_FACTORS, strict=True)
@@ -127,36 +121,36 @@ def refuse_what_cannot_be_drawn(dyad: Dyad, axes: list[Axis], alike: Axis) -> No
                 robots,
                 axis,
                 low < _STIFFNESS_RANGE[0],
-                f"it makes the critical stiffness of axis {name} {stiffness:.3g} N/m, and the study draws "
-                f"multiples of one from {least:.3g} to {most:.3g} N/m",
+                f"it makes the critical stiffness of axis {name} {stiffness:.3g} N/m, but the report needs "
+                f"one from {least:.3g} to {most:.3g} N/m to draw its multiples",
             )
         reference = reference_of(group)
         if _DELAY_FACTOR * reference.delay > _LONGEST_DELAY:
             raise _refusal(
                 robots,
-                next(each for each in group if each.name == reference.delay_axis),
+                next(axis for axis in group if axis.name == reference.delay_axis),
                 True,
-                f"it makes the reference delay Δ of axis {reference.delay_axis} {reference.delay:.3g} s, and "
-                f"the study draws up to twice a Δ of at most {_LONGEST_DELAY / _DELAY_FACTOR:g} s",
+                f"it makes the reference delay Δ of axis {reference.delay_axis} {reference.delay:.3g} s, but "
+                f"the report, which draws up to 2Δ, takes at most {_LONGEST_DELAY / _DELAY_FACTOR:g} s",
             )
 
 
-def _reference_stiffness(axes: list[Axis]) -> tuple[float, str]:
+def _reference_stiffness(axes: list[DyadAxis]) -> tuple[float, str]:
     critical = {axis.name: axis.critical_stiffness() for axis in axes}
-    name = min(critical, key=lambda each: critical[each])
+    name = min(critical, key=critical.__getitem__)
     if math.isinf(critical[name]):
-        return min(free_axis(*axis.parameters).critical_stiffness("paper") for axis in axes), name
+        return min(DyadAxis(*axis.parameters).critical_stiffness("paper") for axis in axes), name
     return critical[name], name
 
 
-def _refusal(robots: Sequence[Robot], axis: Axis, too_little: bool, allowed: str) -> InvalidInput:
-    """Name the robot whose damping on that axis is the farther out."""
+def _refusal(robots: Sequence[Robot], axis: DyadAxis, too_little: bool, allowed: str) -> InvalidInput:
+    """Refuse the damping of the robot that is further out of range on that axis."""
     dampings = [float(robot.damping[axis.index]) for robot in robots]
     side = dampings.index(min(dampings) if too_little else max(dampings))
     return InvalidInput(
         f"robot{side + 1}.damping[{axis.index}]",
         f"{dampings[side]:g}",
         allowed,
-        f"Give {'more' if too_little else 'less'} damping if the unit (N·s/m) was mistaken, "
-        "or use `telespring decide`.",
+        f"Check the unit (N·s/m) and give {'more' if too_little else 'less'} damping, or use "
+        "`telespring decide`.",
     )

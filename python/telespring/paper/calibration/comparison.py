@@ -1,4 +1,4 @@
-"""Simulated beside published tracking errors, cell by cell, and how far they agree."""
+"""Comparison of simulated with published tracking errors, cell by cell, and scores of their agreement."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.analysis import compare_pairs
-from telespring.paper.table_1 import PublishedRow
-from telespring.theory.axis import finite_or_none
+from telespring.paper.published import PublishedRow
 
 __all__ = ["Prediction", "Score", "null_prediction", "predict", "score"]
 
@@ -24,13 +24,13 @@ class Score:
     Attributes
     ----------
     cells
-        How many.
+        Number of cells.
     rms_error
-        m; not a number where a cell has no simulated value.
+        m; NaN if a cell has no simulated value.
     mean_error
         Simulated less published, m.
     rank_correlation, p_value
-        Spearman's, between simulated and published; None where all simulated values are equal.
+        Spearman's, between simulated and published; None if all simulated values are equal.
     """
 
     cells: int
@@ -40,7 +40,7 @@ class Score:
     p_value: float | None
 
     def numbers(self) -> dict[str, Any]:
-        """Give plain values for JSON, errors in mm."""
+        """Plain values for JSON, errors in mm."""
         return {
             "cells": self.cells,
             "rms_error": finite_or_none(1e3 * self.rms_error),
@@ -52,16 +52,16 @@ class Score:
 
 @dataclass(frozen=True)
 class Prediction:
-    """A laboratory's errors in all conditions of the table.
+    """Simulated errors in all conditions of the table.
 
     Attributes
     ----------
     mean, standard_deviation
-        (condition, robot), m; over the completed trials, not a number where there are too few.
+        (condition, robot), m; over the completed trials, NaN where there are too few.
     ended_early
-        Trials of each condition that ended before their time.
+        Number of trials of each condition that ended early.
     arrow
-        (condition, robot), against TE2 in the unconnected mode as the paper's.
+        (condition, robot), against TE2 in the unconnected mode, as in the paper.
     """
 
     mean: FloatArray
@@ -70,27 +70,17 @@ class Prediction:
     arrow: tuple[tuple[str, str], ...]
 
     def arrows_agreeing(self, published: Sequence[PublishedRow]) -> list[tuple[bool | None, bool | None]]:
-        """Tell which arrows are the published ones; None for the baseline itself, which has none."""
+        """Whether each arrow is the published one; None for the baseline itself, which has none."""
         return [
-            (one[0] == row.arrow[0], None if row.stiffness is None else one[1] == row.arrow[1])
-            for one, row in zip(self.arrow, published, strict=True)
+            (arrow[0] == row.arrow[0], None if row.stiffness is None else arrow[1] == row.arrow[1])
+            for arrow, row in zip(self.arrow, published, strict=True)
         ]
 
 
 def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction:
-    """Summarise trials as Table I does.
+    """Summarise errors (condition, trial, robot), m, as Table I does: means, deviations and arrows.
 
-    Parameters
-    ----------
-    errors
-        (condition, trial, robot), m; not a number where a trial ended early.
-    published
-        The conditions; the first one without a stiffness is the baseline.
-
-    Returns
-    -------
-    Prediction
-        Means, standard deviations and the arrows of the rank-sum test at p < 0.05.
+    An arrow is from the rank-sum test at p < 0.05 against TE2 in the first condition without a stiffness.
     """
     baseline = next(i for i, row in enumerate(published) if row.stiffness is None)
     names = {(i, robot): f"{i}/{robot}" for i in range(len(published)) for robot in (0, 1)}
@@ -98,9 +88,9 @@ def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction
         name: errors[i, :, robot][np.isfinite(errors[i, :, robot])] for (i, robot), name in names.items()
     }
     reference = names[baseline, 1]
-    found = {
-        each.first: each.arrow()
-        for each in compare_pairs(
+    arrows = {
+        comparison.first: comparison.arrow()
+        for comparison in compare_pairs(
             [(name, reference) for name in names.values() if name != reference],
             groups,
         )
@@ -114,39 +104,39 @@ def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction
     return Prediction(
         mean=mean,
         standard_deviation=deviation,
-        ended_early=tuple(int(each) for each in (~np.isfinite(errors).all(axis=2)).sum(axis=1)),
-        arrow=tuple((found[names[i, 0]], found.get(names[i, 1], "")) for i in range(len(published))),
+        ended_early=tuple((~np.isfinite(errors).all(axis=2)).sum(axis=1).tolist()),
+        arrow=tuple((arrows[names[i, 0]], arrows.get(names[i, 1], "")) for i in range(len(published))),
     )
 
 
 def score(simulated: FloatArray, published: FloatArray) -> Score:
-    """Compare cells of any shape, m.
+    """Score simulated against published cells of any shape, m.
 
     Examples
     --------
-    >>> found = score(np.array([0.03, 0.04, 0.05]), np.array([0.031, 0.038, 0.060]))
-    >>> found.rank_correlation, round(1e3 * found.rms_error, 3)
+    >>> agreement = score(np.array([0.03, 0.04, 0.05]), np.array([0.031, 0.038, 0.060]))
+    >>> agreement.rank_correlation, round(1e3 * agreement.rms_error, 3)
     (1.0, 5.916)
     """
     from scipy.stats import spearmanr
 
-    one, two = np.ravel(simulated), np.ravel(published)
+    ours, theirs = np.ravel(simulated), np.ravel(published)
     correlation = p_value = None
-    if np.isfinite(one).all() and np.ptp(one) > 0 and np.ptp(two) > 0:
-        result = spearmanr(one, two)
+    if np.isfinite(ours).all() and np.ptp(ours) > 0 and np.ptp(theirs) > 0:
+        result = spearmanr(ours, theirs)
         correlation, p_value = float(result.statistic), float(result.pvalue)
         if math.isnan(correlation):
             correlation = p_value = None
     return Score(
-        cells=one.size,
-        rms_error=float(np.sqrt(np.mean((one - two) ** 2))),
-        mean_error=float(np.mean(one - two)),
+        cells=ours.size,
+        rms_error=float(np.sqrt(np.mean((ours - theirs) ** 2))),
+        mean_error=float(np.mean(ours - theirs)),
         rank_correlation=correlation,
         p_value=p_value,
     )
 
 
 def null_prediction(published: Sequence[PublishedRow], rows: Sequence[int]) -> FloatArray:
-    """Predict for every one of these rows what was published for the unconnected mode, (row, robot), m."""
+    """Predict the published errors of the unconnected mode for every one of these rows, (row, robot), m."""
     baseline = next(row for row in published if row.stiffness is None)
     return np.tile(baseline.mean, (len(rows), 1))

@@ -1,4 +1,4 @@
-"""Where the laboratory is run: evenly over the unknowns first, then where the table could be met."""
+"""Design of the laboratory runs: first evenly over the unknowns, then where the likelihood is high."""
 
 from __future__ import annotations
 
@@ -31,26 +31,21 @@ def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Sur
     Parameters
     ----------
     laboratory
-        Runs many points; all with the same random numbers, so that the surrogate is smooth.
+        Runs many points, all with the same random numbers, so that the surrogate is smooth.
     likelihood
-        Tells where more points are worth their time: where it is high, and around both optima.
+        Decides where further points are spent: where it is high, and around both optima.
     sizes
-        How many points.
-
-    Returns
-    -------
-    Surrogate
-        Through all of them.
+        Number of points of each kind.
     """
     even, plausible, near = sizes
     points = _spread(even, 1)
     surrogate = Surrogate(points, laboratory(points))
-    offered = _spread(16 * max(plausible, 64), 2)
-    deviance = likelihood.deviance(surrogate(offered))
-    inside = offered[deviance <= deviance.min() + threshold(len(likelihood.mean), len(NAMES))]
+    candidates = _spread(16 * max(plausible, 64), 2)
+    deviance = likelihood.deviance(surrogate(candidates))
+    inside = candidates[deviance <= deviance.min() + threshold(len(likelihood.mean), len(NAMES))]
     if len(inside) < plausible:
-        inside = offered[np.argsort(deviance, kind="stable")[:plausible]]
-    surrogate = _with(surrogate, inside[:plausible], laboratory)
+        inside = candidates[np.argsort(deviance, kind="stable")[:plausible]]
+    surrogate = _add_points(surrogate, inside[:plausible], laboratory)
     for number, variant in enumerate(VARIANTS):
         free = free_of(variant)
         best, _ = optimum(surrogate, likelihood, free)
@@ -58,23 +53,23 @@ def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Sur
         around = np.clip(around, 0.0, 1.0)
         fixed = [i for i in range(len(NAMES)) if i not in free]
         around[:, fixed] = best[fixed]
-        surrogate = _with(surrogate, around, laboratory)
+        surrogate = _add_points(surrogate, around, laboratory)
     return surrogate
 
 
 def _spread(count: int, seed: int, every: int = 4) -> FloatArray:
-    """Give Sobol's points over the unit cube, every so many of them moved to no arm mass."""
+    """Sobol's points over the unit cube, one in `every` of them moved to no arm mass."""
     from scipy.stats import qmc
 
-    # Sobol's points come in powers of two
+    # Sobol sequences have powers of two
     points = qmc.Sobol(len(NAMES), seed=seed).random_base2(max(count - 1, 1).bit_length())[:count]
     if every:
         points[::every, 0] = 0.0
     return np.asarray(points)
 
 
-def _with(surrogate: Surrogate, points: FloatArray, laboratory: Laboratory) -> Surrogate:
-    # a point that stands there already, as bounds bring about, would make the interpolation singular
+def _add_points(surrogate: Surrogate, points: FloatArray, laboratory: Laboratory) -> Surrogate:
+    # a repeated point, as bounds cause, would make the interpolation singular
     both = np.concatenate([surrogate.points, points])
     _, first = np.unique(np.round(both, 9), axis=0, return_index=True)
     new = both[np.sort(first[first >= len(surrogate.points)])]

@@ -1,4 +1,4 @@
-"""The figures of a calibration."""
+"""Figures of a calibration: cells, profiles and pairs of unknowns."""
 
 from __future__ import annotations
 
@@ -28,29 +28,29 @@ _TITLES = {
 }
 
 
-def draw_cells(found: Calibration) -> Figure:
-    """Draw simulated beside published errors, held-out conditions apart from fitted ones."""
+def draw_cells(calibration: Calibration) -> Figure:
+    """Draw simulated beside published errors, with the fitted conditions separate from those held out."""
     from telespring.show import figures
 
-    baseline = next(row for row in found.published if row.stiffness is None)
+    baseline = next(row for row in calibration.published if row.stiffness is None)
     return figures.cells_figure(
-        [row.label for row in found.published],
+        [row.label for row in calibration.published],
         figures.CellSeries(
             "published (mean, standard deviation)",
-            np.array([row.mean for row in found.published]),
-            np.array([row.standard_deviation for row in found.published]),
+            np.array([row.mean for row in calibration.published]),
+            np.array([row.standard_deviation for row in calibration.published]),
         ),
         [
-            figures.CellSeries(_TITLES[name], each.mean, each.standard_deviation)
-            for name, each in found.predictions.items()
+            figures.CellSeries(_TITLES[name], prediction.mean, prediction.standard_deviation)
+            for name, prediction in calibration.predictions.items()
         ],
-        fitted=found.fitted,
+        fitted=calibration.fitted,
         null=baseline.mean,
     )
 
 
-def draw_profiles(found: Calibration) -> Figure:
-    """Draw the profile likelihoods of all unknowns, both variants."""
+def draw_profiles(calibration: Calibration) -> Figure:
+    """Draw the profile likelihoods of all unknowns for both variants."""
     from telespring.show import figures
 
     return figures.profiles_figure(
@@ -60,32 +60,32 @@ def draw_profiles(found: Calibration) -> Figure:
                 [
                     figures.ProfileCurve(
                         _TITLES[variant],
-                        each.profiles[name].values,
-                        each.profiles[name].rise,
-                        each.threshold,
-                        each.values[name],
+                        fit.profiles[name].values,
+                        fit.profiles[name].rise,
+                        fit.threshold,
+                        fit.values[name],
                     )
-                    for variant, each in found.fits.items()
-                    if name in each.profiles
+                    for variant, fit in calibration.fits.items()
+                    if name in fit.profiles
                 ],
             )
             for name in NAMES
         ],
-        [_TITLES[variant] for variant in found.fits],
+        [_TITLES[variant] for variant in calibration.fits],
     )
 
 
-def draw_pairs(found: Calibration) -> Figure:
-    """Draw the deviance over every pair of unknowns, both variants, with their correlation."""
+def draw_pairs(calibration: Calibration) -> Figure:
+    """Draw the deviance over every pair of unknowns for both variants, with their correlation."""
     from telespring.show import figures
 
     panels = []
-    for variant in reversed(found.fits):
-        each = found.fits[variant]
-        order = list(each.values)
-        for pair in each.pairs:
+    for variant in reversed(calibration.fits):
+        fit = calibration.fits[variant]
+        order = list(fit.values)
+        for pair in fit.pairs:
             one, two = pair.names
-            correlation = each.correlation[order.index(one), order.index(two)]
+            correlation = fit.correlation[order.index(one), order.index(two)]
             panels.append(
                 figures.PairPanel(
                     f"{variant}: correlation {format_signed(correlation, 2)}",
@@ -93,8 +93,8 @@ def draw_pairs(found: Calibration) -> Figure:
                     pair.first,
                     pair.second,
                     pair.rise,
-                    each.threshold,
-                    (each.values[one], each.values[two]),
+                    fit.threshold,
+                    (fit.values[one], fit.values[two]),
                 )
             )
     return figures.pairs_figure(panels)

@@ -1,4 +1,4 @@
-"""The unknowns that bring the laboratory nearest to the fitted cells, and how well these tell them."""
+"""Maximum-likelihood fit of the unknowns to the fitted cells, with profiles, intervals and correlations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 from telespring.paper.calibration.likelihood import Likelihood, threshold
-from telespring.paper.calibration.minimise import lowest
+from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.surrogate import Surrogate
 from telespring.paper.calibration.unknowns import HIGH, NAMES, UNKNOWNS, Variant, free_of
 
@@ -22,13 +22,13 @@ Confirm = Callable[[FloatArray], FloatArray]
 
 _PROFILE_POINTS = 25
 _PAIR_POINTS = 15
-#: How often the surrogate is brought through the laboratory's own errors at its optimum, at most.
+#: How often the surrogate is corrected by the laboratory's own errors at its optimum, at most.
 _CONFIRMATIONS = 4
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Rise of the deviance over its lowest value along one unknown, the others free."""
+    """Rise of the deviance above its minimum along one unknown, the others free."""
 
     name: str
     values: FloatArray
@@ -38,7 +38,7 @@ class Profile:
     open_above: bool
 
     def numbers(self) -> dict[str, Any]:
-        """Give plain values for JSON."""
+        """Plain values for JSON."""
         return {
             "values": self.values.tolist(),
             "deviance_rise": self.rise.tolist(),
@@ -65,12 +65,11 @@ class Fit:
     Attributes
     ----------
     variant
-        Whether the arm's inertia is inside Table III or on top.
+        Whether the arm's inertia is inside Table III or on top of it.
     values
-        The unknowns at the optimum, SI units; the arm's mass is absent where the motion does not depend
-        on it.
+        The unknowns at the optimum, SI units, without the arm's mass if the motion does not depend on it.
     point
-        All four in units of their upper bounds, as they were simulated.
+        All four in units of their upper bounds, as simulated.
     profiles, pairs
         Along each unknown and each pair of unknowns.
     threshold
@@ -80,9 +79,9 @@ class Fit:
     deviance
         At the optimum.
     misfit
-        Root mean square of the miss of a condition's mean error, and of half the difference of both, m.
+        Root-mean-square residual of a condition's mean error, and of half the difference of both, m.
     correction
-        Largest change, m, that the last run of the laboratory at the optimum made to the surrogate.
+        Largest correction, m, of the surrogate by the last run of the laboratory at the optimum.
     """
 
     variant: Variant
@@ -97,14 +96,15 @@ class Fit:
     correction: float
 
     def numbers(self) -> dict[str, Any]:
-        """Give plain values for JSON, SI units."""
+        """Plain values for JSON, SI units."""
+        unknowns = {unknown.name: unknown for unknown in UNKNOWNS}
         return {
             "variant": self.variant,
             "unknowns": {
                 name: {
                     "value": value,
-                    "unit": next(each.unit for each in UNKNOWNS if each.name == name),
-                    "upper_bound": next(each.high for each in UNKNOWNS if each.name == name),
+                    "unit": unknowns[name].unit,
+                    "upper_bound": unknowns[name].high,
                     **self.profiles[name].numbers(),
                 }
                 for name, value in self.values.items()
@@ -120,8 +120,8 @@ class Fit:
 
 
 def optimum(surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...]) -> tuple[FloatArray, float]:
-    """Give the most likely point, in units of the upper bounds, and its deviance."""
-    found, value = lowest(
+    """Compute the most likely point, in units of the upper bounds, and its deviance."""
+    points, values = minimise(
         lambda points: likelihood.deviance(surrogate(points)),
         np.zeros((1, len(NAMES))),
         free,
@@ -129,35 +129,20 @@ def optimum(surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...])
         further=512,
         rounds=11,
     )
-    return found[0], float(value[0])
+    return points[0], float(values[0])
 
 
 def fit(surrogate: Surrogate, likelihood: Likelihood, variant: Variant, confirm: Confirm) -> Fit:
-    """Fit one variant on the surrogate, brought through the laboratory itself at the optimum.
-
-    Parameters
-    ----------
-    surrogate
-        Through runs of the laboratory at the conditions of the likelihood.
-    likelihood
-        The published means.
-    variant
-        Which of the two.
-    confirm
-        Runs the laboratory at a point.
-
-    Returns
-    -------
-    Fit
-        Optimum, profiles and correlations. The same input gives the same output.
-    """
+    """Fit one variant on the surrogate, which `confirm`, a run of the laboratory, corrects at the optimum."""
     free = free_of(variant)
     point, value = optimum(surrogate, likelihood, free)
     correction = float("nan")
     for _ in range(_CONFIRMATIONS):
-        own = confirm(point)
-        correction = float(np.max(np.abs(np.where(np.isfinite(own), own, np.inf) - surrogate(point))))
-        surrogate = surrogate.through(point, own)
+        simulated = confirm(point)
+        correction = float(
+            np.max(np.abs(np.where(np.isfinite(simulated), simulated, np.inf) - surrogate(point)))
+        )
+        surrogate = surrogate.through(point, simulated)
         before = point
         point, value = optimum(surrogate, likelihood, free)
         if np.max(np.abs(point - before)) < 0.005:
@@ -191,12 +176,12 @@ def _profiles(
     value: float,
     limit: float,
 ) -> dict[str, Profile]:
-    out = {}
+    profiles = {}
     for i in free:
         grid = np.unique(np.append(np.linspace(0.0, 1.0, _PROFILE_POINTS), point[i]))
         start = np.repeat(point[None], len(grid), axis=0)
         start[:, i] = grid
-        _, reached = lowest(
+        _, deviance = minimise(
             lambda points: likelihood.deviance(surrogate(points)),
             start,
             [j for j in free if j != i],
@@ -204,9 +189,9 @@ def _profiles(
             further=64,
             rounds=8,
         )
-        rise = np.maximum(reached - value, 0.0)
+        rise = np.maximum(deviance - value, 0.0)
         low, high = _interval(grid, rise, float(point[i]), limit)
-        out[NAMES[i]] = Profile(
+        profiles[NAMES[i]] = Profile(
             name=NAMES[i],
             values=grid * HIGH[i],
             rise=rise,
@@ -214,11 +199,11 @@ def _profiles(
             open_below=bool(rise[0] <= limit),
             open_above=bool(rise[-1] <= limit),
         )
-    return out
+    return profiles
 
 
 def _interval(grid: FloatArray, rise: FloatArray, best: float, limit: float) -> tuple[float, float]:
-    """Give the outermost values inside the limit; between points of the grid the rise is taken as linear."""
+    """Outermost values inside the limit, by linear interpolation between points of the grid."""
     inside = np.flatnonzero(rise <= limit)
     first, last = int(inside[0]), int(inside[-1])
     low, high = min(float(grid[first]), best), max(float(grid[last]), best)
@@ -233,12 +218,12 @@ def _pairs(
     surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray, value: float
 ) -> tuple[PairMap, ...]:
     grid = np.linspace(0.0, 1.0, _PAIR_POINTS)
-    out = []
+    maps = []
     for i, j in combinations(free, 2):
         one, two = np.meshgrid(grid, grid)
         start = np.repeat(point[None], one.size, axis=0)
         start[:, i], start[:, j] = one.ravel(), two.ravel()
-        _, reached = lowest(
+        _, deviance = minimise(
             lambda points: likelihood.deviance(surrogate(points)),
             start,
             [k for k in free if k not in (i, j)],
@@ -246,15 +231,15 @@ def _pairs(
             further=16,
             rounds=5,
         )
-        rise = np.maximum(reached - value, 0.0).reshape(one.shape)
-        out.append(PairMap((NAMES[i], NAMES[j]), grid * HIGH[i], grid * HIGH[j], rise))
-    return tuple(out)
+        rise = np.maximum(deviance - value, 0.0).reshape(one.shape)
+        maps.append(PairMap((NAMES[i], NAMES[j]), grid * HIGH[i], grid * HIGH[j], rise))
+    return tuple(maps)
 
 
 def _correlation(
     surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray
 ) -> FloatArray:
-    """Invert J' V⁻¹ J, J by central differences, one-sided at a bound."""
+    """Correlation from the inverse of J' V⁻¹ J, with J by central differences, one-sided at a bound."""
     step, rows = 0.02, []
     for i in free:
         low, high = point.copy(), point.copy()

@@ -1,4 +1,4 @@
-"""Tracking errors of a study's own laboratory, with the unknowns put into its text."""
+"""Tracking errors of a study's own laboratory for given values of the unknowns."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from telespring import _core
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.model import Study
-from telespring.study.editing import with_values
 
 __all__ = ["RigSimulator"]
 
@@ -21,7 +20,7 @@ Condition = tuple[float | None, float]
 
 @dataclass(frozen=True)
 class RigSimulator:
-    """Runs trials of a study and measures them by Eq. 15.
+    """Runs trials of a study and computes their tracking error, Eq. 15.
 
     Attributes
     ----------
@@ -32,7 +31,7 @@ class RigSimulator:
     study: Study
 
     def __post_init__(self) -> None:
-        """Refuse a study that has no such laboratory."""
+        """Refuse a study without two axes or without the paper's kinds of agents."""
         experiment = self.study.experiment
         if experiment is None:
             raise InvalidInput(
@@ -41,29 +40,23 @@ class RigSimulator:
                 "the laboratory has the axes x and y",
                 "Give both robots two axes.",
             )
-        for place, kind, wanted in (("agent1", 0, "skilled"), ("agent2", 1, "blurred")):
-            found = str(experiment.agents[kind]["kind"])
-            if found != wanted:
+        for i, kind in enumerate(("skilled", "blurred")):
+            agent = experiment.agents[i]
+            if agent.kind != kind:
                 raise InvalidInput(
-                    f"{place}.kind",
-                    repr(found),
-                    f'the published experiment had a "{wanted}" agent there',
-                    "Take that section out of the study that is calibrated.",
+                    f"agent{i + 1}.kind",
+                    repr(str(agent.kind)),
+                    f'the published experiment had a "{kind}" agent there',
+                    f'Remove [agent{i + 1}] from the study, or set its kind to "{kind}".',
                 )
 
     def at(self, unknowns: FloatArray) -> Study:
-        """Give the study with arm mass, arm damping, Coulomb friction and spot velocity put in, SI units."""
-        mass, damping, coulomb, velocity = (float(each) for each in unknowns)
+        """Return the study with these arm mass, arm damping, Coulomb friction and spot velocity, SI units."""
+        mass, damping, coulomb, velocity = unknowns.tolist()
         arm = {"kind": "lumped", "mass": mass, "damping": damping}
-        return with_values(
-            self.study,
-            {
-                "arm1": arm,
-                "arm2": arm,
-                "robot1": {"coulomb": [coulomb, coulomb]},
-                "robot2": {"coulomb": [coulomb, coulomb]},
-                "agent2": {"spot_velocity": velocity},
-            },
+        friction = {"coulomb": [coulomb, coulomb]}
+        return self.study.replace(
+            arm1=arm, arm2=arm, robot1=friction, robot2=friction, agent2={"spot_velocity": velocity}
         )
 
     def errors(
@@ -72,28 +65,28 @@ class RigSimulator:
         trials: int,
         unknowns: FloatArray | None = None,
     ) -> FloatArray:
-        """Run conditions and measure.
+        """Run trials of some conditions and compute their tracking errors.
 
         Parameters
         ----------
         conditions
             Stiffness (N/m; None unconnected) and one-way delay (s), by the condition's number.
         trials
-            Of each; trial i of the condition with a number has the same random numbers whatever the
-            unknowns are.
+            Of each condition. The random numbers of a trial depend on the condition's number and its own,
+            not on the unknowns.
         unknowns
-            SI units; the study as it is unless given.
+            SI units; by default the study is run as it is.
 
         Returns
         -------
         ndarray
-            Tracking errors (condition, trial, robot), m; not a number where a trial ended early.
+            Tracking errors (condition, trial, robot), m; NaN where a trial ended early.
         """
         study = self.study if unknowns is None else self.at(unknowns)
         experiment = study.experiment
         assert experiment is not None
         stiffness = np.repeat([math.nan if k is None else k for k, _ in conditions.values()], trials)
-        delay = np.repeat([each for _, each in conditions.values()], trials)
+        delay = np.repeat([delay for _, delay in conditions.values()], trials)
         seeds = np.array(
             [
                 _core.trial_seed(experiment.seed, condition, trial)
@@ -102,10 +95,10 @@ class RigSimulator:
             ],
             dtype=np.uint64,
         )
-        found = experiment.laboratory.run_many(
+        recordings = experiment.laboratory.run_many(
             stiffness, delay, seeds, experiment.duration, experiment.record_rate
         )
-        kept = found["time"] >= experiment.discard - 1e-9
-        apart = found["position"][:, kept] - found["target"][:, kept, None, :]
-        mean = np.hypot(apart[..., 0], apart[..., 1]).mean(axis=1)
-        return np.asarray(mean.reshape(len(conditions), trials, 2))
+        kept = recordings.time >= experiment.discard - 1e-9
+        deviation = recordings.position[:, kept] - recordings.target[:, kept, None, :]
+        errors = np.hypot(deviation[..., 0], deviation[..., 1]).mean(axis=1)
+        return np.asarray(errors.reshape(len(conditions), trials, 2))

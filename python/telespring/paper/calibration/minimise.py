@@ -1,4 +1,4 @@
-"""The lowest point of a cheap function over a unit cube, on many slices of the cube at once."""
+"""Global minimisation of a cheap function over a unit cube, on many slices of the cube at once."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import numpy as np
 
 from telespring._types import FloatArray
 
-__all__ = ["lowest"]
+__all__ = ["minimise"]
 
 Objective = Callable[[FloatArray], FloatArray]
 
-#: A round's box is this much smaller than the one before.
+#: Width of a round's box, relative to the one before.
 _SHRINK = 0.5
-#: Samples beyond a bound are moved onto it: an optimum there is found sooner.
+#: Samples beyond a bound are moved onto it, so that an optimum there is found sooner.
 _OVERHANG = 0.15
 
 
-def lowest(
+def minimise(
     objective: Objective,
     start: FloatArray,
     free: Sequence[int],
@@ -27,26 +27,19 @@ def lowest(
     further: int,
     rounds: int,
 ) -> tuple[FloatArray, FloatArray]:
-    """Minimise by sampling evenly, then again and again around the best point so far.
+    """Minimise by sampling the cube evenly, then repeatedly in smaller boxes around the best point so far.
 
-    No derivative is needed, nothing stops at a bound or in the first valley, and the same call gives the
-    same answer: the samples are Sobol's.
+    It needs no derivative and does not stop at a bound or in the first valley. The samples are Sobol's, so
+    the same call returns the same result.
 
     Parameters
     ----------
     objective
-        Takes points (slice, sample, unknown), gives (slice, sample).
+        Maps points (slice, sample, unknown) to values (slice, sample).
     start
-        One point per slice (slice, unknown); what is not free stays as it is there.
-    free
-        Places of the unknowns that may move.
+        One point per slice (slice, unknown); unknowns whose index is not in `free` keep these values.
     first, further, rounds
-        Samples over the whole cube, samples of a later round, and how many of these there are.
-
-    Returns
-    -------
-    tuple of ndarray
-        The best points (slice, unknown) and their values (slice,).
+        Number of samples over the whole cube, of samples in a later round, and of later rounds.
     """
     from scipy.stats import qmc
 
@@ -56,17 +49,17 @@ def lowest(
         return best, value
     chosen = list(free)
     cube = (1 + 2 * _OVERHANG) * qmc.Sobol(len(chosen), seed=0).random(max(first, further)) - _OVERHANG
-    every = np.arange(len(best))
-    for turn in range(rounds + 1):
-        if turn == 0:
-            offered = np.broadcast_to(cube[:first], (len(best), first, len(chosen)))
+    slices = np.arange(len(best))
+    for step in range(rounds + 1):
+        if step == 0:
+            samples = np.broadcast_to(cube[:first], (len(best), first, len(chosen)))
         else:
-            width = _SHRINK**turn
-            offered = best[:, None, chosen] + width * (cube[:further] - 0.5)
-        points = np.repeat(best[:, None, :], offered.shape[1], axis=1)
-        points[..., chosen] = np.clip(offered, 0.0, 1.0)
+            width = _SHRINK**step
+            samples = best[:, None, chosen] + width * (cube[:further] - 0.5)
+        points = np.repeat(best[:, None, :], samples.shape[1], axis=1)
+        points[..., chosen] = np.clip(samples, 0.0, 1.0)
         values = objective(points)
         at = np.argmin(values, axis=1)
-        better = values[every, at] < value
-        best[better], value[better] = points[every, at][better], values[every, at][better]
+        better = values[slices, at] < value
+        best[better], value[better] = points[slices, at][better], values[slices, at][better]
     return best, value

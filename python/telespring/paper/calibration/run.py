@@ -1,4 +1,4 @@
-"""The whole calibration: design, both fits, prediction of the conditions held out, and what all that says."""
+"""The calibration as a whole: design, both fits, and prediction of the held-out conditions."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.model import Study
 from telespring.paper.calibration.comparison import Prediction, Score, null_prediction, predict, score
@@ -16,22 +17,20 @@ from telespring.paper.calibration.fit import Fit, fit
 from telespring.paper.calibration.laboratory import RigSimulator
 from telespring.paper.calibration.least_squares import LeastSquares, least_squares
 from telespring.paper.calibration.likelihood import Likelihood
-from telespring.paper.calibration.statements import statements
 from telespring.paper.calibration.surrogate import CAP, Surrogate
 from telespring.paper.calibration.unknowns import HIGH, VARIANTS
-from telespring.paper.table_1 import TABLE_I, TRIALS, PublishedRow
-from telespring.theory.axis import finite_or_none
+from telespring.paper.published import EXPERIMENT_STIFFNESSES, TABLE_I, TRIALS, PublishedRow
 
 __all__ = ["Calibration", "SurrogateError", "calibrate"]
 
-#: The stiffness whose conditions are fitted beside the unconnected mode, N/m.
-_FITTED_STIFFNESS = 142.0
+#: The stiffness whose conditions are fitted besides the unconnected mode, N/m.
+_FITTED_STIFFNESS = max(EXPERIMENT_STIFFNESSES)
 _SIZES: Sizes = (96, 64, 32)
 _DESIGN_TRIALS = 2
 
 
 class Simulator(Protocol):
-    """A laboratory in which conditions can be run; see `RigSimulator.errors`."""
+    """A laboratory that runs conditions; see `RigSimulator.errors`."""
 
     def errors(
         self,
@@ -39,22 +38,22 @@ class Simulator(Protocol):
         trials: int,
         unknowns: FloatArray | None = None,
     ) -> FloatArray:
-        """Give tracking errors (condition, trial, robot), m."""
+        """Tracking errors (condition, trial, robot), m."""
         ...
 
 
 @dataclass(frozen=True)
 class SurrogateError:
-    """How far the surrogate is from the laboratory where it was built without it, m.
+    """Cross-validated error of the surrogate, m.
 
     Attributes
     ----------
     points, trials
-        Size of the design: points in the space of the unknowns, trials of each condition.
+        Size of the design: points in the space of the unknowns, and trials of each condition.
     near
-        Points where no error comes near the cap: the dyad is well inside stability.
+        Number of points where no error comes near the cap: the dyad is well inside stability.
     rms, median, largest
-        Root mean square over cells at those points, median and largest of a point's worst cell.
+        Root mean square over the cells at those points, and median and maximum of a point's worst cell.
     """
 
     points: int
@@ -67,30 +66,28 @@ class SurrogateError:
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the calibration found.
+    """Result of a calibration.
 
     Attributes
     ----------
     published
-        The table it was fitted to and is compared with.
+        The table that it was fitted to and is compared with.
     fitted, held_out
-        Places of the fitted rows in it, and of all others.
+        Indices of the fitted rows in it, and of all others.
     fits
         One per variant.
     alternative
-        The optimum of another likelihood: the fitted cells weighed alike, the arm's inertia on top.
+        The optimum with the fitted cells weighted equally, the arm's inertia on top.
     predictions
-        Of the study as it is ("ideal") and at both optima, over all rows.
+        Of all rows, by the study as it is ("ideal") and at both optima.
     alternative_prediction
         At the alternative's optimum.
     scores
-        By prediction, "least squares" and "as unconnected": over the held-out cells of TE1, of TE2, of both.
+        By prediction, "least squares" and "as unconnected", over the held-out cells of TE1, TE2 and both.
     surrogate
         Its cross-validated error.
     trials
         Of each condition in the predictions.
-    statements
-        What does not agree, and why, in words.
     """
 
     published: tuple[PublishedRow, ...]
@@ -103,24 +100,23 @@ class Calibration:
     scores: dict[str, dict[str, Score]]
     surrogate: SurrogateError
     trials: int
-    statements: tuple[str, ...]
 
     def residuals(self, which: str) -> FloatArray:
-        """Give simulated less published means of the fitted rows, (row, robot), m."""
+        """Return simulated minus published means of the fitted rows, (row, robot), m."""
         rows = list(self.fitted)
         return np.asarray(
             self.predictions[which].mean[rows] - np.array([self.published[i].mean for i in rows])
         )
 
     def numbers(self) -> dict[str, Any]:
-        """Give everything as plain values for JSON: tracking errors in mm, all else in SI units."""
+        """Plain values for JSON: tracking errors in mm, everything else in SI units."""
         return {
             "fitted_conditions": [self.published[i].label for i in self.fitted],
             "held_out_conditions": [self.published[i].label for i in self.held_out],
             "trials": self.trials,
             "fits": {
                 name: {
-                    **found.numbers(),
+                    **fit.numbers(),
                     "residuals": [
                         {
                             "condition": self.published[i].label,
@@ -130,26 +126,16 @@ class Calibration:
                         for i, row in zip(self.fitted, self.residuals(name), strict=True)
                     ],
                 }
-                for name, found in self.fits.items()
+                for name, fit in self.fits.items()
             },
             "least_squares": {
                 **self.alternative.numbers(),
                 "cells": [
                     {
                         "condition": row.label,
-                        **_side(
-                            (float(mean[0]), float(mean[1])),
-                            (float(deviation[0]), float(deviation[1])),
-                            arrow,
-                        ),
+                        **_simulated_cells(self.alternative_prediction, i),
                     }
-                    for row, mean, deviation, arrow in zip(
-                        self.published,
-                        self.alternative_prediction.mean,
-                        self.alternative_prediction.standard_deviation,
-                        self.alternative_prediction.arrow,
-                        strict=True,
-                    )
+                    for i, row in enumerate(self.published)
                 ],
                 "arrows": self._arrow_counts(self.alternative_prediction),
             },
@@ -163,52 +149,49 @@ class Calibration:
             },
             "cells": self._cells(),
             "held_out": {
-                name: {which: one.numbers() for which, one in each.items()}
-                for name, each in self.scores.items()
+                name: {cells: score.numbers() for cells, score in scores.items()}
+                for name, scores in self.scores.items()
             },
-            "arrows": {name: self._arrow_counts(each) for name, each in self.predictions.items()},
-            "statements": list(self.statements),
+            "arrows": {name: self._arrow_counts(prediction) for name, prediction in self.predictions.items()},
         }
 
     def _cells(self) -> list[dict[str, Any]]:
-        """One entry per condition: published and simulated side by side, mm."""
-        out = []
+        """List every condition with its published and simulated errors, mm."""
+        cells = []
         for i, row in enumerate(self.published):
             entry: dict[str, Any] = {
                 "condition": row.label,
                 "stiffness": row.stiffness,
                 "delay": row.delay if row.stiffness is not None else None,
                 "fitted": i in self.fitted,
-                "published": _side(row.mean, row.standard_deviation, row.arrow),
+                "published": _cells_of_row(row.mean, row.standard_deviation, row.arrow),
             }
-            for name, each in self.predictions.items():
-                mean = (float(each.mean[i, 0]), float(each.mean[i, 1]))
-                deviation = (float(each.standard_deviation[i, 0]), float(each.standard_deviation[i, 1]))
-                agreeing = each.arrows_agreeing(self.published)[i]
+            for name, prediction in self.predictions.items():
+                agrees = prediction.arrows_agreeing(self.published)[i]
                 entry[name] = {
-                    **_side(mean, deviation, each.arrow[i]),
-                    "ended_early": each.ended_early[i],
-                    "te1_arrow_agrees": agreeing[0],
-                    "te2_arrow_agrees": agreeing[1],
+                    **_simulated_cells(prediction, i),
+                    "ended_early": prediction.ended_early[i],
+                    "te1_arrow_agrees": agrees[0],
+                    "te2_arrow_agrees": agrees[1],
                 }
-            out.append(entry)
-        return out
+            cells.append(entry)
+        return cells
 
     def _arrow_counts(self, prediction: Prediction) -> dict[str, Any]:
-        found = prediction.arrows_agreeing(self.published)
-        held = [one for i in self.held_out for one in found[i] if one is not None]
-        every = [one for pair in found for one in pair if one is not None]
+        agreement = prediction.arrows_agreeing(self.published)
+        held_out = [agrees for i in self.held_out for agrees in agreement[i] if agrees is not None]
+        all_cells = [agrees for pair in agreement for agrees in pair if agrees is not None]
         return {
-            "agreeing": sum(every),
-            "of": len(every),
-            "agreeing_held_out": sum(held),
-            "of_held_out": len(held),
+            "agreeing": sum(all_cells),
+            "of": len(all_cells),
+            "agreeing_held_out": sum(held_out),
+            "of_held_out": len(held_out),
             "disagreeing": [
                 f"TE{robot + 1} {row.label}: published {row.arrow[robot] or 'none'}, "
-                f"simulated {one[robot] or 'none'}"
-                for row, one, agree in zip(self.published, prediction.arrow, found, strict=True)
+                f"simulated {arrow[robot] or 'none'}"
+                for row, arrow, agrees in zip(self.published, prediction.arrow, agreement, strict=True)
                 for robot in (0, 1)
-                if agree[robot] is False
+                if agrees[robot] is False
             ],
         }
 
@@ -228,19 +211,17 @@ def calibrate(
     Parameters
     ----------
     study
-        Robots, agents and protocol; its conditions are not used, but those of `published` as printed:
-        18, 36, 71 and 142 N/m, 0, 84, 167 and 334 ms.
+        Robots, agents and protocol. Its conditions are replaced by those of `published`, as printed.
     published
-        Means and standard deviations of the tracking errors. Of the rows that are not fitted nothing
-        enters the fit.
+        Means and standard deviations of the tracking errors. Rows that are not fitted do not affect the fit.
     trials
-        Of each condition, for the predictions and for confirming an optimum.
+        Trials of each condition, for the predictions and to confirm an optimum.
     sizes, design_trials
-        Points of the design (even, plausible, around each optimum) and trials of each condition there.
+        Points of the design (even, plausible, around each optimum), and trials of each condition there.
     progress
         Called with the name of each step as it begins.
     simulator
-        What is run in the place of the study's own laboratory.
+        Replaces the study's own laboratory.
 
     Returns
     -------
@@ -250,9 +231,9 @@ def calibrate(
     Raises
     ------
     telespring.InvalidInput
-        Where the study has no laboratory like the paper's.
+        If the study has no laboratory like the paper's.
     """
-    tell = progress if progress is not None else lambda _: None
+    report = progress if progress is not None else lambda _: None
     rig = simulator if simulator is not None else RigSimulator(study)
     table = tuple(published)
     fitted = tuple(i for i, row in enumerate(table) if row.stiffness in (None, _FITTED_STIFFNESS))
@@ -269,35 +250,33 @@ def calibrate(
     def confirm(point: FloatArray) -> FloatArray:
         return _mean(rig.errors(fitted_conditions, trials, point * HIGH))
 
-    tell("design of the calibration")
+    report("design of the calibration")
     surrogate = explore(design_run, likelihood, sizes)
     fits: dict[str, Fit] = {}
     for variant in VARIANTS:
-        tell(f"fit, the arm's inertia {variant}{' Table III' if variant == 'inside' else ''}")
+        report(f"fit, the arm's inertia {variant}{' Table III' if variant == 'inside' else ''}")
         fits[variant] = fit(surrogate, likelihood, variant, confirm)
-    tell("the same cells by least squares")
+    report("the same cells by least squares")
     alternative = least_squares(
         lambda point: design_run(point[None])[0], confirm, likelihood, fits["on top"].point
     )
-    tell("prediction of the conditions held out")
+    report("prediction of the conditions held out")
     predictions = {"ideal": predict(rig.errors(conditions, trials), table)}
-    for name, found in fits.items():
-        predictions[name] = predict(rig.errors(conditions, trials, found.point * HIGH), table)
-    other = predict(rig.errors(conditions, trials, alternative.point * HIGH), table)
-    scores = _scores(table, list(held_out), {**predictions, "least squares": other})
-    words = statements(table, fitted, held_out, fits, alternative, predictions, scores)
+    for name, fitted_variant in fits.items():
+        predictions[name] = predict(rig.errors(conditions, trials, fitted_variant.point * HIGH), table)
+    alternative_prediction = predict(rig.errors(conditions, trials, alternative.point * HIGH), table)
+    scores = _scores(table, list(held_out), {**predictions, "least squares": alternative_prediction})
     return Calibration(
-        table,
-        fitted,
-        held_out,
-        fits,
-        alternative,
-        predictions,
-        other,
-        scores,
-        _accuracy(surrogate, design_trials),
-        trials,
-        tuple(words),
+        published=table,
+        fitted=fitted,
+        held_out=held_out,
+        fits=fits,
+        alternative=alternative,
+        predictions=predictions,
+        alternative_prediction=alternative_prediction,
+        scores=scores,
+        surrogate=_surrogate_error(surrogate, design_trials),
+        trials=trials,
     )
 
 
@@ -305,24 +284,24 @@ def _scores(
     table: tuple[PublishedRow, ...], rows: list[int], predictions: dict[str, Prediction]
 ) -> dict[str, dict[str, Score]]:
     measured = np.array([table[i].mean for i in rows])
-    candidates = {name: each.mean[rows] for name, each in predictions.items()}
+    candidates = {name: prediction.mean[rows] for name, prediction in predictions.items()}
     candidates["as unconnected"] = null_prediction(table, rows)
     return {
         name: {
-            "te1": score(each[:, 0], measured[:, 0]),
-            "te2": score(each[:, 1], measured[:, 1]),
-            "both": score(each, measured),
+            "te1": score(mean[:, 0], measured[:, 0]),
+            "te2": score(mean[:, 1], measured[:, 1]),
+            "both": score(mean, measured),
         }
-        for name, each in candidates.items()
+        for name, mean in candidates.items()
     }
 
 
 def _mean(errors: FloatArray) -> FloatArray:
-    """Average over trials; one that ended early makes its condition's mean not a number."""
+    """Average over trials; one that ended early makes its condition's mean NaN."""
     return np.asarray(errors.mean(axis=1))
 
 
-def _accuracy(surrogate: Surrogate, trials: int) -> SurrogateError:
+def _surrogate_error(surrogate: Surrogate, trials: int) -> SurrogateError:
     near = surrogate.capped.max(axis=(1, 2)) < 0.8 * CAP
     error = np.abs(surrogate.cross_validated()[near])
     worst = error.max(axis=(1, 2))
@@ -336,7 +315,14 @@ def _accuracy(surrogate: Surrogate, trials: int) -> SurrogateError:
     )
 
 
-def _side(
+def _simulated_cells(prediction: Prediction, condition: int) -> dict[str, Any]:
+    (mean1, mean2), (sd1, sd2) = (
+        values[condition].tolist() for values in (prediction.mean, prediction.standard_deviation)
+    )
+    return _cells_of_row((mean1, mean2), (sd1, sd2), prediction.arrow[condition])
+
+
+def _cells_of_row(
     mean: tuple[float, float], deviation: tuple[float, float], arrow: tuple[str, str]
 ) -> dict[str, Any]:
     return {

@@ -1,4 +1,4 @@
-"""A smooth stand-in for the laboratory: tracking errors as a function of the unknowns."""
+"""A smooth surrogate of the laboratory: tracking errors as a function of the unknowns."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from telespring._types import FloatArray
 
 __all__ = ["CAP", "Surrogate"]
 
-#: Errors beyond this, m, count as this: where the dyad is unstable they grow without bound, nothing
-#: published comes near, and an interpolant could not follow both.
+#: Larger errors, m, count as this: where the dyad is unstable they grow without bound, no published error
+#: comes near, and an interpolant could not follow both.
 CAP = 0.08
 
 _FOLDS = 8
@@ -20,16 +20,16 @@ _FOLDS = 8
 
 @dataclass(frozen=True)
 class Surrogate:
-    """Cubic radial basis functions on a quadratic trend, through the logarithm of the capped errors.
+    """Cubic radial basis functions on a quadratic trend, through the logarithms of the capped errors.
 
     Attributes
     ----------
     points
         Where the laboratory was run, (point, unknown), every unknown in units of its upper bound.
     errors
-        Its mean tracking errors there, (point, condition, robot), m; not a number where it diverged.
+        Its mean tracking errors there, (point, condition, robot), m; NaN where it diverged.
     shift
-        What is added to the logarithm, (condition, robot).
+        Added to the logarithm, (condition, robot).
     """
 
     points: FloatArray
@@ -38,7 +38,7 @@ class Surrogate:
 
     @property
     def capped(self) -> FloatArray:
-        """The errors as they are interpolated, m."""
+        """Errors as they are interpolated, m."""
         return cap(self.errors)
 
     @cached_property
@@ -46,30 +46,31 @@ class Surrogate:
         return _through(self.points, np.log(self.capped))
 
     def __call__(self, points: FloatArray) -> FloatArray:
-        """Give the errors at points (..., unknown) as (..., condition, robot), m."""
+        """Interpolate the errors at points (..., unknown): (..., condition, robot), m."""
         shape = points.shape[:-1]
         flat = self._interpolant(points.reshape(-1, points.shape[-1]))  # type: ignore[operator]
         return np.asarray(np.exp(flat.reshape(*shape, *self.errors.shape[1:]) + self.shift))
 
     def through(self, point: FloatArray, errors: FloatArray) -> Surrogate:
-        """Shift the stand-in so that it passes through these errors (condition, robot) at one point."""
+        """Shift the surrogate so that it passes through these errors (condition, robot) at one point."""
         plain = Surrogate(self.points, self.errors)
         return Surrogate(self.points, self.errors, np.log(cap(errors)) - np.log(plain(point)))
 
     def cross_validated(self) -> FloatArray:
-        """Give the stand-in's error at every point when it is built without that point's eighth, m."""
-        out = np.empty_like(self.errors)
+        """Error of the surrogate at every point, m, when built without the eighth that the point is in."""
+        predicted = np.empty_like(self.errors)
         values = np.log(self.capped)
         fold = np.arange(len(self.points)) % _FOLDS
-        for each in range(_FOLDS):
-            left_out = fold == each
-            one = _through(self.points[~left_out], values[~left_out])
-            out[left_out] = np.exp(one(self.points[left_out]).reshape(out[left_out].shape))
-        return np.asarray(out - self.capped)
+        for number in range(_FOLDS):
+            left_out = fold == number
+            interpolant = _through(self.points[~left_out], values[~left_out])
+            logarithm = interpolant(self.points[left_out])
+            predicted[left_out] = np.exp(logarithm.reshape(predicted[left_out].shape))
+        return np.asarray(predicted - self.capped)
 
 
 def cap(errors: FloatArray) -> FloatArray:
-    """Bring errors beyond `CAP`, and those of trials that diverged, down to it."""
+    """Limit errors to `CAP`; those of trials that diverged become `CAP`."""
     return np.minimum(np.where(np.isfinite(errors), errors, CAP), CAP)
 
 

@@ -1,4 +1,4 @@
-"""What the ideal laboratory does not know of the real one: four numbers, the same on both sides and axes."""
+"""Unknowns of the calibration: four properties of the real arms and robots, alike on both sides and axes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["HIGH", "NAMES", "UNKNOWNS", "VARIANTS", "Unknown", "Variant", "free_
 
 Variant: TypeAlias = Literal["inside", "on top"]
 
-#: Whether Table III, identified through an arm, already holds the arm's inertia, or the arm comes on top.
+#: Whether Table III, identified through an arm, already includes the arm's inertia, or the arm adds to it.
 VARIANTS: tuple[Variant, Variant] = ("inside", "on top")
 
 
@@ -27,20 +27,20 @@ class Unknown:
     meaning: str
 
 
-#: Each alone, at its upper end, carries the error in the unconnected mode far beyond what was published.
+#: Each alone, at its upper bound, raises the error in the unconnected mode far beyond the published one.
 UNKNOWNS = (
     Unknown("arm_mass", "kg", 2.0, "mass that the arm adds to its handle"),
     Unknown("arm_damping", "N·s/m", 12.0, "viscous damping that the arm adds"),
     Unknown("coulomb", "N", 2.0, "Coulomb friction of robot and arm together"),
     Unknown("spot_velocity", "m/s", 1.2, "standard deviation of the velocity of agent 2's spots"),
 )
-NAMES = tuple(each.name for each in UNKNOWNS)
-HIGH: FloatArray = np.array([each.high for each in UNKNOWNS])
+NAMES = tuple(unknown.name for unknown in UNKNOWNS)
+HIGH: FloatArray = np.array([unknown.high for unknown in UNKNOWNS])
 
 
 def free_of(variant: Variant) -> tuple[int, ...]:
-    """Give the places of the unknowns that the motion depends on.
+    """Return the indices of the unknowns that the motion depends on.
 
-    With the arm's inertia inside Table III the moving mass is Table III's, whatever part of it is the arm's.
+    With the arm's inertia inside Table III the moving mass is that of Table III, whatever part is the arm's.
     """
     return (1, 2, 3) if variant == "inside" else (0, 1, 2, 3)

@@ -1,32 +1,27 @@
-"""Where the paper prints something else than what follows from its own Eq. 1, with the numbers.
+"""Misprints of the paper: where it prints something that does not follow from its own Eq. 1.
 
-Every number is computed when the study runs: what is printed by the formulas in
-`telespring.paper.as_printed`, what is true by the package.
+Every number is computed when the report is made: printed values by the formulas in
+`telespring.paper.as_printed`, correct values by the package.
 """
 
 from __future__ import annotations
 
-from telespring.model import hman
-from telespring.paper import as_printed
+from telespring.model import DyadAxis, hman
+from telespring.paper import published
 from telespring.paper.misprints import experiment, formulas, statements
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.paper.misprints.statements import RETURNING, held_partner_growth
-from telespring.theory.axis import axes_of, free_axis
 
 __all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprints"]
 
 
 def misprints() -> list[Misprint]:
-    """All of them, in the paper's order, shown on the paper's own robots or the smallest example."""
+    """List all misprints in the paper's order, proven on the paper's own robots or on a small example."""
     dyad = hman()
-    axes = axes_of(dyad)
+    axes = [dyad[name] for name in dyad.axes]
     reference = min(axis.critical_stiffness() for axis in axes)
-    base = free_axis(
-        as_printed.TABLE_III.base_mass,
-        as_printed.TABLE_III.base_damping,
-        as_printed.TABLE_III.base_mass,
-        as_printed.TABLE_III.base_damping,
-    )
+    base_robot = published.TABLE_III.base_mass, published.TABLE_III.base_damping
+    base = DyadAxis(*base_robot, *base_robot)
     return [
         formulas.diagonal_of_equation_2(axes[1], 2 * reference),
         statements.rigid_body_root(dyad, axes[0], 2 * reference),

@@ -1,28 +1,27 @@
-"""Where the paper's numbers, figures and text on its own robots do not agree."""
+"""Misprints in the paper's numbers, figures and text on its own robots."""
 
 from __future__ import annotations
 
-from telespring.model import hman
-from telespring.paper import as_printed
+from telespring.model import DyadAxis, hman
+from telespring.paper import published
 from telespring.paper.misprints.record import Evidence, Misprint
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.spectrum import spectral_abscissa
 
 __all__ = ["figure_5h", "figure_5j", "numbers_of_the_robots", "reference_delay"]
 
 
-def numbers_of_the_robots(axes: list[Axis]) -> Misprint:
+def numbers_of_the_robots(axes: list[DyadAxis]) -> Misprint:
     """Show that exchanging the robots' numbers changes neither K nor Δ."""
-    swapped = [free_axis(a.masses[1], a.dampings[1], a.masses[0], a.dampings[0]) for a in axes]
+    swapped = [DyadAxis(a.masses[1], a.dampings[1], a.masses[0], a.dampings[0]) for a in axes]
     k = min(axis.critical_stiffness() for axis in axes)
     return Misprint(
         key="robot-numbers",
         where="Section IV-A, first sentence",
-        printed="M₁, B₁ are those of H-MAN₂ and M₂, B₂ those of H-MAN₁.",
-        true="Table III has it the other way round: M₁, B₁ belong to H-MAN₁. We follow Table III.",
+        printed="M₁ and B₁ are those of H-MAN₂, M₂ and B₂ those of H-MAN₁.",
+        true="Table III says the opposite: M₁ and B₁ belong to H-MAN₁. We follow Table III.",
         consequence=(
-            "None for stability: exchanging the robots changes neither K nor Δ. It matters "
-            "for who moves how far."
+            "None for stability: exchanging the robots changes neither K nor Δ. It matters for how far each "
+            "robot moves."
         ),
         evidence=(
             Evidence("K with Table III's numbering", k, "N/m"),
@@ -39,9 +38,9 @@ def numbers_of_the_robots(axes: list[Axis]) -> Misprint:
     )
 
 
-def reference_delay(axes: list[Axis]) -> Misprint:
-    """Show which delays K gives, rounded and not, beside those printed and used."""
-    table = as_printed.TABLE_III
+def reference_delay(axes: list[DyadAxis]) -> Misprint:
+    """Compare the delays from K, rounded and unrounded, with those printed and used."""
+    table = published.TABLE_III
     k = min(axis.critical_stiffness() for axis in axes)
     unrounded = min(float(axis.maximum_delay(2 * k)) for axis in axes)
     rounded = min(float(axis.maximum_delay(2 * table.reference_stiffness)) for axis in axes)
@@ -50,31 +49,29 @@ def reference_delay(axes: list[Axis]) -> Misprint:
         where="Table III, Δ of both axes",
         printed="Δ_xy = 165 ms; Section IV-D and Fig. 8 use 84, 167 and 334 ms.",
         true=(
-            "The unrounded K gives the delays of the experiment, K rounded to 36 N/m gives "
-            "less. Neither gives 165 ms."
+            "The unrounded K gives the delays of the experiment; K rounded to 36 N/m gives shorter ones. "
+            "Neither gives 165 ms."
         ),
-        consequence=(
-            "Repeating the experiment from Table III sets delays that differ from those that were used."
-        ),
+        consequence=("Whoever repeats the experiment from Table III uses other delays than the paper did."),
         evidence=(
             Evidence("Δ_xy printed in Table III", table.reference_delay, "s"),
             Evidence("Δ_xy from the unrounded K", unrounded, "s"),
             Evidence("Δ_xy from K rounded to the printed value", rounded, "s"),
             Evidence("half of the unrounded Δ_xy (printed 84 ms)", 0.5 * unrounded, "s"),
-            Evidence("half of Table III's", 0.5 * table.reference_delay, "s"),
-            Evidence("unrounded K", k, "N/m"),
+            Evidence("half of Table III's Δ_xy", 0.5 * table.reference_delay, "s"),
+            Evidence("the unrounded K", k, "N/m"),
         ),
     )
 
 
-def figure_5h(axes: list[Axis], reference: float) -> Misprint:
+def figure_5h(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show which axis is marginal at 2K and Δ."""
     return Misprint(
         key="figure-5h",
         where="Section IV-A on Fig. 5(h)",
-        printed="The response along y neither diverges nor converges, the one along x is strictly stable.",
-        true="The caption is right, the text is not: x is marginal, y is stable.",
-        consequence="The reader watches the wrong axis.",
+        printed="The response along y neither diverges nor converges; the one along x is strictly stable.",
+        true="The caption is right and the text is wrong: x is marginal, y is stable.",
+        consequence="The text points the reader to the wrong axis.",
         evidence=tuple(
             Evidence(
                 f"maximum delay of axis {axis.name} at 2K", float(axis.maximum_delay(2 * reference)), "s"
@@ -84,7 +81,7 @@ def figure_5h(axes: list[Axis], reference: float) -> Misprint:
     )
 
 
-def figure_5j(axes: list[Axis], reference: float) -> Misprint:
+def figure_5j(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show that one axis is still stable at 4K and 0.5Δ."""
     delay = 0.5 * min(float(axis.maximum_delay(2 * reference)) for axis in axes)
     dyad = hman()
@@ -92,9 +89,9 @@ def figure_5j(axes: list[Axis], reference: float) -> Misprint:
         key="figure-5j",
         where="Fig. 5(j), its caption and Section IV-A",
         printed="At 4K the system is unstable under all delays from 0.5Δ to 2Δ.",
-        true="At 0.5Δ axis x is unstable but axis y is still stable.",
+        true="At 0.5Δ axis x is unstable, but axis y is still stable.",
         consequence=(
-            "The dyad as a whole is unstable, so the sentence holds; the plot along y does not show it."
+            "The dyad as a whole is unstable, so the sentence is true, but the plot along y does not show it."
         ),
         evidence=(
             Evidence("0.5Δ", delay, "s"),

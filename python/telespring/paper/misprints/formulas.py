@@ -1,4 +1,4 @@
-"""Formulas that are printed wrong."""
+"""Misprints in the paper's formulas."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from telespring.model import Dyad, Robot
+from telespring.model import Dyad, DyadAxis, Robot
 from telespring.paper import as_printed
 from telespring.paper.misprints.record import Evidence, Misprint
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.criteria import critical_stiffness
 from telespring.theory.response import open_loop
 
@@ -24,8 +23,8 @@ __all__ = [
 ]
 
 
-def diagonal_of_equation_2(axis: Axis, k: float) -> Misprint:
-    """Solve Eq. 1 at one frequency and compare both diagonals of Eq. 2 with it."""
+def diagonal_of_equation_2(axis: DyadAxis, k: float) -> Misprint:
+    """Compare the printed and the corrected diagonal of Eq. 2 with Eq. 1, solved at one frequency."""
     m1, b1, m2, b2 = axis.parameters
     frequency, delay = 10.0, 0.1
     s = 1j * frequency
@@ -38,22 +37,22 @@ def diagonal_of_equation_2(axis: Axis, k: float) -> Misprint:
         where="Eq. 2 and Appendix A1",
         printed="X₁/F₁ = (m₁s² + b₁s + k)/χ and X₂/F₂ = (m₂s² + b₂s + k)/χ",
         true="The diagonal is swapped: X₁/F₁ = (m₂s² + b₂s + k)/χ and X₂/F₂ = (m₁s² + b₁s + k)/χ.",
-        consequence="With unequal robots each robot is given the other's mobility.",
+        consequence="Unequal robots get each other's mobility.",
         evidence=(
             Evidence(f"|X₁/F₁| on axis {axis.name}, Eq. 1 solved as a linear system", abs(solved), "m/N"),
             Evidence("the same, corrected diagonal", abs(p2 / chi), "m/N"),
             Evidence("the same, as printed", abs(p1 / chi), "m/N"),
-            Evidence("at the frequency", frequency, "rad/s"),
-            Evidence("with the stiffness", k, "N/m"),
-            Evidence("and the one-way delay", delay, "s"),
+            Evidence("frequency", frequency, "rad/s"),
+            Evidence("stiffness", k, "N/m"),
+            Evidence("one-way delay", delay, "s"),
         ),
     )
 
 
-def sign_in_equation_9(base: Axis) -> Misprint:
-    """Show that the sign in Eq. 9 vanishes for two robots alike at 2K."""
+def sign_in_equation_9(base: DyadAxis) -> Misprint:
+    """Show that the sign in Eq. 9 vanishes for two identical robots at 2K."""
     # Two identical robots at twice the critical stiffness have B = 0 exactly; here without rounding.
-    exact = free_axis(1.0, 2.0, 1.0, 2.0)
+    exact = DyadAxis(1.0, 2.0, 1.0, 2.0)
     k = 4.0
     frequency = math.sqrt((2 * 1.0 * k - 2.0**2) / 1.0**2)
     k_base = 2 * base.critical_stiffness()
@@ -63,13 +62,12 @@ def sign_in_equation_9(base: Axis) -> Misprint:
         where="Eq. 9",
         printed="z = sign(B) √(A₁A₂)/k with B = ω² − k(b₁+b₂)/(m₁b₂+m₂b₁)",
         true=(
-            "At B = 0 the sign is 0 and so is z. This is no rare case: two identical "
-            "robots at k = b²/m, twice the "
-            "critical stiffness, have B = 0, and that is where the paper takes Δ. The delay is "
+            "At B = 0 the sign is 0, and so is z. This is not a rare case: two identical robots at k = b²/m, "
+            "twice the critical stiffness, have B = 0, and that is where the paper defines Δ. The delay is "
             "((−arg(P₁P₂/k²)) mod 2π)/(2ω), which needs no sign."
         ),
         consequence=(
-            "At the paper's own base point the printed formula returns zero, or is decided by rounding."
+            "At the paper's own base point the printed formula returns zero, or rounding decides the result."
         ),
         evidence=(
             Evidence(
@@ -82,19 +80,19 @@ def sign_in_equation_9(base: Axis) -> Misprint:
                 as_printed.delay_equation_9(*exact.parameters, k, frequency),
                 "s",
             ),
-            Evidence("delay in truth, π/(2ω)", float(exact.maximum_delay(k)), "s"),
+            Evidence("correct delay, π/(2ω)", float(exact.maximum_delay(k)), "s"),
             Evidence(
-                "B/ω² for the base robot at 2K, rounding only",
+                "B/ω² for the base robot at 2K (rounding only)",
                 as_printed.sign_of_equation_9(*base.parameters, k_base, at_base) / at_base**2,
                 "1",
             ),
-            Evidence("Δ of the base robot in truth, πM/(2B)", float(base.maximum_delay(k_base)), "s"),
+            Evidence("correct Δ of the base robot, πM/(2B)", float(base.maximum_delay(k_base)), "s"),
         ),
     )
 
 
-def loop_of_figure_3(base: Axis) -> Misprint:
-    """Evaluate the loop of the caption and the true one at 2K."""
+def loop_of_figure_3(base: DyadAxis) -> Misprint:
+    """Evaluate the printed loop of the caption and the correct one at 2K."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
     frequency = np.linspace(0.0, 60.0, 6001)
@@ -107,19 +105,19 @@ def loop_of_figure_3(base: Axis) -> Misprint:
         where="Caption of Fig. 3",
         printed="L(s) = −k e^(−δs)/(P₁P₂)",
         true="L(s) = −k² e^(−2δs)/(P₁P₂), from Eq. 3",
-        consequence="As printed L is not a pure number, and its locus comes nowhere near −1 at any delay.",
+        consequence="The printed L is not dimensionless, and its locus is nowhere near −1 at any delay.",
         evidence=(
             Evidence("largest |L| at 2K as printed", float(np.abs(printed).max()), "m/N"),
             Evidence("L(0) at 2K as printed", float(printed[0].real), "m/N"),
-            Evidence("largest |L| at 2K in truth", float(np.abs(true).max()), "1"),
-            Evidence("L(0) in truth", float(true[0].real), "1"),
-            Evidence("with the stiffness 2K", k, "N/m"),
+            Evidence("largest |L| at 2K, correct", float(np.abs(true).max()), "1"),
+            Evidence("L(0), correct", float(true[0].real), "1"),
+            Evidence("stiffness 2K", k, "N/m"),
         ),
     )
 
 
-def letters_of_section_3(base: Axis) -> Misprint:
-    """Evaluate S with the letters as printed and as meant."""
+def letters_of_section_3(base: DyadAxis) -> Misprint:
+    """Evaluate S with its arguments as printed and as meant."""
     damping, mass = base.dampings[0], base.masses[0]
     stiffness = base.critical_stiffness()
     as_mass = float(critical_stiffness(stiffness, damping, stiffness, damping, method="paper"))
@@ -127,18 +125,18 @@ def letters_of_section_3(base: Axis) -> Misprint:
         key="section-3-letters",
         where="Section III, second paragraph",
         printed="K = S(K, B, K, B) and Δ = D(K, B, K, B, 2K)",
-        true="K = S(M, B, M, B) and Δ = D(M, B, M, B, 2K), as the caption of Fig. 3 has it",
-        consequence="K would be defined by itself, a stiffness standing for a mass.",
+        true="K = S(M, B, M, B) and Δ = D(M, B, M, B, 2K), as in the caption of Fig. 3",
+        consequence="K would be defined by itself, with a stiffness in the place of a mass.",
         evidence=(
             Evidence("S(M, B, M, B)", stiffness, "N/m"),
-            Evidence("S(K, B, K, B) with that K in the place of a mass in kg", as_mass, "N/m"),
+            Evidence("S(K, B, K, B) with that K taken as a mass in kg", as_mass, "N/m"),
             Evidence("M", mass, "kg"),
             Evidence("B", damping, "N·s/m"),
         ),
     )
 
 
-def conjugate_polynomial(axis: Axis, k: float) -> Misprint:
+def conjugate_polynomial(axis: DyadAxis, k: float) -> Misprint:
     """Evaluate ā by its definition, and with and without the factor s²."""
     m1, b1, m2, b2 = axis.parameters
     s, z = 5j, np.exp(-1j)
@@ -152,19 +150,19 @@ def conjugate_polynomial(axis: Axis, k: float) -> Misprint:
         key="conjugate-polynomial",
         where="Appendix A1, ā(s, z)",
         printed="ā = (m₁s² − b₁s + k)(m₂s² − b₂s + k) s² z² − k²",
-        true="ā = (m₁s² − b₁s + k)(m₂s² − b₂s + k) z² − k²: the factor s² does not belong there.",
+        true="ā = (m₁s² − b₁s + k)(m₂s² − b₂s + k) z² − k²: the factor s² is wrong.",
         consequence="Eliminating z from the printed pair does not give Eq. 8.",
         evidence=(
             Evidence("|ā| by its definition z²a(−s, 1/z)", float(abs(defined)), "N²/m²"),
             Evidence("|ā| without s²", float(abs(product * z**2 - k**2)), "N²/m²"),
             Evidence("|ā| as printed, in mixed units", float(abs(product * s**2 * z**2 - k**2)), "1"),
-            Evidence("at s = jω with ω", 5.0, "rad/s"),
-            Evidence("with the stiffness", k, "N/m"),
+            Evidence("ω, with s = jω", 5.0, "rad/s"),
+            Evidence("stiffness", k, "N/m"),
         ),
     )
 
 
-def equation_16(base: Axis) -> Misprint:
+def equation_16(base: DyadAxis) -> Misprint:
     """Compare both prefactors of Eq. 16 with a root of Eq. 8."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
@@ -177,7 +175,7 @@ def equation_16(base: Axis) -> Misprint:
         where="Eq. 16",
         printed="ξ₂,₃ = (η₁ ± √η₂)/(4m⁴)",
         true="ξ₂,₃ = (η₁ ± √η₂)/(2m²)",
-        consequence="The printed values are no roots of F.",
+        consequence="The printed values are not roots of F.",
         evidence=(
             Evidence("|ξ₂| of the base robot at 2K, root of Eq. 8", float(abs(pair)), "rad²/s²"),
             Evidence("with the prefactor 1/(2m²)", float(abs(corrected)), "rad²/s²"),
@@ -186,25 +184,26 @@ def equation_16(base: Axis) -> Misprint:
     )
 
 
-def table_2(base: Axis) -> Misprint:
-    """Evaluate η₂ where Table II says that its sign changes, and where it does."""
+def table_2(base: DyadAxis) -> Misprint:
+    """Evaluate η₂ where Table II has its sign change, and where it really changes."""
     mass, damping = base.masses[0], base.dampings[0]
     true = (math.sqrt(2) - 1) * damping**2 / (2 * mass)
     printed = math.sqrt(2 * damping**2 - damping**2) / (2 * mass)
-
-    def eta2(k: float) -> float:
-        return damping**4 - 4 * mass**2 * k**2 - 4 * mass * damping**2 * k
 
     return Misprint(
         key="table-2",
         where="Table II and its footnote",
         printed="η₂ changes sign at k = √(2b²−b²)/(2m).",
-        true="At k = (√2−1) b²/(2m): the root covers the 2 alone, and b² stands outside it.",
+        true="It changes at k = (√2−1) b²/(2m): the root covers only the 2, and b² is outside it.",
         consequence="The printed value is b/(2m), which is not even a stiffness.",
         evidence=(
-            Evidence("k as it should be, base robot", true, "N/m"),
-            Evidence("η₂/b⁴ there, 0 up to rounding", eta2(true) / damping**4, "1"),
-            Evidence("k as printed, in 1/s", printed, "1/s"),
-            Evidence("η₂/b⁴ there", eta2(printed) / damping**4, "1"),
+            Evidence("correct k, base robot", true, "N/m"),
+            Evidence(
+                "η₂/b⁴ there, 0 up to rounding",
+                as_printed.eta_equation_16(mass, damping, true)[1] / damping**4,
+                "1",
+            ),
+            Evidence("printed k, in 1/s", printed, "1/s"),
+            Evidence("η₂/b⁴ there", as_printed.eta_equation_16(mass, damping, printed)[1] / damping**4, "1"),
         ),
     )

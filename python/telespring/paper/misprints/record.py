@@ -1,4 +1,4 @@
-"""What one misprint is made of."""
+"""Record of one misprint and of the numbers that prove it."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Misprint:
-    """One place in the paper.
+    """One misprint of the paper.
 
     Attributes
     ----------
     key
-        A word to find it by.
+        Short name.
     where
         Equation, figure, table or section of the paper.
     printed, true
-        What stands there, and what is right.
+        What the paper prints, and what is correct.
     consequence
-        What a reader who trusts the print would do wrongly.
+        What goes wrong for a reader who relies on the printed version.
     evidence
-        The numbers that show it.
+        The numbers that prove it.
     """
 
     key: str
@@ -51,6 +51,6 @@ class Misprint:
             "true": self.true,
             "consequence": self.consequence,
             "evidence": [
-                {"label": each.label, "value": each.value, "unit": each.unit} for each in self.evidence
+                {"label": item.label, "value": item.value, "unit": item.unit} for item in self.evidence
             ],
         }

@@ -1,8 +1,8 @@
-"""How the arms in which two agents hold the handles move the stability boundary.
+"""Stability boundary of a dyad whose handles are held by two agents' arms.
 
-The paper's criterion takes the handles as free, but in its experiment an agent holds each of them: an arm
-whose force is k_c (p* - p), Eqs. 13 and 14. To the dyad that is a spring to the ground, and the criterion
-with grounded operators applies. The arms are massless and undamped unless their mass and damping are given.
+The paper's criterion assumes free handles, but in its experiment an agent holds each of them with an arm
+whose force is k_c (p* - p), Eqs. 13 and 14. To the dyad this is a spring to the ground, and the criterion
+with grounded operators applies. By default the arms are massless and undamped.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from telespring.model import Dyad, Operator
+from telespring._json import finite_or_none
+from telespring.model import Dyad, DyadAxis, Operator
+from telespring.paper.published import AGENT_STIFFNESS
 from telespring.show.quantities import format_pair
-from telespring.theory.axis import Axis, axes_of, finite_or_none
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ Intervals = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class BoundaryOfAxis:
-    """One axis with free handles and in arms.
+    """Stable delays of one axis with free handles and in arms.
 
     Attributes
     ----------
@@ -36,11 +37,11 @@ class BoundaryOfAxis:
     stable_free, stable_held
         For each stiffness all stable one-way delays up to the horizon, half-open intervals, s.
     unstable_held
-        For each stiffness what lies between those, in arms, s; an end at the horizon is cut there.
+        For each stiffness the intervals between them, in arms, s, cut at the horizon.
     """
 
-    free: Axis
-    held: Axis
+    free: DyadAxis
+    held: DyadAxis
     stable_free: tuple[Intervals, ...]
     stable_held: tuple[Intervals, ...]
     unstable_held: tuple[Intervals, ...]
@@ -48,7 +49,7 @@ class BoundaryOfAxis:
 
 @dataclass(frozen=True)
 class ArmsBoundary:
-    """Stability of a dyad with free handles and in arms, at some stiffnesses and conditions.
+    """Stability boundaries of a dyad with free handles and in arms.
 
     Attributes
     ----------
@@ -57,7 +58,7 @@ class ArmsBoundary:
     stiffnesses
         Of the virtual spring, N/m.
     horizon
-        Longest one-way delay looked at, s.
+        Longest one-way delay considered, s.
     axes
         One entry per axis of the dyad.
     conditions
@@ -71,77 +72,77 @@ class ArmsBoundary:
     conditions: tuple[tuple[float, float], ...]
 
     def numbers(self) -> dict[str, Any]:
-        """Give everything as plain values for JSON, in SI units; null where there is no bound."""
+        """Plain values for JSON, in SI units; None where there is no bound."""
         return {
             "agent_stiffness": list(self.agent_stiffness),
             "horizon": self.horizon,
             "axes": [
                 {
-                    "axis": each.free.name,
-                    "critical_stiffness_free": finite_or_none(each.free.critical_stiffness()),
-                    "critical_stiffness_in_arms": finite_or_none(each.held.critical_stiffness()),
+                    "axis": axis.free.name,
+                    "critical_stiffness_free": finite_or_none(axis.free.critical_stiffness()),
+                    "critical_stiffness_in_arms": finite_or_none(axis.held.critical_stiffness()),
                     "stiffnesses": [
                         {
                             "stiffness": stiffness,
-                            "stable_delays_free": [list(one) for one in each.stable_free[i]],
-                            "stable_delays_in_arms": [list(one) for one in each.stable_held[i]],
-                            "unstable_delays_in_arms": [list(one) for one in each.unstable_held[i]],
+                            "stable_delays_free": [list(interval) for interval in axis.stable_free[i]],
+                            "stable_delays_in_arms": [list(interval) for interval in axis.stable_held[i]],
+                            "unstable_delays_in_arms": [list(interval) for interval in axis.unstable_held[i]],
                         }
                         for i, stiffness in enumerate(self.stiffnesses)
                     ],
                 }
-                for each in self.axes
+                for axis in self.axes
             ],
             "conditions": [
                 {
                     "stiffness": stiffness,
                     "delay": delay,
-                    "free": _word(free),
-                    "in_arms": _word(held),
+                    "free": _verdict(free),
+                    "in_arms": _verdict(held),
                     "unstable_axes_free": free,
                     "unstable_axes_in_arms": held,
                 }
-                for (stiffness, delay), free, held in self._verdicts()
+                for (stiffness, delay), free, held in self._unstable_axes()
             ],
             "statements": self.statements(),
         }
 
     def statements(self) -> list[str]:
-        """Say in words what the arms change, and what that means for the conditions."""
-        found = []
-        for each in self.axes:
-            same = (each.held.masses, each.held.dampings) == (each.free.masses, each.free.dampings)
+        """Write sentences on the effect of the arms on the boundary and on the conditions."""
+        sentences = []
+        for axis in self.axes:
+            free, held = axis.free, axis.held
+            same = (held.masses, held.dampings) == (free.masses, free.dampings)
             arms = "" if same else " and the arms' mass and damping"
-            held_by = format_pair(self.agent_stiffness, "N/m")
-            found.append(
-                f"Axis {each.free.name}: held by {held_by}{arms}, no constant delay "
-                f"destabilises up to {each.held.critical_stiffness():.1f} N/m; with free handles up to "
-                f"{each.free.critical_stiffness():.1f} N/m."
+            sentences.append(
+                f"Axis {free.name}: held by {format_pair(self.agent_stiffness, 'N/m')}{arms}, the dyad is "
+                f"stable at every constant delay up to {held.critical_stiffness():.1f} N/m; with free "
+                f"handles, up to {free.critical_stiffness():.1f} N/m."
             )
-            for stiffness, windows in zip(self.stiffnesses, each.unstable_held, strict=True):
+            for stiffness, windows in zip(self.stiffnesses, axis.unstable_held, strict=True):
                 if windows:
                     where = "unstable at one-way delays in " + " and ".join(
-                        _window(one, self.horizon) for one in windows
+                        _window(window, self.horizon) for window in windows
                     )
-                elif stiffness < each.held.critical_stiffness():
+                elif stiffness < held.critical_stiffness():
                     where = "stable at every constant delay"
                 else:
                     where = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
-                found.append(f"Axis {each.free.name} in arms at {stiffness:.4g} N/m: {where}.")
-        lost = [(condition, free, held) for condition, free, held in self._verdicts() if free or held]
-        for (stiffness, delay), free, held in lost:
-            found.append(
-                f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
-                f"{_word(free)}{_on(free)} with free handles, {_word(held)}{_on(held)} in arms."
-            )
-        return found
+                sentences.append(f"Axis {free.name} in arms at {stiffness:.4g} N/m: {where}.")
+        sentences += [
+            f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
+            f"{_verdict(free)}{_on(free)} with free handles, {_verdict(held)}{_on(held)} in arms."
+            for (stiffness, delay), free, held in self._unstable_axes()
+            if free or held
+        ]
+        return sentences
 
-    def _verdicts(self) -> list[tuple[tuple[float, float], list[str], list[str]]]:
+    def _unstable_axes(self) -> list[tuple[tuple[float, float], list[str], list[str]]]:
         return [
             (
                 (stiffness, delay),
-                [each.free.name for each in self.axes if not each.free.is_stable(stiffness, delay)],
-                [each.held.name for each in self.axes if not each.held.is_stable(stiffness, delay)],
+                [axis.free.name for axis in self.axes if not axis.free.is_stable(stiffness, delay)],
+                [axis.held.name for axis in self.axes if not axis.held.is_stable(stiffness, delay)],
             )
             for stiffness, delay in self.conditions
         ]
@@ -151,50 +152,52 @@ def boundary_in_arms(
     dyad: Dyad,
     stiffnesses: Sequence[float],
     *,
-    agent_stiffness: tuple[float, float] = (120.0, 120.0),
+    agent_stiffness: tuple[float, float] = (AGENT_STIFFNESS, AGENT_STIFFNESS),
     arms: tuple[Operator, Operator] | None = None,
     conditions: Sequence[tuple[float, float]] = (),
     horizon: float = 1.0,
 ) -> ArmsBoundary:
-    """Find the stable delays of a dyad with free handles and held by two agents' arms.
+    """Compute the stable delays of a dyad with free handles and held by two agents' arms.
 
     Parameters
     ----------
     dyad
-        The robots; their operators, if any, are kept and the agents' stiffness is added.
+        The robots; the agents' stiffness is added to their operators, if any.
     stiffnesses
         Of the virtual spring, N/m.
     agent_stiffness
-        k_c of agent 1 and 2, N/m; Table III has 120 for both.
+        k_c of agent 1 and 2, N/m; by default that of Table III, 120 N/m.
     arms
-        Mass and damping of both arms and of the agents' dampers, and any stiffness beside `agent_stiffness`;
-        massless and undamped unless given.
+        Mass and damping of both arms and of the agents' dampers, and any stiffness besides
+        `agent_stiffness`; by default massless and undamped.
     conditions
-        Stiffness (N/m) and one-way delay (s) of an experiment, told stable or unstable.
+        Stiffness (N/m) and one-way delay (s) of an experiment, to be assessed.
     horizon
-        Longest one-way delay to look at, s.
+        Longest one-way delay to consider, s.
 
     Returns
     -------
     ArmsBoundary
-        Both boundaries; nothing is rounded.
+        Both boundaries, unrounded.
 
     Raises
     ------
     telespring.InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Examples
     --------
     >>> import telespring as ts
-    >>> found = boundary_in_arms(ts.hman(), [71.23, 142.46])
-    >>> [[(round(a, 3), round(b, 3)) for a, b in axis.unstable_held[1][:1]] for axis in found.axes]
+    >>> boundary = boundary_in_arms(ts.hman(), [71.23, 142.46])
+    >>> [[(round(a, 3), round(b, 3)) for a, b in axis.unstable_held[1][:1]] for axis in boundary.axes]
     [[(0.078, 0.153)], [(0.118, 0.167)]]
-    >>> [axis.unstable_held[0] for axis in found.axes]
+    >>> [axis.unstable_held[0] for axis in boundary.axes]
     [(), ()]
     """
     axes = []
-    for free, held in zip(axes_of(dyad), axes_of(_held(dyad, agent_stiffness, arms)), strict=True):
+    dyad_in_arms = _held(dyad, agent_stiffness, arms)
+    for name in dyad.axes:
+        free, held = dyad[name], dyad_in_arms[name]
         stable_held = tuple(tuple(held.stable_delays(k, horizon)) for k in stiffnesses)
         axes.append(
             BoundaryOfAxis(
@@ -202,7 +205,7 @@ def boundary_in_arms(
                 held=held,
                 stable_free=tuple(tuple(free.stable_delays(k, horizon)) for k in stiffnesses),
                 stable_held=stable_held,
-                unstable_held=tuple(_between(each, horizon) for each in stable_held),
+                unstable_held=tuple(_between(stable, horizon) for stable in stable_held),
             )
         )
     return ArmsBoundary(
@@ -211,44 +214,39 @@ def boundary_in_arms(
 
 
 def draw(
-    found: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
+    boundary: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
 ) -> Figure:
-    """Draw both boundaries over stiffness and delay, the conditions marked.
+    """Draw both boundaries over stiffness and delay with the conditions, one panel per axis.
 
     Parameters
     ----------
-    found
-        What `boundary_in_arms` gave.
+    boundary
+        Result of `boundary_in_arms`.
     widest, longest
-        Largest stiffness (N/m) and one-way delay (s) drawn; unless given 165 N/m and 0.6 s, or what all
+        Largest stiffness (N/m) and one-way delay (s) drawn; by default 165 N/m and 0.6 s, or as much as the
         conditions need.
     points
-        Stiffnesses at which the boundary is computed.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel per axis.
+        Number of stiffnesses at which the boundary is computed.
     """
     from telespring.show import figures
 
-    widest = widest or max(165.0, *(1.1 * k for k, _ in found.conditions), 0.0)
-    longest = longest or max(0.6, *(1.1 * delay for _, delay in found.conditions), 0.0)
+    widest = widest or max(165.0, *(1.1 * k for k, _ in boundary.conditions), 0.0)
+    longest = longest or max(0.6, *(1.1 * delay for _, delay in boundary.conditions), 0.0)
     stiffness = np.linspace(0.0, widest, points + 1)[1:]
     panels = [
         figures.ArmsPanel(
-            each.held.name,
-            [figures.MapColumn(float(k), each.held.stable_delays(float(k), longest)) for k in stiffness],
-            each.free.maximum_delay(stiffness),
-            [(k, delay, each.held.is_stable(k, delay)) for k, delay in found.conditions],
+            axis.held.name,
+            [figures.MapColumn(float(k), axis.held.stable_delays(float(k), longest)) for k in stiffness],
+            axis.free.maximum_delay(stiffness),
+            [(k, delay, axis.held.is_stable(k, delay)) for k, delay in boundary.conditions],
         )
-        for each in found.axes
+        for axis in boundary.axes
     ]
     return figures.arms_figure(panels, longest=longest)
 
 
 def _held(dyad: Dyad, agent_stiffness: tuple[float, float], arms: tuple[Operator, Operator] | None) -> Dyad:
-    """Add springs and arms to what holds the handles already."""
+    """Add springs and arms to the dyad's own operators."""
     axes = np.ones(len(dyad.axes))
     first, second = (
         Operator(
@@ -269,7 +267,7 @@ def _between(stable: Intervals, horizon: float) -> Intervals:
     return tuple((start, end) for start, end in zip(starts, ends, strict=True) if end > start)
 
 
-def _word(unstable: list[str]) -> str:
+def _verdict(unstable: list[str]) -> str:
     return "unstable" if unstable else "stable"
 
 
@@ -278,5 +276,5 @@ def _on(unstable: list[str]) -> str:
 
 
 def _window(window: tuple[float, float], horizon: float) -> str:
-    start, end = (1e3 * each for each in window)
+    start, end = (1e3 * delay for delay in window)
     return f"({start:.0f}, {end:.0f}) ms" if window[1] < horizon else f"({start:.0f} ms, beyond the horizon)"

@@ -1,40 +1,51 @@
-"""The unknowns of the paper's real arms, from five rows of its Table I, and the rest predicted."""
+"""Estimates of the paper's real arms from five rows of its Table I, and prediction of the other rows."""
 
 from __future__ import annotations
 
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Section
 from telespring.show import figures
 
-__all__ = ["find_calibration"]
+__all__ = ["SECTION", "find_calibration"]
 
 
-def find_calibration(scene: Scene) -> Found:
-    """Fit and predict, for the paper's own experiment only: nobody published a table of another."""
+def find_calibration(scene: Scene) -> Findings:
+    """Fit and predict, for the paper's own experiment only: no table of another is published."""
     from telespring.paper.calibration import calibrate, draw_cells, draw_pairs, draw_profiles
+    from telespring.paper.sections.calibration.statements import statements
 
     if scene.study.experiment is None or not scene.of_the_papers_experiment:
-        return Found()
-    found = calibrate(scene.study)
-    return Found(
-        numbers={"calibration": found.numbers()},
+        return Findings()
+    calibration = calibrate(scene.study)
+    return Findings(
+        numbers={"calibration": {**calibration.numbers(), "statements": statements(calibration)}},
         drawings={
             "calibration": figures.to_svg(
-                draw_cells(found),
+                draw_cells(calibration),
                 "calibration",
                 "Simulated beside published tracking error, every cell of Table I",
-                "Conditions that were fitted stand apart from those that were predicted.",
+                "Fitted conditions are separate from predicted ones.",
             ),
             "profiles": figures.to_svg(
-                draw_profiles(found),
+                draw_profiles(calibration),
                 "profiles",
                 "Profile likelihood of each unknown",
-                "A panel per unknown: how the deviance rises, the others fitted again.",
+                "A panel per unknown: the rise of the deviance with the other unknowns fitted again.",
             ),
             "pairs": figures.to_svg(
-                draw_pairs(found),
+                draw_pairs(calibration),
                 "pairs",
                 "Likelihood of pairs of unknowns",
-                "A panel per pair: where the fit is nearly as good as at the best point.",
+                "A panel per pair: where the fit is nearly as good as at the optimum.",
             ),
         },
     )
+
+
+SECTION = Section(
+    name="calibration",
+    anchor="calibration",
+    title="Estimating the real arms from Table I",
+    step="fit of the real arms",
+    find=find_calibration,
+)

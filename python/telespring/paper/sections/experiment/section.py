@@ -1,4 +1,4 @@
-"""Figs. 7 and 8 and Table I: the study's whole experiment, run on the virtual laboratory and analysed."""
+"""Figs. 7 and 8 and Table I: the study's experiment, run on the virtual laboratory and analysed."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from telespring.paper.scene import Found, Scene
-from telespring.paper.sections.experiment.reported import reported
-from telespring.paper.table_1 import TABLE_I
+from telespring.paper.published import BASELINE_MEDIAN, TABLE_I, PublishedRow
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
+from telespring.paper.sections.experiment.reported import compare_reported_tests
 from telespring.show import figures
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["find_experiment"]
+__all__ = ["SECTION", "find_experiment"]
 
 
-def find_experiment(scene: Scene) -> Found:
-    """Rehearse the study's protocol and compare it, where the robots are the paper's, with Table I."""
+def find_experiment(scene: Scene) -> Findings:
+    """Rehearse the study's protocol; for the paper's own experiment, compare the results with Table I."""
     from telespring.analysis.results import compare_conditions
     from telespring.analysis.trials import Trials
     from telespring.rehearsal.run import remove_rehearsal
@@ -28,9 +29,9 @@ def find_experiment(scene: Scene) -> Found:
     experiment = scene.study.experiment
     if experiment is None:
         if scene.rehearsal is not None:
-            # no page beside another study's trials
+            # otherwise the page would stand beside another study's trials
             remove_rehearsal(scene.rehearsal)
-        return Found()
+        return Findings()
     trials = Trials.from_dataset(_rehearsed(scene))
     analysed = compare_conditions(trials)
     rows = analysed["table1"]
@@ -45,13 +46,13 @@ def find_experiment(scene: Scene) -> Found:
             draw_errors(analysed),
             "tracking",
             "Tracking error of both robots by condition",
-            " ".join(_in_words(row) for row in rows),
+            " ".join(_mean_errors(row) for row in rows),
         ),
     }
     published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
     for row in rows:
         row["printed"] = _printed(published.get(row["condition"]))
-    return Found(
+    return Findings(
         numbers={
             "table1": rows,
             "experiment": {
@@ -66,44 +67,58 @@ def find_experiment(scene: Scene) -> Found:
                 },
                 "finished": sum(row["trials"] - row["ended_early"] for row in rows),
                 "ended_early": sum(row["ended_early"] for row in rows),
-                "reported": reported(analysed) if published else [],
-                # Fig. 8, caption
-                "printed_baseline_median": 0.03875 if published else None,
+                "reported": compare_reported_tests(analysed) if published else [],
+                "printed_baseline_median": BASELINE_MEDIAN if published else None,
                 **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
-                "conditions": [_without_trials(each) for each in analysed["conditions"]],
+                "conditions": [_without_trials(condition) for condition in analysed["conditions"]],
             },
         },
         drawings=drawings,
     )
 
 
+SECTION = Section(
+    name="experiment",
+    anchor="experiment",
+    title="The experiment",
+    step="Figs. 7 and 8, Table I",
+    find=find_experiment,
+    holds=(
+        Place("Fig. 7", "figure-trajectories"),
+        Place("Fig. 8", "figure-tracking"),
+        Place("Table I", "table1"),
+    ),
+    mentions=("calibration",),
+)
+
+
 def _rehearsed(scene: Scene) -> xarray.Dataset:
-    """Run the protocol, or go on with it, in the folder that keeps it."""
+    """Run the protocol, or resume it, in the scene's folder."""
     import xarray
 
     from telespring.rehearsal.run import run_protocol
 
-    with TemporaryDirectory(prefix="telespring-") as aside:
-        folder = scene.rehearsal or Path(aside)
+    with TemporaryDirectory(prefix="telespring-") as temporary:
+        folder = scene.rehearsal or Path(temporary)
         outcome = run_protocol(scene.study, folder, modules=scene.modules, replace_others=True)
         return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
-def _printed(row: Any) -> dict[str, Any] | None:
-    """Table I's own row, in mm as it prints them."""
+def _printed(row: PublishedRow | None) -> dict[str, Any] | None:
+    """Table I's row, in mm as it prints them."""
     if row is None:
         return None
-    found: dict[str, Any] = {}
+    printed: dict[str, Any] = {}
     for i in (0, 1):
-        # Through the printed two decimals, so that 0.03483 m is 34.83 mm again.
-        found[f"te{i + 1}_mean"] = round(1e3 * row.mean[i], 2)
-        found[f"te{i + 1}_sd"] = round(1e3 * row.standard_deviation[i], 2)
-        found[f"te{i + 1}_arrow"] = row.arrow[i]
-    return found
+        # To the two printed decimals, so that 0.03483 m is 34.83 mm again.
+        printed[f"te{i + 1}_mean"] = round(1e3 * row.mean[i], 2)
+        printed[f"te{i + 1}_sd"] = round(1e3 * row.standard_deviation[i], 2)
+        printed[f"te{i + 1}_arrow"] = row.arrow[i]
+    return printed
 
 
 def _without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
-    """Leave single trials to the dataset."""
+    """Remove the values of single trials, which the dataset has."""
     measures = {
         name: {
             key: {k: v for k, v in value.items() if k != "values"} if isinstance(value, dict) else value
@@ -114,7 +129,7 @@ def _without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
     return {**condition, "measures": measures}
 
 
-def _in_words(row: Mapping[str, Any]) -> str:
+def _mean_errors(row: Mapping[str, Any]) -> str:
     means: Sequence[float | None] = (row["te1_mean"], row["te2_mean"])
-    said = " and ".join("none" if mean is None else f"{mean:.1f} mm" for mean in means)
-    return f"{row['condition']}: {said}."
+    errors = " and ".join("none" if mean is None else f"{mean:.1f} mm" for mean in means)
+    return f"{row['condition']}: {errors}."

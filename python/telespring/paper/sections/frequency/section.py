@@ -1,4 +1,4 @@
-"""Fig. 4: magnitude and phase of one crossing."""
+"""Fig. 4: magnitude and phase of one robot's motion per motion of the other."""
 
 from __future__ import annotations
 
@@ -6,24 +6,23 @@ import math
 
 import numpy as np
 
-from telespring.model import Dyad, Robot
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import FACTORS, WORDS
+from telespring.model import Dyad, DyadAxis, Robot
+from telespring.paper.reference import FACTOR_LABELS, FACTORS, classify
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
-from telespring.theory.axis import Axis, free_axis
 from telespring.theory.response import partner_response
 
-__all__ = ["find_frequency"]
+__all__ = ["SECTION", "find_frequency"]
 
 
-def find_frequency(scene: Scene) -> Found:
-    """Draw what one robot does per motion of the other, one parameter varied at a time."""
-    base = scene.alike_reference
-    mass, damping = scene.alike_axis.masses[0], scene.alike_axis.dampings[0]
+def find_frequency(scene: Scene) -> Findings:
+    """Compute the response of one robot to the motion of the other, one parameter varied at a time."""
+    base = scene.identical_reference
+    mass, damping = scene.identical_axis.masses[0], scene.identical_axis.dampings[0]
     frequency = np.geomspace(0.5, 60.0, 600)
     nominal = {"k": base.stiffness, "δ": base.delay, "m": mass, "b": damping}
-    # At K no delay matters; what delay does shows above it.
+    # At K no delay matters; its effect shows above K.
     varied_delay = {**nominal, "k": 2 * base.stiffness}
     names = {"k": "K", "δ": "Δ", "m": "M", "b": "B"}
     titles = {"k": "stiffness", "δ": "delay", "m": "inertia", "b": "damping"}
@@ -32,13 +31,13 @@ def find_frequency(scene: Scene) -> Found:
         curves = []
         for factor in (0.0, 0.5, 1.0, 2.0) if symbol == "δ" else FACTORS:
             value = {**(varied_delay if symbol == "δ" else nominal), symbol: factor * nominal[symbol]}
-            axis = free_axis(value["m"], value["b"], value["m"], value["b"])
+            axis = DyadAxis(value["m"], value["b"], value["m"], value["b"])
             pair = Dyad(Robot([value["m"]], [value["b"]]), Robot([value["m"]], [value["b"]]))
-            # What robot 1 does per motion of robot 2 is one crossing, k e^(−δs)/P.
+            # The motion of robot 1 per motion of robot 2 is k e^(−δs)/P.
             curve = partner_response(pair, value["k"], value["δ"], frequency)
             magnitude = np.asarray(curve.magnitude)
             crossing = _gain_crossing(axis, value["k"], value["δ"])
-            label = f"{WORDS[factor]}{names[symbol]}" if factor else "0"
+            label = f"{FACTOR_LABELS[factor]}{names[symbol]}" if factor else "0"
             curves.append(
                 figures.FrequencyCurve(
                     label=label,
@@ -66,14 +65,14 @@ def find_frequency(scene: Scene) -> Found:
     svg = figures.to_svg(
         figures.frequency_figure(frequency, families),
         "frequency",
-        "Magnitude and phase of one crossing under stiffness, delay, inertia and damping",
+        "Magnitude and phase under stiffness, delay, inertia and damping",
         "Magnitude of the motion of one robot per motion of the other above its phase. "
         "More stiffness or inertia "
         "or less damping lifts the magnitude above one; more delay only lowers the "
         "phase. A dot marks where the "
         "magnitude falls through one; the dyad is stable where the phase there is above −180 degree.",
     )
-    return Found(
+    return Findings(
         numbers={
             "frequency_response": {
                 "nominal": {"K": base.stiffness, "Delta": base.delay, "M": mass, "B": damping},
@@ -84,15 +83,25 @@ def find_frequency(scene: Scene) -> Found:
     )
 
 
-def _gain_crossing(axis: Axis, stiffness: float, delay: float) -> tuple[float, float] | None:
+SECTION = Section(
+    name="frequency",
+    anchor="figure4",
+    title="Frequency response",
+    step="Fig. 4, frequency response",
+    find=find_frequency,
+    holds=(Place("Fig. 4", "figure-frequency"),),
+)
+
+
+def _gain_crossing(axis: DyadAxis, stiffness: float, delay: float) -> tuple[float, float] | None:
     """Frequency (rad/s) and phase (degree) where the magnitude falls through 1, if it does."""
-    found = axis.crossings(stiffness)
-    if not found:
+    crossings = axis.crossings(stiffness)
+    if not crossings:
         return None
-    frequency = max(crossing.frequency for crossing in found)
+    frequency = max(crossing.frequency for crossing in crossings)
     mass, damping = axis.masses[0], axis.dampings[0]
     if frequency < 1e-3 * math.sqrt(stiffness / mass):
-        # At the critical stiffness itself the crossing sits at rest; rounding may lift it off zero.
+        # At the critical stiffness itself the crossing is at zero frequency, up to rounding.
         return None
     lag = math.atan2(damping * frequency, stiffness - mass * frequency**2) + delay * frequency
     return frequency, -math.degrees(lag)

@@ -1,4 +1,4 @@
-"""Identification as a study shows it: both robots on the simulated rig, and what it does to the verdict."""
+"""Identification of both robots on the simulated rig, and the effect of its errors on the verdict."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._json import finite_or_none
 from telespring.decision.uncertainty import delta_method, margin_uncertainty, stable_probability
 from telespring.identification.estimation import identify
 from telespring.identification.excitation import Excitation, design_excitation, paper_excitation
@@ -15,41 +16,37 @@ from telespring.identification.regression import paper_reweightings
 from telespring.identification.results import Identification
 from telespring.identification.simulated_logs import ARM, SensorNoise, SimulatedLog, simulate_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
+from telespring.paper.published import EXPERIMENT_DELAY_FACTORS, EXPERIMENT_STIFFNESS_FACTORS
 from telespring.paper.reference import Reference, reference_of
 from telespring.show.decision_json import uncertainty_json
-from telespring.theory.axis import axes_of, finite_or_none
 
 if TYPE_CHECKING:
     from telespring._types import FloatArray
 
 __all__ = ["IdentificationStudy", "study_identification"]
 
-#: Of the logs' noise; fixed, so that the same study gives the same numbers.
+#: Seed of the logs' noise; fixed, so that the same study gives the same numbers.
 _SEED = 20251122
 
-#: In multiples of K_xy and Δ_xy: the paper's 16 conditions.
-_STIFFNESS_FACTORS = (0.5, 1.0, 2.0, 4.0)
-_DELAY_FACTORS = (0.0, 0.5, 1.0, 2.0)
-
-#: Of the Monte Carlo behind each probability.
+#: Monte Carlo draws for each probability.
 _DRAWS = 5000
 
-#: After so many reweightings of the paper's method one looks; it prints one step and no number.
+#: Numbers of reweightings of the paper's method that are shown; the paper prints one step and no number.
 _REWEIGHTINGS = (0, 1, 5, 30, 100)
 
-#: An estimate below it, kg or N·s/m, is no robot's: it is too light or too little damped for the sensors.
+#: A robot with a smaller estimate, kg or N·s/m, is too light or too little damped for the sensors.
 _LEAST = 1e-4
 
 
 @dataclass(frozen=True)
 class IdentificationStudy:
-    """Numbers of an identification, and what its figures are drawn from.
+    """Numbers of an identification, and the data of its figures.
 
     Attributes
     ----------
     numbers
         Plain values in SI units, as JSON has them: ``excitation``, ``noise``, ``arm``, ``axes`` (per robot
-        and axis, measured at the handle, beside what the robot is), ``methods``, ``reweightings``,
+        and axis, measured at the handle, beside the true values), ``methods``, ``reweightings``,
         ``axes_independent``, ``seed`` and ``verdict``.
     movements
         Name and movement: the paper's command and the designed one (Fig. 9).
@@ -63,20 +60,7 @@ class IdentificationStudy:
 
 
 def study_identification(study: Study | None = None, seed: int = _SEED) -> IdentificationStudy:
-    """Identify a study's bare robots from noisy logs of the simulated rig and carry the errors on.
-
-    Parameters
-    ----------
-    study
-        The robots, friction included; the paper's unless given.
-    seed
-        Of the sensors' noise.
-
-    Returns
-    -------
-    IdentificationStudy
-        Numbers, movements and identifications. The same input gives the same output.
-    """
+    """Identify a study's bare robots, the paper's by default, from noisy logs of the simulated rig."""
     source = Study.paper() if study is None else study
     dyad = source.dyad
     movement, designed = paper_excitation(), _designed()
@@ -121,19 +105,19 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
                 "damping_given": float(dyad.robots[robot].damping[i]),
                 "coulomb_given": float(friction[robot, i]),
             }
-            for robot, found in enumerate(robots)
-            for i, axis in enumerate(found.to_json()["axes"])
+            for robot, identified in enumerate(robots)
+            for i, axis in enumerate(identified.to_json()["axes"])
         ],
         "methods": [
             {"method": method, "force": at, "robot": robot, **{key: axis[key] for key in _METHOD_KEYS}}
             for method, at, pair in compared
-            for robot, found in enumerate(pair, start=1)
-            for axis in found.to_json()["axes"]
+            for robot, identified in enumerate(pair, start=1)
+            for axis in identified.to_json()["axes"]
         ],
         "reweightings": _reweightings(robots[0]),
-        "axes_independent": [found.independent for found in robots],
+        "axes_independent": [identified.independent for identified in robots],
         "seed": seed,
-        "verdict": _verdict(robots, reference_of(axes_of(dyad))),
+        "verdict": _verdict(robots, reference_of([dyad[name] for name in dyad.axes])),
     }
     return IdentificationStudy(
         numbers=numbers, movements=(("the paper's", movement), ("designed", designed)), robots=robots
@@ -145,7 +129,7 @@ _METHOD_KEYS = ("axis", "mass", "mass_interval", "damping", "damping_interval")
 
 @cache
 def _designed() -> Excitation:
-    """Design the movement once: it depends on no study."""
+    """Design the movement, once: it does not depend on the study."""
     return design_excitation()
 
 
@@ -174,9 +158,9 @@ def _movement(movement: Excitation) -> dict[str, Any]:
     }
 
 
-def _reweightings(found: Identification) -> dict[str, Any]:
+def _reweightings(identified: Identification) -> dict[str, Any]:
     """Iterate the paper's weights on the first robot's first axis."""
-    signals, axis = found.signals, found.axes[0]
+    signals, axis = identified.signals, identified.axes[0]
     row = axis.signals_index
     columns = [signals.acceleration[row], signals.velocity[row]]
     if axis.coulomb is not None:
@@ -199,33 +183,35 @@ def _reweightings(found: Identification) -> dict[str, Any]:
 
 
 def _verdict(robots: tuple[Identification, Identification], reference: Reference) -> dict[str, Any] | None:
-    """Carry the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
+    """Propagate the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
 
-    None where an estimate is no robot's.
+    None if an estimate is not positive enough to be a mass or a damping.
     """
-    if min(each.value for found in robots for a in found.axes for each in (a.mass, a.damping)) <= _LEAST:
+    estimates = [value for robot in robots for axis in robot.axes for value in (axis.mass, axis.damping)]
+    if min(estimate.value for estimate in estimates) <= _LEAST:
         return None
     first, second = (
         Robot(
-            [a.mass.value for a in found.axes],
-            [a.damping.value for a in found.axes],
-            [a.axis for a in found.axes],
+            [axis.mass.value for axis in robot.axes],
+            [axis.damping.value for axis in robot.axes],
+            [axis.axis for axis in robot.axes],
         )
-        for found in robots
+        for robot in robots
     )
     estimated = Dyad(first, second)
     one, two = (
         Uncertainty(
-            [a.mass.standard_error for a in found.axes],
-            [a.damping.standard_error for a in found.axes],
-            [a.correlation for a in found.axes],
+            [axis.mass.standard_error for axis in robot.axes],
+            [axis.damping.standard_error for axis in robot.axes],
+            [axis.correlation for axis in robot.axes],
         )
-        for found in robots
+        for robot in robots
     )
     stiffness = 2.0 * reference.stiffness
     margins = uncertainty_json(margin_uncertainty(estimated, (one, two), stiffness, reference.delay))
     axes = []
-    for i, (margin, axis) in enumerate(zip(margins["axes"], axes_of(estimated), strict=True)):
+    for i, (margin, name) in enumerate(zip(margins["axes"], estimated.axes, strict=True)):
+        axis = estimated[name]
         critical, longest = delta_method(estimated, (one, two), stiffness, i)
         axes.append(
             {
@@ -237,19 +223,19 @@ def _verdict(robots: tuple[Identification, Identification], reference: Reference
             }
         )
     conditions = []
-    for factor in _STIFFNESS_FACTORS:
-        for part in _DELAY_FACTORS:
-            k, delay = factor * reference.stiffness, part * reference.delay
-            chance = stable_probability(estimated, (one, two), k, delay, draws=_DRAWS)
+    for factor in EXPERIMENT_STIFFNESS_FACTORS:
+        for delay_factor in EXPERIMENT_DELAY_FACTORS:
+            k, delay = factor * reference.stiffness, delay_factor * reference.delay
+            probability = stable_probability(estimated, (one, two), k, delay, draws=_DRAWS)
             conditions.append(
                 {
                     "stiffness_factor": factor,
-                    "delay_factor": part,
+                    "delay_factor": delay_factor,
                     "stiffness": k,
                     "delay": delay,
-                    "probability_stable": chance.value,
-                    "standard_error": chance.standard_error,
-                    "draws": chance.draws,
+                    "probability_stable": probability.value,
+                    "standard_error": probability.standard_error,
+                    "draws": probability.draws,
                 }
             )
     return {"stiffness": stiffness, "delay": reference.delay, "axes": axes, "conditions": conditions}

@@ -1,20 +1,23 @@
-"""Fig. 6 in numbers: robots, arms, agents, task, controllers and protocol of the rehearsal."""
+"""Fig. 6, the virtual laboratory: its drawing, and robots, arms, agents, task and protocol in numbers."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Literal
 
 from telespring.model import Experiment
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.rehearsal.preflight import preflight_warnings
+from telespring.rehearsal.target import target_path
+from telespring.show import figures
 from telespring.show.screens.rehearsal import preflight_sentence
 
-__all__ = ["find_laboratory"]
+__all__ = ["SECTION", "find_laboratory"]
 
-#: Words and unit of what a study file says, by its key.
-_WORDS = {
+#: Label and unit of a value of the study file, by its key.
+_LABELS = {
     "stiffness": ("stiffness to the target", "N/m"),
     "damping": ("damping", "N·s/m"),
     "spots": ("spots in the cloud", "1"),
@@ -37,18 +40,18 @@ _WORDS = {
 }
 
 
-def find_laboratory(scene: Scene) -> Found:
-    """List what is simulated, for robots with the laboratory's two axes."""
+def find_laboratory(scene: Scene) -> Findings:
+    """Draw the laboratory and list what is simulated, for robots with its two axes."""
     experiment = scene.study.experiment
     if experiment is None:
-        return Found()
-    settings = experiment.settings.to_dict()
+        return Findings()
+    settings = experiment.settings
     rows: list[dict[str, Any]] = []
-    for i, friction in enumerate(scene.study.coulomb.tolist(), start=1):
-        if any(friction):
+    for i, friction in enumerate(scene.study.coulomb, start=1):
+        if friction.any():
             rows += [
-                _row(f"robot {i}", f"Coulomb friction, {axis}", each, "N")
-                for axis, each in zip(scene.study.dyad.axes, friction, strict=True)
+                _row(f"robot {i}", f"Coulomb friction, {axis}", float(force), "N")
+                for axis, force in zip(scene.study.dyad.axes, friction, strict=True)
             ]
     for i, agent in enumerate(experiment.agents, start=1):
         rows += _rows(f"agent {i}", agent.to_dict())
@@ -58,17 +61,17 @@ def find_laboratory(scene: Scene) -> Found:
     if experiment.coupling_damping:
         rows.append(_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
     rows.append(_row("controllers", "sample period", experiment.sample_period, "s"))
-    if settings["computing_tick"]:
+    if settings.computing_tick:
         rows.append(_row("controllers", "a force acts", "one period after its samples", ""))
     rows += [
-        _row(part, name, settings[key], unit)
-        for part, name, key, unit in (
-            ("controllers", "lag of the actuators", "actuator_lag", "s"),
-            ("controllers", "resolution of the encoders", "encoder_resolution", "m"),
-            ("network", "jitter, the most that a packet is later", "jitter", "s"),
-            ("network", "probability that a packet is lost", "loss", "1"),
+        _row(part, name, value, unit)
+        for part, name, value, unit in (
+            ("controllers", "lag of the actuators", settings.actuator_lag, "s"),
+            ("controllers", "resolution of the encoders", settings.encoder_resolution, "m"),
+            ("network", "jitter, the most that a packet is later", settings.jitter, "s"),
+            ("network", "probability that a packet is lost", settings.loss, "1"),
         )
-        if settings[key]
+        if value
     ]
     rows += [
         _row("protocol", "conditions", len(experiment.conditions), "1"),
@@ -79,32 +82,39 @@ def find_laboratory(scene: Scene) -> Found:
         _row("protocol", "order of the trials", experiment.order, ""),
         _row("protocol", "seed", experiment.seed, "1"),
     ]
-    return Found(
-        numbers={
-            "laboratory": {
-                "parameters": rows,
-                "spots": _spots(experiment),
-                "warnings": [
-                    preflight_sentence(warning) for warning in preflight_warnings(scene.study, scene.modules)
-                ],
-                "robots": [scene.robot_name(i) for i in (0, 1)],
-                "arms": [arm["kind"] for arm in experiment.arms],
-                "agents": [agent["kind"] for agent in experiment.agents],
-                "task": experiment.task["kind"],
-                "of_the_paper": scene.of_the_papers_experiment,
-            }
-        }
-    )
+    numbers = {
+        "parameters": rows,
+        "spots": _spots(experiment),
+        "warnings": [
+            preflight_sentence(warning) for warning in preflight_warnings(scene.study, scene.modules)
+        ],
+        "robots": [scene.robot_name(i) for i in (0, 1)],
+        "arms": [arm.kind for arm in experiment.arms],
+        "agents": [agent.kind for agent in experiment.agents],
+        "task": experiment.task.kind,
+        "of_the_paper": scene.of_the_papers_experiment,
+    }
+    return Findings(numbers={"laboratory": numbers}, drawings={"laboratory": _drawing(scene, experiment)})
+
+
+SECTION = Section(
+    name="laboratory",
+    anchor="laboratory",
+    title="The virtual laboratory",
+    step="Fig. 6, the laboratory",
+    find=find_laboratory,
+    holds=(Place("Fig. 6", "figure-laboratory"),),
+)
 
 
 def _spots(experiment: Experiment) -> dict[str, Any] | None:
     for agent in experiment.agents:
-        if agent["kind"] == "blurred":
+        if agent.spot_velocity is not None and agent.spot_lifetime is not None:
             return {
-                "count": agent["spots"],
-                "velocity": agent["spot_velocity"],
-                "lifetime": agent["spot_lifetime"],
-                "reach": agent["spot_velocity"] * agent["spot_lifetime"],
+                "count": agent.spots,
+                "velocity": agent.spot_velocity,
+                "lifetime": agent.spot_lifetime,
+                "reach": agent.spot_velocity * agent.spot_lifetime,
             }
     return None
 
@@ -114,14 +124,14 @@ def _rows(part: str, described: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for key, value in described.items():
         if key == "kind" or value is None:
             continue
-        name, unit = _WORDS.get(key, (key.replace("_", " "), "1"))
+        name, unit = _LABELS.get(key, (key.replace("_", " "), "1"))
         if isinstance(value, Mapping):
-            for inner, given in value.items():
-                yield _row(part, f"{name} {inner}", str(given), "")
+            for option, setting in value.items():
+                yield _row(part, f"{name} {option}", str(setting), "")
         elif isinstance(value, list | tuple):
             places = ("x", "y") if key in {"mass", "damping", "base", "amplitude"} else ("1", "2")
-            for place, each in zip(places, value, strict=True):
-                yield _row(part, f"{name}, {place}" if place in "xy" else f"{name} {place}", each, unit)
+            for place, entry in zip(places, value, strict=True):
+                yield _row(part, f"{name}, {place}" if place in "xy" else f"{name} {place}", entry, unit)
         else:
             yield _row(part, name, value, unit)
 
@@ -130,3 +140,40 @@ def _row(part: str, name: str, value: Any, unit: str) -> dict[str, Any]:
     if value == math.inf:
         value = None  # no limit
     return {"part": part, "name": name, "value": value, "unit": unit}
+
+
+def _drawing(scene: Scene, experiment: Experiment) -> str:
+    sides = (_side(scene, experiment, 0), _side(scene, experiment, 1))
+    return figures.to_svg(
+        figures.laboratory_schematic(target_path(experiment, scene.modules), sides),
+        "laboratory",
+        "The laboratory: two robots, each held by an agent's arm",
+        "The target's path, once for each agent, above the robots from above. "
+        + " ".join(
+            f"{side.robot}: agent {' '.join(side.agent.split())}, {' '.join(side.arm.split())}."
+            for side in sides
+        )
+        + " A virtual spring over a delayed network joins the two handles.",
+    )
+
+
+def _side(scene: Scene, experiment: Experiment, i: int) -> figures.DrawnSide:
+    """Describe robot, agent and arm on one side, for the drawing."""
+    agent, arm = experiment.agents[i], experiment.arms[i]
+    spots = agent.spots or 0
+    if agent.class_ is not None:
+        agent_label = "program\n" + agent.class_.rpartition(":")[2][-18:]
+    elif spots:
+        agent_label = f"less skilled:\n{spots} spot{'s' if spots > 1 else ''}"
+    else:
+        agent_label = "skilled"
+    links: dict[str, tuple[Literal["drawn", "dashed", "block", "none"], str]] = {
+        "two-link": ("drawn", "two-link arm"),
+        "lumped": ("block", "arm: a mass and a damper"),
+        "massless": ("none", "massless arm"),
+    }
+    drawn, arm_label = links[arm.kind]
+    elbow = arm.elbow or ("left", "right")[i]
+    if arm.kind == "massless" and scene.of_the_papers_experiment:
+        drawn, arm_label = "dashed", "two-link arm,\nhere massless"
+    return figures.DrawnSide(scene.robot_name(i), agent_label, spots, arm_label, drawn, elbow)

@@ -1,13 +1,23 @@
-"""The paper's misprints, each with its numbers."""
+"""The paper's misprints, each with the numbers that prove it."""
 
 from __future__ import annotations
 
 from telespring.paper.misprints import misprints
-from telespring.paper.scene import Found, Scene
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Section
 
-__all__ = ["find_misprints"]
+__all__ = ["SECTION", "find_misprints"]
 
 
-def find_misprints(_scene: Scene) -> Found:
-    """Compute what is printed and what is true; the misprints are the same in every study."""
-    return Found(numbers={"misprints": [each.to_json() for each in misprints()]})
+def find_misprints(_scene: Scene) -> Findings:
+    """Compute printed and correct values; the misprints are the same in every study."""
+    return Findings(numbers={"misprints": [misprint.to_json() for misprint in misprints()]})
+
+
+SECTION = Section(
+    name="misprints",
+    anchor="misprints",
+    title="The paper's misprints, with numbers",
+    step="misprints",
+    find=find_misprints,
+)

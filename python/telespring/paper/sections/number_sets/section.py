@@ -1,4 +1,4 @@
-"""Table II: to which number sets the roots of Eq. 8 belong as the stiffness rises, two robots alike."""
+"""Table II: the number sets of the roots of Eq. 8 over stiffness, for two identical robots."""
 
 from __future__ import annotations
 
@@ -6,69 +6,51 @@ import cmath
 import math
 from typing import Any
 
-from telespring.paper import as_printed
-from telespring.paper.scene import Found, Scene
+from telespring.paper.as_printed import eta_equation_16
+from telespring.paper.published import TABLE_II
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 
-__all__ = ["find_number_sets", "number_set", "roots_of_robots_alike"]
+__all__ = ["SECTION", "find_number_sets", "number_set", "roots_of_identical_robots"]
 
-#: η₂ and the roots vanish at a boundary of the table up to rounding of some terms of size one.
+#: At a boundary of the table η₂ and the roots vanish up to the rounding of a few terms of size one.
 _ROUNDING = 1e-13
 
 
-def roots_of_robots_alike(mass: float, damping: float, stiffness: float) -> tuple[complex, complex, complex]:
-    """Give ξ₁, ξ₂ and ξ₃ of two robots alike.
+def roots_of_identical_robots(
+    mass: float, damping: float, stiffness: float
+) -> tuple[complex, complex, complex]:
+    """Compute ξ₁, ξ₂ and ξ₃, squares of frequencies (rad²/s²), of two identical robots.
 
-    The cubic of Eq. 8 then falls apart: F = (m²ξ − η₁)(m²ξ² − η₁ξ + 2k²), whose second factor has the
+    The cubic of Eq. 8 then factors: F = (m²ξ − η₁)(m²ξ² − η₁ξ + 2k²), whose second factor has the
     discriminant η₂.
-
-    Parameters
-    ----------
-    mass, damping
-        Of each robot, kg and N·s/m.
-    stiffness
-        N/m.
-
-    Returns
-    -------
-    tuple of complex
-        Squares of frequencies, rad²/s².
 
     Examples
     --------
-    >>> [round(root.real, 6) for root in roots_of_robots_alike(1.0, 2.0, 4.0)]
+    >>> [round(root.real, 6) for root in roots_of_identical_robots(1.0, 2.0, 4.0)]
     [4.0, 2.0, 2.0]
     """
-    eta1, eta2 = _eta(mass, damping, stiffness)
+    eta1, eta2 = eta_equation_16(mass, damping, stiffness)
     root = cmath.sqrt(eta2)
     return eta1 / mass**2 + 0j, (eta1 + root) / (2 * mass**2), (eta1 - root) / (2 * mass**2)
 
 
 def number_set(value: complex, size: float) -> str:
-    """Name the smallest of the table's sets that holds a value: "0", "R+", "R-" or "C".
+    """Name the smallest of the table's sets that contains a value: "0", "R+", "R-" or "C" (not real).
 
-    Parameters
-    ----------
-    value
-        A number.
-    size
-        The size of the terms that it was added up from, by which rounding is judged.
-
-    Returns
-    -------
-    str
-        "C" where it is not real.
+    `size` is that of the terms that the value is the sum of, which sets its rounding error.
     """
     if abs(value) <= _ROUNDING * size:
         return "0"
-    # The square root of a discriminant that vanishes but for rounding is no larger than that of rounding.
+    # Where a discriminant is only rounding, its square root is no larger than that of the rounding.
     if abs(value.imag) > math.sqrt(_ROUNDING) * size:
         return "C"
     return "R+" if value.real > 0 else "R-"
 
 
-def find_number_sets(scene: Scene) -> Found:
-    """Compute Table II on two robots alike, beside the printed one."""
-    mass, damping = scene.alike_axis.masses[0], scene.alike_axis.dampings[0]
+def find_number_sets(scene: Scene) -> Findings:
+    """Compute Table II for two identical robots, beside the printed one."""
+    mass, damping = scene.identical_axis.masses[0], scene.identical_axis.dampings[0]
     critical = damping**2 / (2 * mass)
     changes = (math.sqrt(2) - 1) * critical
     # In the middle of each open range, at its boundaries, and at twice the critical stiffness.
@@ -80,7 +62,7 @@ def find_number_sets(scene: Scene) -> Found:
         (critical, None, 2 * critical),
     )
     printed_change = math.sqrt(2 * damping**2 - damping**2) / (2 * mass)
-    # Where the printed table has η₂ < 0, and the true one does not, if the number is taken in N/m.
+    # Here the printed table, its number taken in N/m, has η₂ < 0 and the correct one has not.
     disputed = (printed_change + changes) / 2
     rows = [
         {
@@ -90,9 +72,9 @@ def find_number_sets(scene: Scene) -> Found:
             **_row(mass, damping, stiffness),
             "printed": dict(zip(_SETS, printed, strict=True)),
         }
-        for (above, below, stiffness), printed in zip(settings, as_printed.TABLE_II, strict=True)
+        for (above, below, stiffness), printed in zip(settings, TABLE_II, strict=True)
     ]
-    return Found(
+    return Findings(
         numbers={
             "table2": {
                 "mass": mass,
@@ -105,25 +87,30 @@ def find_number_sets(scene: Scene) -> Found:
     )
 
 
+SECTION = Section(
+    name="number_sets",
+    anchor="table2",
+    title="Roots of two identical robots",
+    step="Table II",
+    find=find_number_sets,
+    holds=(Place("Table II", "number-sets"),),
+    mentions=("misprints",),
+    computed_after="robots",
+)
+
+
 _SETS = ("eta1_set", "eta2_set", "xi1_set", "xi2_set", "xi3_set")
 
 
-def _eta(mass: float, damping: float, stiffness: float) -> tuple[float, float]:
-    """η₁ (N²·s²/m²) and η₂ (its square) of Eq. 16."""
-    eta1 = 2 * mass * stiffness - damping**2
-    eta2 = damping**4 - 4 * mass**2 * stiffness**2 - 4 * mass * damping**2 * stiffness
-    return eta1, eta2
-
-
 def _row(mass: float, damping: float, stiffness: float) -> dict[str, Any]:
-    eta1, eta2 = _eta(mass, damping, stiffness)
-    roots = roots_of_robots_alike(mass, damping, stiffness)
+    eta1, eta2 = eta_equation_16(mass, damping, stiffness)
+    roots = roots_of_identical_robots(mass, damping, stiffness)
     size = damping**2 + 2 * mass * stiffness
-    found = (complex(eta1), complex(eta2), *roots)
+    values = (complex(eta1), complex(eta2), *roots)
     sizes = (size, size**2, *(size / mass**2,) * 3)
-    sets = {key: number_set(value, each) for key, value, each in zip(_SETS, found, sizes, strict=True)}
+    sets = {key: number_set(value, scale) for key, value, scale in zip(_SETS, values, sizes, strict=True)}
     return {
-        # As pure numbers, so that robots of every size can be compared; a zero without its rounding.
+        # Dimensionless, so that robots of any size can be compared; a zero without its rounding.
         "eta1": 0.0 if sets["eta1_set"] == "0" else eta1 / damping**2,
         "eta2": 0.0 if sets["eta2_set"] == "0" else eta2 / damping**4,
         **sets,

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import setting_in_words
+from telespring.paper.reference import classify, label_setting
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 from telespring.theory.response import nyquist
 from telespring.theory.spectrum import spectral_abscissa
 
-__all__ = ["find_nyquist"]
+__all__ = ["SECTION", "find_nyquist"]
 
 
-def find_nyquist(scene: Scene) -> Found:
-    """Draw nine loci of two robots alike and count what they encircle."""
-    ideal, axis, base = scene.alike, scene.alike_axis, scene.alike_reference
+def find_nyquist(scene: Scene) -> Findings:
+    """Draw nine loci of two identical robots and count their encirclements of −1."""
+    dyad, axis, base = scene.identical, scene.identical_axis, scene.identical_reference
     grid, rows = [], []
     letters = iter("abcdefghi")
     for stiffness_factor in (0.5, 1.0, 2.0):
@@ -24,9 +24,9 @@ def find_nyquist(scene: Scene) -> Found:
         drawn = []
         for delay_factor in (0.5, 1.0, 2.0):
             delay = delay_factor * base.delay
-            found = nyquist(ideal, stiffness, delay)
+            locus = nyquist(dyad, stiffness, delay)
             verdict = classify(axis, stiffness, delay)
-            count = None if verdict == "marginal" else found.encirclements
+            count = None if verdict == "marginal" else locus.encirclements
             note = {
                 "stable": "stable",
                 "marginal": "marginal",
@@ -34,8 +34,8 @@ def find_nyquist(scene: Scene) -> Found:
             }[verdict]
             drawn.append(
                 figures.NyquistPanel(
-                    setting=setting_in_words(stiffness_factor, delay_factor),
-                    locus=np.asarray(found.locus),
+                    setting=label_setting(stiffness_factor, delay_factor),
+                    locus=np.asarray(locus.locus),
                     verdict=verdict,
                     note=note,
                 )
@@ -49,8 +49,8 @@ def find_nyquist(scene: Scene) -> Found:
                     "delay": delay,
                     "verdict": verdict,
                     "encirclements": count,
-                    "peak_loop_gain": float(np.abs(found.locus).max()),
-                    "spectral_abscissa": float(spectral_abscissa(ideal, stiffness, delay)),
+                    "peak_loop_gain": float(np.abs(locus.locus).max()),
+                    "spectral_abscissa": float(spectral_abscissa(dyad, stiffness, delay)),
                 }
             )
         grid.append(drawn)
@@ -62,4 +62,15 @@ def find_nyquist(scene: Scene) -> Found:
         "at −1, the rigid-body "
         "root. " + " ".join(f"({row['panel']}) {row['verdict']}." for row in rows),
     )
-    return Found(numbers={"nyquist": {"panels": rows}}, drawings={"nyquist": svg})
+    return Findings(numbers={"nyquist": {"panels": rows}}, drawings={"nyquist": svg})
+
+
+SECTION = Section(
+    name="nyquist",
+    anchor="figure3",
+    title="Nyquist loci",
+    step="Fig. 3, Nyquist loci",
+    find=find_nyquist,
+    holds=(Place("Fig. 3", "figure-nyquist"),),
+    mentions=("robots",),
+)

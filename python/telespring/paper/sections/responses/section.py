@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from telespring.paper.reference import classify
-from telespring.paper.scene import Found, Scene
-from telespring.paper.settings import FACTORS, setting_in_words
+from telespring.paper.reference import FACTORS, classify, label_setting
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 from telespring.show import figures
 from telespring.theory.simulation import simulate
 from telespring.theory.spectrum import spectral_abscissa
 
-__all__ = ["find_responses"]
+__all__ = ["SECTION", "find_responses"]
 
 
-def find_responses(scene: Scene) -> Found:
-    """Simulate opposite steps of force over sixteen stiffnesses and delays."""
+def find_responses(scene: Scene) -> Findings:
+    """Simulate opposite steps of force at sixteen combinations of stiffness and delay."""
     dyad, axes, base = scene.dyad, scene.axes, scene.reference
-    # Long enough for the marginal case of Fig. 5(h) to show that it neither grows nor dies.
+    # Long enough to show that the marginal case of Fig. 5(h) neither grows nor decays.
     duration = 25.0 * base.delay
     samples = 801
     rate = (samples - 1) / duration
@@ -29,15 +29,15 @@ def find_responses(scene: Scene) -> Found:
         drawn = []
         for delay_factor in (0.0, 0.5, 1.0, 2.0):
             delay = delay_factor * base.delay
-            found = simulate(dyad, stiffness, delay, forces, duration, rate=rate)
-            time = np.asarray(found["time"])
-            position = np.asarray(found["position"])
+            motion = simulate(dyad, stiffness, delay, forces, duration, rate=rate)
+            time = np.asarray(motion["time"])
+            position = np.asarray(motion["position"])
             # The paper's figure has no column without delay.
             letter = next(letters) if delay_factor else ""
             verdicts = [classify(axis, stiffness, delay) for axis in axes]
             drawn.append(
                 figures.ResponsePanel(
-                    letter, setting_in_words(stiffness_factor, delay_factor), time, position, verdicts
+                    letter, label_setting(stiffness_factor, delay_factor), time, position, verdicts
                 )
             )
             for axis, verdict in zip(axes, verdicts, strict=True):
@@ -71,7 +71,18 @@ def find_responses(scene: Scene) -> Found:
             for row in rows
         ),
     )
-    return Found(
+    return Findings(
         numbers={"responses": {"duration": duration, "force": 1.0, "panels": rows}},
         drawings={"responses": svg},
     )
+
+
+SECTION = Section(
+    name="responses",
+    anchor="figure5",
+    title="Responses in time",
+    step="Fig. 5, responses",
+    find=find_responses,
+    holds=(Place("Fig. 5", "figure-responses"),),
+    mentions=("robots",),
+)

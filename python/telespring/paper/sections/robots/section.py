@@ -1,80 +1,59 @@
-"""The study itself: what its spring may have, its robots, and Table III."""
+"""Limits of the study's robots, axis by axis, and the reference values K and Δ of Table III."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from telespring.model import Study
-from telespring.paper import as_printed
+from telespring._json import finite_or_none
+from telespring.model import DyadAxis
+from telespring.paper.published import TABLE_III
 from telespring.paper.reference import Reference
-from telespring.paper.scene import Found, Scene
-from telespring.paper.sections.summary.allowed import summarise
-from telespring.theory.axis import Axis, finite_or_none, free_axis
+from telespring.paper.scene import Scene
+from telespring.paper.section import Findings, Place, Section
 
-__all__ = ["find_allowed", "find_reference"]
-
-
-def find_allowed(scene: Scene) -> Found:
-    """Find what the spring may have over each delay, beside the study as it was read."""
-    return Found(
-        numbers={"study": _study_numbers(scene.study, scene.axes), "summary": summarise(scene.study)},
-    )
+__all__ = ["SECTION", "find_reference"]
 
 
-def find_reference(scene: Scene) -> Found:
-    """Find K and Δ, as Table III defines them, and every axis' limits."""
-    return Found(
+def find_reference(scene: Scene) -> Findings:
+    """Compute K and Δ, as Table III defines them, and the limits of every axis."""
+    return Findings(
         numbers={
-            "table3": _table3(scene.alike_axis, scene.alike_reference, scene.reference),
-            "axes": [_axis_numbers(axis, scene.reference) for axis in scene.axes],
+            "table3": _table3(scene.identical_axis, scene.identical_reference, scene.reference),
+            "axes": [_axis_limits(axis, scene.reference) for axis in scene.axes],
         }
     )
 
 
-def _study_numbers(study: Study, axes: list[Axis]) -> dict[str, Any]:
-    return {
-        "name": study.name,
-        "stiffness": study.stiffness,
-        "delay": {"forward": study.delay[0], "backward": study.delay[1]},
-        "operator_ranges": study.operator_ranges is not None,
-        "jitter": study.network.jitter,
-        "max_gap": study.network.max_gap,
-        "sample_period": study.network.sample_period,
-        "computing_time": study.network.computing_time,
-        "axes": [
-            {
-                "axis": axis.name,
-                "mass": list(axis.masses),
-                "damping": list(axis.dampings),
-                "operator_stiffness": list(axis.ground_stiffness),
-                "coupling_damping": axis.coupling_damping,
-            }
-            for axis in axes
-        ],
-    }
+SECTION = Section(
+    name="robots",
+    anchor="robots",
+    title="The robots, K and Δ",
+    step="Table III",
+    find=find_reference,
+    holds=(Place("Table III", "table3"),),
+)
 
 
-def _table3(ideal_axis: Axis, ideal: Reference, base: Reference) -> dict[str, Any]:
-    printed = as_printed.TABLE_III
+def _table3(identical_axis: DyadAxis, alike: Reference, base: Reference) -> dict[str, Any]:
     return {
-        "M": ideal_axis.masses[0],
-        "B": ideal_axis.dampings[0],
-        "K": {"ours": ideal.stiffness, "printed": printed.base_stiffness},
-        "Delta": {"ours": ideal.delay, "printed": printed.base_delay},
+        "M": identical_axis.masses[0],
+        "B": identical_axis.dampings[0],
+        "K": {"ours": alike.stiffness, "printed": TABLE_III.base_stiffness},
+        "Delta": {"ours": alike.delay, "printed": TABLE_III.base_delay},
         "K_xy": {
             "ours": base.stiffness,
-            "printed": printed.reference_stiffness,
+            "printed": TABLE_III.reference_stiffness,
             "axis": base.stiffness_axis,
         },
-        "Delta_xy": {"ours": base.delay, "printed": printed.reference_delay, "axis": base.delay_axis},
+        "Delta_xy": {"ours": base.delay, "printed": TABLE_III.reference_delay, "axis": base.delay_axis},
     }
 
 
-def _axis_numbers(axis: Axis, base: Reference) -> dict[str, Any]:
+def _axis_limits(axis: DyadAxis, base: Reference) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness()),
-        "critical_stiffness_paper": free_axis(*axis.parameters).critical_stiffness("paper"),
+        "critical_stiffness_paper": DyadAxis(*axis.parameters).critical_stiffness("paper"),
         "maximum_delay": [
             {
                 "factor": factor,

@@ -1,45 +1,35 @@
-"""The first table of a study: the largest stiffness by delay and by what the network promises."""
+"""Largest stiffness of a study by one-way delay and by what the network promises."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+from telespring._json import finite_or_none
 from telespring.model import Study
 from telespring.show.tiers import TIERS
-from telespring.theory.axis import finite_or_none
 from telespring.theory.verdicts import verdicts
 
 __all__ = ["SUMMARY_DELAYS", "summarise"]
 
-#: One-way delays (s) of the summary: good and bad links, and the delays of the paper's experiment.
+#: One-way delays (s) of the summary: good and bad links, and those of the paper's experiment.
 SUMMARY_DELAYS = (0.01, 0.02, 0.05, 0.1, 0.167, 0.2, 0.334)
 
-#: Verdicts whose rule is for a constant delay and a controller without sampling.
+#: Verdicts whose rule assumes a constant delay and a continuous controller.
 _CONSTANT = ("any constant delay", "constant delay")
 
 
 def summarise(study: Study) -> dict[str, Any]:
-    """Find what each verdict allows over each delay, the study's own network otherwise.
+    """Compute the key `summary` of `study.json`: what each verdict allows at each delay.
 
-    A sampled controller bears less than the rules for a constant delay say, so these give no more than
-    the sampled dyad keeps at the delay of the row.
-
-    Parameters
-    ----------
-    study
-        Robots, operators or their ranges, coupling and network.
-
-    Returns
-    -------
-    dict
-        `summary` of `study.json`.
+    Apart from the delay the network is the study's own. The rules for a constant delay assume continuous
+    controllers; with sampled ones, a row gives no more than keeps the sampled dyad stable at its delay.
     """
     return {
         "rows": [_row(study, delay) for delay in SUMMARY_DELAYS],
         "tiers": [
-            {"key": each.key, "name": name, "network": each.network, "rule": each.rule}
-            for name, each in TIERS.items()
+            {"key": tier.key, "name": name, "network": tier.network, "rule": tier.rule}
+            for name, tier in TIERS.items()
             if name != "paper"
         ],
         "highlight": SUMMARY_DELAYS.index(0.1),
@@ -48,7 +38,7 @@ def summarise(study: Study) -> dict[str, Any]:
 
 def _row(study: Study, delay: float) -> dict[str, Any]:
     network = study.network
-    judged = verdicts(
+    verdict = verdicts(
         study.dyad,
         study.stiffness,
         delay,
@@ -58,28 +48,32 @@ def _row(study: Study, delay: float) -> dict[str, Any]:
         computing_time=network.computing_time,
         operator_range=study.operator_ranges,
     )
-    names = [axis.name for axis in judged.axes]
+    names = [axis.name for axis in verdict.axes]
     sampled = [
         (axis.sampled_stiffness_bound, axis.name)
-        for axis in judged.axes
+        for axis in verdict.axes
         if axis.sampled_stiffness_bound is not None
     ]
-    bears, bearing_axis = min(sampled, default=(math.inf, ""))
+    sampled_bound, sampled_axis = min(sampled, default=(math.inf, ""))
     row: dict[str, Any] = {
         "delay": delay,
-        # What a playout buffer makes of it: it waits for the latest packet and the longest gap.
+        # Behind a playout buffer, which waits for the latest packet and the longest gap.
         "constant_delay_in_use": delay + network.jitter + network.max_gap,
-        "oldest_sample": max(budget.total for budget in judged.delay_budget),
+        "oldest_sample": max(budget.total for budget in verdict.delay_budget),
     }
     for name, description in TIERS.items():
         if name == "paper":
-            entry = _entry(judged.paper.critical_stiffness, names[judged.paper.critical_axis])
+            entry = _entry(verdict.paper.critical_stiffness, names[verdict.paper.critical_axis])
         else:
-            tier = next(each for each in judged.tiers if each.tier == name)
+            tier = next(tier for tier in verdict.tiers if tier.tier == name)
             axis = None if tier.worst_axis is None else names[tier.worst_axis]
             entry = _entry(tier.stiffness_bound, axis)
-            if name in _CONSTANT and tier.stiffness_bound is not None and bears < tier.stiffness_bound:
-                entry = _entry(bears, bearing_axis, limited_by="sampling")
+            if (
+                name in _CONSTANT
+                and tier.stiffness_bound is not None
+                and sampled_bound < tier.stiffness_bound
+            ):
+                entry = _entry(sampled_bound, sampled_axis, limited_by="sampling")
         row[description.key] = entry
     return row
 
