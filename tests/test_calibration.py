@@ -45,7 +45,6 @@ from telespring.paper.sections.arms.boundary import draw as draw_boundary
 from telespring.paper.sections.calibration.statements import _of_growth, statements
 from telespring.show import figures
 from telespring.show.quantities import format_signed
-from telespring.study.editing import with_values
 
 FITTED = [i for i, row in enumerate(TABLE_I) if row.stiffness in (None, 142.0)]
 SIZES = (64, 32, 12)
@@ -186,7 +185,7 @@ def test_law_known_unknowns_are_recovered(variant: Variant, truth: tuple[float, 
 
 def test_law_the_rigs_own_unknowns_are_recovered() -> None:
     truth = np.array([0.0, 4.0, 0.4, 0.6])
-    other = with_values(ts.Study.paper(), {"protocol": {"seed": 77}})
+    other = ts.Study.paper().replace(protocol={"seed": 77})
     measured = table_of(RigSimulator(other).errors(CONDITIONS, 20, truth))
     rows = [measured[i] for i in FITTED]
     likelihood = Likelihood.of(rows)
@@ -388,7 +387,7 @@ def test_law_a_surrogate_goes_through_its_points_and_its_correction() -> None:
 
 
 def test_cross_trials_are_measured_as_the_analysis_does() -> None:
-    study = with_values(ts.Study.paper(), {"protocol": {"duration": 9.0, "discard": 4.0}})
+    study = ts.Study.paper().replace(protocol={"duration": 9.0, "discard": 4.0})
     experiment = study.experiment
     assert experiment is not None
     found = RigSimulator(study).errors({3: (18.0, 0.167)}, 2)
@@ -427,7 +426,7 @@ def test_law_a_study_without_the_papers_agents_is_refused(
     values: dict[str, dict[str, object]], field: str
 ) -> None:
     with pytest.raises(ts.InvalidInput) as refused:
-        calibrate(with_values(ts.Study.paper(), values))
+        calibrate(ts.Study.paper().replace(**values))
     assert refused.value.field == field
 
 

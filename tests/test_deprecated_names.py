@@ -18,7 +18,7 @@ DOCUMENTED = {
     "telespring.calibration": ["calibrate"],
     "telespring.experiment": ["Outcome", "rehearse", "run_protocol"],
     "telespring.identify": ["design_excitation", "identify", "paper_excitation", "read_log", "write_robot"],
-    "telespring.study_text": ["with_robot"],
+    "telespring.study_text": ["robot_record", "with_robot"],
 }
 
 
@@ -102,6 +102,6 @@ def test_law_importing_the_package_imports_no_moved_module() -> None:
     code = (
         "import sys, telespring; from telespring._deprecated import MOVED_MODULES;"
         "sys.exit(any(name in sys.modules for name in [*MOVED_MODULES, 'telespring.identification',"
-        " 'telespring.paper', 'telespring.study.editing']))"
+        " 'telespring.paper', 'telespring.study.robot_file']))"
     )
     assert subprocess.run([sys.executable, "-W", "error", "-c", code], check=False).returncode == 0

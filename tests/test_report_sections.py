@@ -14,7 +14,6 @@ import telespring as ts
 from telespring.paper import PARTS, STEPS, Analysis, Findings, Scene, Section, analyse
 from telespring.paper.page import render_section
 from telespring.paper.sections import SECTIONS
-from telespring.study.editing import with_values
 
 #: One axis and an arm on one side: no laboratory, and so no findings of the sections about it.
 ONE_AXIS = """
@@ -29,7 +28,7 @@ network.delay = 0.05
 @pytest.fixture(scope="module")
 def paper() -> ts.Study:
     """Return the paper's study with short trials."""
-    return with_values(ts.Study.paper(), {"protocol": {"trials": 2, "duration": 4.852, "discard": 2.426}})
+    return ts.Study.paper().replace(protocol={"trials": 2, "duration": 4.852, "discard": 2.426})
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,6 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from telespring.cli import app
-from telespring.study.editing import with_robot, with_values
 
 ROBOT = """
 [robot]
@@ -214,10 +214,10 @@ def test_law_friction_has_a_value_for_each_robot_and_axis() -> None:
     assert rough.coulomb.tolist() == [[0.0, 0.0], [0.3, 0.3]]
 
 
-def test_law_the_functions_of_before_do_the_same() -> None:
+def test_law_the_documented_function_of_before_does_the_same() -> None:
     paper = ts.Study.paper()
-    values = {"coupling": {"stiffness": 140.0}}
-    assert with_values(paper, values) == paper.replace(**values)
+    with pytest.warns(DeprecationWarning, match="with_robot"):
+        with_robot = import_module("telespring.study_text").with_robot
     assert with_robot(paper, 2, ROBOT) == paper.with_robot(2, ROBOT)
 
 
@@ -267,7 +267,10 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[robot]\nmass = [1, 1]", "Add damping = 5.0 (N·s/m) under [robot]. See [robot] in"),
+        (
+            "[robot]\nmass = [1, 1]",
+            "Missing robot1.damping (N·s/m). Add damping = 5.0 under [robot]. See [robot] in",
+        ),
         ("[robot]\nmass = [1, -1]\ndamping = 5", "robot1.mass[1] = -1"),
         ("[robot]\nmass = 1\ndamping = 5\nfriction = 2", "robot1.friction = 2"),
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),

@@ -22,12 +22,13 @@ MOVED_MODULES = {
     "telespring.calibration": "telespring.paper.calibration",
     "telespring.experiment": "telespring.rehearsal",
     "telespring.identify": "telespring.identification",
-    "telespring.study_text": "telespring.study.editing",
+    "telespring.study_text": "telespring.study.robot_file",
 }
 
 #: Names that were renamed: the old full name, and the new one as "module:name".
 RENAMED = {
     "telespring.experiment.Outcome": "telespring.rehearsal:RehearsalOutcome",
+    "telespring.study_text.with_robot": "telespring.model:Study.with_robot",
     "telespring.analysis.target_of": "telespring.study.target:target_positions",
     "telespring.analysis.take_trials": "telespring.analysis.trials:Trials.from_dataset",
 }

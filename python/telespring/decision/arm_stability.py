@@ -18,7 +18,6 @@ from telespring._types import FloatArray
 from telespring.decision.equivalent_operators import EquivalentOperators, equivalent_operators
 from telespring.decision.target_positions import PathSection, target_positions
 from telespring.model import Study
-from telespring.theory.axis import axes_of
 from telespring.theory.poses import SIGNIFICANT_CROSS_INERTIA, cross_inertia, pose_stability
 
 __all__ = ["ArmStability", "ConditionStability", "PoseSample", "arm_stability"]
@@ -191,7 +190,7 @@ def arm_stability(
 def _axis_by_axis(
     operators: EquivalentOperators, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
-    axes = axes_of(operators.held)
+    axes = [operators.held[name] for name in operators.held.axes]
     worst = max(axis.spectral_abscissa(stiffness, delay) for axis in axes)
     unstable = tuple(axis.name for axis in axes if not axis.is_stable(stiffness, 0.5 * sum(delay)))
     return ConditionStability(

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.theory.axis import axes_of, free_axis, holds
 from telespring.theory.criteria import Crossing
 from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
 
@@ -280,7 +279,7 @@ def decide(
     forward, backward = constant.buffer_delay or judged.network.delay
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
-    axes = axes_of(dyad)
+    axes = [dyad[name] for name in dyad.axes]
     damping = 0.0
     if not constant.satisfied:
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
@@ -311,6 +310,12 @@ def _axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) ->
     return False if False in independent else None if None in independent else True
 
 
+def _contains(interval: tuple[float, float], delay: float) -> bool:
+    """Whether a stable interval contains a delay; its ends are crossings, except a start at 0."""
+    start, end = interval
+    return (start < delay or start == 0.0) and delay < end
+
+
 def _decide_axis(
     axis: DyadAxis,
     verdict: AxisVerdict,
@@ -322,10 +327,10 @@ def _decide_axis(
     around = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
     return AxisDecision(
         verdict=verdict,
-        critical_stiffness_paper=free_axis(*axis.parameters).critical_stiffness("paper"),
+        critical_stiffness_paper=DyadAxis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
         stable_delays=tuple(axis.stable_delays(stiffness, horizon)),
-        stable_around=next((interval for interval in around if holds(interval, mean)), None),
+        stable_around=next((interval for interval in around if _contains(interval, mean)), None),
         spectral_abscissa=axis.spectral_abscissa(stiffness, delay),
         crossings=tuple(axis.crossings(stiffness)),
     )

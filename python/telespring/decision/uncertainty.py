@@ -17,7 +17,6 @@ import numpy as np
 from telespring._types import FloatArray
 from telespring.model import Dyad
 from telespring.theory import criteria
-from telespring.theory.axis import axes_of
 from telespring.theory.criteria import unstable_root_count
 
 __all__ = [
@@ -232,7 +231,7 @@ def _stable(
     parameters: FloatArray, dyad: Dyad, stiffness: float, delay: float
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
     stable = np.ones(parameters.shape[2], dtype=bool)
-    for axis in axes_of(dyad):
+    for axis in [dyad[name] for name in dyad.axes]:
         m1, b1, m2, b2 = parameters[:, axis.index]
         count = unstable_root_count(m1, b1, m2, b2, stiffness, delay, **axis.keywords)
         stable &= np.asarray(count) == 0
@@ -265,7 +264,7 @@ def margin_uncertainty(
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
-    for axis in axes_of(dyad):
+    for axis in [dyad[name] for name in dyad.axes]:
         m1, b1, m2, b2 = parameters[:, axis.index]
         critical.append(np.asarray(criteria.critical_stiffness(m1, b1, m2, b2, **axis.keywords)))
         delays.append(np.asarray(criteria.maximum_delay(m1, b1, m2, b2, stiffness, **axis.keywords)))
@@ -298,7 +297,7 @@ def delta_method(
     and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN where the
     maximum delay is infinite.
     """
-    judged = axes_of(dyad)[axis]
+    judged = dyad.axis(axis)
     middle = np.array(judged.parameters)
     covariance = np.zeros((4, 4))
     for robot, known in enumerate(uncertainty):

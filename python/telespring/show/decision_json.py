@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.show.screens.arms import describe_unavailable
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
-from telespring.theory.axis import finite_or_none
 from telespring.theory.verdicts import DelayBudget, Verdict
 
 __all__ = ["decision_json", "uncertainty_json"]

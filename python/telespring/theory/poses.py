@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from telespring import _core
+import telespring._core as core
 from telespring._arrays import as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import Delay, FloatArray
@@ -124,10 +124,8 @@ def pose_stability(
     (True, False, True)
     """
     places = _places(positions)
-    abscissa, uncoupled, complete = _core.pose_stability(
-        dyad, arms, stiffness, delay, places, agent_stiffness
-    )
-    return PoseStability(places, abscissa, uncoupled, _core.cross_inertia(dyad, arms, places), complete)
+    abscissa, uncoupled, complete = core.pose_stability(dyad, arms, stiffness, delay, places, agent_stiffness)
+    return PoseStability(places, abscissa, uncoupled, core.cross_inertia(dyad, arms, places), complete)
 
 
 def cross_inertia(dyad: Dyad, arms: tuple[ArmKeys, ArmKeys], positions: ArrayLike) -> FloatArray:
@@ -155,7 +153,7 @@ def cross_inertia(dyad: Dyad, arms: tuple[ArmKeys, ArmKeys], positions: ArrayLik
     >>> cross_inertia(ts.hman(), (None, {"kind": "lumped", "mass": 0.5}), [[0.0, 0.1]])
     array([[0., 0.]])
     """
-    return _core.cross_inertia(dyad, arms, _places(positions))
+    return core.cross_inertia(dyad, arms, _places(positions))
 
 
 def pose_system(
@@ -194,7 +192,7 @@ def pose_system(
     2
     """
     (place,) = _places(np.asarray(position)[np.newaxis])
-    return _core.pose_system(dyad, arms, stiffness, delay, place, agent_stiffness)
+    return core.pose_system(dyad, arms, stiffness, delay, place, agent_stiffness)
 
 
 def _places(positions: ArrayLike) -> FloatArray:

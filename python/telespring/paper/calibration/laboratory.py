@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from telespring import _core
+import telespring._core as core
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.model import Study
@@ -89,7 +89,7 @@ class RigSimulator:
         delay = np.repeat([delay for _, delay in conditions.values()], trials)
         seeds = np.array(
             [
-                _core.trial_seed(experiment.seed, condition, trial)
+                core.trial_seed(experiment.seed, condition, trial)
                 for condition in conditions
                 for trial in range(trials)
             ],

@@ -11,7 +11,6 @@ from rich.markup import escape
 
 from telespring.model import Dyad
 from telespring.show.quantities import format_number
-from telespring.theory.axis import axes_of
 
 if TYPE_CHECKING:
     import xarray
@@ -43,7 +42,7 @@ def simulation_summary(
             f"[bold red]Diverged at {format_number(diverged)} s[/bold red]: a position exceeded 1e12 m, and "
             "the file ends before it."
         )
-    for axis in axes_of(dyad):
+    for axis in [dyad[name] for name in dyad.axes]:
         apart = position[:, 0, axis.index] - position[:, 1, axis.index]
         apart = apart[np.isfinite(apart)]
         largest = float(np.max(np.abs(apart)))
