@@ -216,7 +216,7 @@ def test_law_friction_has_a_value_for_each_robot_and_axis() -> None:
 
 def test_law_the_documented_function_of_before_does_the_same() -> None:
     paper = ts.Study.paper()
-    with pytest.warns(DeprecationWarning, match="with_robot"):
+    with pytest.warns(DeprecationWarning, match="telespring.study_text"):
         with_robot = import_module("telespring.study_text").with_robot
     assert with_robot(paper, 2, ROBOT) == paper.with_robot(2, ROBOT)
 
