@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from telespring.identification import Identification, identify, paper_excitation
+from telespring.show.drawings.identification import draw_excitation, draw_regression, draw_residuals
 from telespring.show.figures import to_svg
-from telespring.show.identification_drawings import draw_excitation, draw_regression, draw_residuals
 
 
 @pytest.fixture(scope="module")

@@ -98,7 +98,7 @@ def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *,
         write_whole(folder / "table1.csv", table_1_csv(numbers["table1"])),
     ]
     if figures:
-        from telespring.show.drawings import draw_errors, draw_trajectories
+        from telespring.show.drawings.trials import draw_errors, draw_trajectories
 
         written += _write_figure(folder / "trajectories", draw_trajectories(trials))
         written += _write_figure(folder / "tracking-errors", draw_errors(numbers))

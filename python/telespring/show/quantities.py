@@ -16,7 +16,11 @@ __all__ = [
     "Style",
     "digits_within",
     "format_error",
+    "format_estimate",
+    "format_in_column",
+    "format_interval",
     "format_number",
+    "format_p_value",
     "format_pair",
     "format_position",
     "format_probability",
@@ -268,3 +272,29 @@ def format_probability(share: float, standard_error: float, draws: int) -> str:
     percent = 100.0 * standard_error
     decimals = max(0, 1 - math.floor(math.log10(percent)))
     return f"{100.0 * share:.{decimals}f} % (± {percent:.{decimals}f} %, {draws} draws)"
+
+
+def format_p_value(p: float) -> str:
+    """Format a p value with its sign of comparison."""
+    return "< 0.001" if p < 0.001 else f"= {p:.3f}"
+
+
+def format_in_column(value: float, decimals: int, threshold: float) -> str:
+    """Format a number with one decimal less from `threshold` on, and another from ten times that."""
+    fewer = sum(abs(value) >= limit for limit in (threshold, 10.0 * threshold))
+    return f"{value:.{max(0, decimals - fewer)}f}"
+
+
+def format_estimate(value: float, standard_error: float, interval: tuple[float, float]) -> tuple[str, str]:
+    """Format an estimate and its interval to two digits of the standard error, at most 6 decimals."""
+    is_known = 0.0 < standard_error < math.inf
+    digits = min(6, max(0, 1 - math.floor(math.log10(standard_error)))) if is_known else 6
+    low, high = interval
+    return f"{value:.{digits}f}", f"{low:.{digits}f} to {high:.{digits}f}"
+
+
+def format_interval(low: float, high: float) -> str:
+    """Format the midpoint of an interval ± its half-width, to two digits of the latter."""
+    half = 0.5 * (high - low)
+    digits = max(0, 1 - math.floor(math.log10(half))) if half > 0.0 else 4
+    return f"{0.5 * (low + high):.{digits}f} ± {half:.{digits}f}"

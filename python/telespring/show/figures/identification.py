@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,7 @@ from matplotlib.figure import Figure
 
 from telespring._types import FloatArray
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.quantities import format_interval
 
 __all__ = [
     "ExcitationPanel",
@@ -133,15 +133,8 @@ def _plane(axes: Any, panel: RegressionPanel, letter: str) -> None:
     axes.tick_params(pad=-3.0, labelsize=6.0)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
-    estimates = f"m = {_format_interval(*mass)} kg, b = {_format_interval(*damping)} N·s/m"
+    estimates = f"m = {format_interval(*mass)} kg, b = {format_interval(*damping)} N·s/m"
     axes.set_title(rf"$\mathbf{{({letter})}}$ {estimates}", loc="center", pad=-2.0)
-
-
-def _format_interval(low: float, high: float) -> str:
-    """Format the midpoint of an interval ± its half-width, to two digits of the latter."""
-    half = 0.5 * (high - low)
-    digits = max(0, 1 - math.floor(math.log10(half))) if half > 0.0 else 4
-    return f"{0.5 * (low + high):.{digits}f} ± {half:.{digits}f}"
 
 
 def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from telespring.analysis.table import tracking_error_name
+from telespring.show.quantities import format_in_column, format_p_value
 
 __all__ = ["analysis_screen"]
 
@@ -53,7 +54,9 @@ def _table(numbers: Mapping[str, Any]) -> Table:
         cells = [_tracking_error_cell(row, robot) for robot in (1, 2)]
         for name, _, factor, decimals in columns:
             means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
-            shown = ["–" if mean is None else _short(factor * mean, decimals, 10.0) for mean in means]
+            shown = [
+                "–" if mean is None else format_in_column(factor * mean, decimals, 10.0) for mean in means
+            ]
             cells.append(Text("|".join(shown)))
         early, begun = row["ended_early"], row["trials"]
         trials = Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))
@@ -66,9 +69,9 @@ def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
     mean, sd = row[f"te{robot}_mean"], row[f"te{robot}_sd"]
     if mean is None:
         return Text("–     ")
-    text = _short(mean, 2, 100.0)
+    text = format_in_column(mean, 2, 100.0)
     if sd is not None:
-        text += f" ± {_short(sd, 2, 10.0 if mean >= 100.0 else 100.0)}"
+        text += f" ± {format_in_column(sd, 2, 10.0 if mean >= 100.0 else 100.0)}"
     arrow, arrow_holm = row[f"te{robot}_arrow"], row[f"te{robot}_arrow_holm"]
     return Text(f"{text} {arrow or ' '}{'*' if arrow and arrow_holm else ' '}")
 
@@ -92,7 +95,7 @@ def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Itera
         if test["over"] == "all conditions" and test["h"] is not None:
             yield Text(
                 f"TE{test['robot']} over all conditions: Kruskal-Wallis H({test['degrees_of_freedom']}) = "
-                f"{test['h']:.2f}, p {_p_value(test['p'])}, ε² = {test['epsilon_squared']:.2f}."
+                f"{test['h']:.2f}, p {format_p_value(test['p'])}, ε² = {test['epsilon_squared']:.2f}."
             )
     for warning in numbers["warnings"]:
         yield Text(warning, style="red")
@@ -121,16 +124,6 @@ def _comparisons_with_baseline(numbers: Mapping[str, Any]) -> Iterator[Text]:
         if comparison["first"] == tracking_error_name(1, baseline) and comparison["p"] is not None:
             low, high = comparison["superiority_interval"]
             yield Text(
-                f"TE1 against TE2 in {baseline}: p {_p_value(comparison['p'])}; TE1 is the larger with "
+                f"TE1 against TE2 in {baseline}: p {format_p_value(comparison['p'])}; TE1 is the larger with "
                 f"probability {comparison['superiority']:.2f} ({low:.2f} to {high:.2f})."
             )
-
-
-def _short(value: float, decimals: int, threshold: float) -> str:
-    """Format a number with one decimal less from `threshold` on, and another from ten times that."""
-    fewer = sum(abs(value) >= limit for limit in (threshold, 10.0 * threshold))
-    return f"{value:.{max(0, decimals - fewer)}f}"
-
-
-def _p_value(value: float) -> str:
-    return "< 0.001" if value < 0.001 else f"= {value:.3f}"

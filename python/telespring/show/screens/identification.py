@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from rich.console import Group, RenderableType
@@ -10,9 +9,10 @@ from rich.table import Table
 from rich.text import Text
 
 from telespring.identification.cutoff import CUTOFF_RULE
+from telespring.show.quantities import format_estimate
 
 if TYPE_CHECKING:
-    from telespring.identification.results import Estimate, Identification
+    from telespring.identification.results import Identification
 
 __all__ = ["identification_screen"]
 
@@ -48,18 +48,10 @@ def _estimate_table(identification: Identification, title: str) -> Table:
         quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
         for key, estimate in axis.estimates.items():
             name, unit = _PARAMETERS[key]
-            value, interval = _format_estimate(estimate)
+            value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
             table.add_row(quality[0], name, f"{value} {unit}", interval, *quality[1:])
             quality = "", "", ""
     return table
-
-
-def _format_estimate(estimate: Estimate) -> tuple[str, str]:
-    """Format a value and its interval with two digits of the standard error, at most 6 decimals."""
-    error = estimate.standard_error
-    digits = min(6, max(0, 1 - math.floor(math.log10(error)))) if 0.0 < error < math.inf else 6
-    low, high = estimate.interval
-    return f"{estimate.value:.{digits}f}", f"{low:.{digits}f} to {high:.{digits}f}"
 
 
 def _method_statement(identification: Identification) -> Text:

@@ -24,7 +24,7 @@ def find_experiment(scene: Scene) -> Findings:
     from telespring.analysis.results import compare_conditions
     from telespring.analysis.trials import Trials
     from telespring.rehearsal.run import remove_rehearsal
-    from telespring.show.drawings import draw_errors, draw_trajectories
+    from telespring.show.drawings.trials import draw_errors, draw_trajectories
 
     experiment = scene.study.experiment
     if experiment is None:

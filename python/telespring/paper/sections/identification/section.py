@@ -12,7 +12,7 @@ __all__ = ["SECTION", "find_identification"]
 def find_identification(scene: Scene) -> Findings:
     """Drive the study's bare robots with the paper's excitation and identify them from noisy logs."""
     from telespring.paper.sections.identification.numbers import study_identification
-    from telespring.show.identification_drawings import draw_excitation, draw_regression, draw_residuals
+    from telespring.show.drawings.identification import draw_excitation, draw_regression, draw_residuals
 
     identification = study_identification(scene.study)
     names = [scene.robot_name(i) for i in (0, 1)]
