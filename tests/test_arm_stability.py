@@ -213,11 +213,11 @@ def growth(study: ts.Study, stiffness: float, delay: float, duration: float) -> 
     """Return how fast the distance between the handles grows in a simulated trial, 1/s."""
     assert study.experiment is not None
     run = study.experiment.laboratory.run(stiffness, delay, 5, duration, 100.0)
-    apart = np.linalg.norm(run["position"][:, 0] - run["position"][:, 1], axis=1)
+    apart = np.linalg.norm(run.position[:, 0] - run.position[:, 1], axis=1)
     # the envelope: the largest in windows longer than any swing here
     windows = apart[: len(apart) // 100 * 100].reshape(-1, 100).max(axis=1)
     late = slice(len(windows) // 2, None)
-    return float(np.polyfit(run["time"][50::100][: len(windows)][late], np.log(windows[late]), 1)[0])
+    return float(np.polyfit(run.time[50::100][: len(windows)][late], np.log(windows[late]), 1)[0])
 
 
 @pytest.mark.parametrize(("stiffness", "delay"), [(142.0, 0.15), (200.0, 0.12), (180.0, 0.3)])

@@ -397,10 +397,10 @@ def test_cross_trials_are_measured_as_the_analysis_does() -> None:
     )
     dataset = xr.Dataset(
         {
-            "position": (("condition", "trial", "time", "robot", "axis"), ran["position"][None]),
-            "target": (("time", "axis"), ran["target"][0]),
+            "position": (("condition", "trial", "time", "robot", "axis"), ran.position[None]),
+            "target": (("time", "axis"), ran.target[0]),
         },
-        coords={"stiffness": ("condition", [18.0]), "delay": ("condition", [0.167]), "time": ran["time"]},
+        coords={"stiffness": ("condition", [18.0]), "delay": ("condition", [0.167]), "time": ran.time},
         attrs={"discard": 4.0},
     )
     expected = analysis.measure(dataset)["tracking_error"].to_numpy()

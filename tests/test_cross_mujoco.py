@@ -212,5 +212,5 @@ def test_law_leaving_the_reach_ends_the_record() -> None:
     ticks = len(found.position)
     assert found.ended_at == pytest.approx((ticks - 1) * TICK)
     assert ticks < 500
-    assert all(len(found[name]) == ticks for name in ("velocity", "handle_force", "torque"))
+    assert all(len(getattr(found, name)) == ticks for name in ("velocity", "handle_force", "torque"))
     assert np.isfinite(found.position).all()

@@ -104,15 +104,15 @@ def test_law_the_dataset_holds_what_the_laboratory_gave(short: ts.Study, undistu
                 experiment.record_rate,
                 coupling_damping=1.0,
             )
-            rows = slice(0, len(truth["time"]))
-            np.testing.assert_array_equal(undisturbed.time[rows], truth["time"])
+            rows = slice(0, len(truth.time))
+            np.testing.assert_array_equal(undisturbed.time[rows], truth.time)
             # rounding is off by half a step at most
-            np.testing.assert_allclose(undisturbed.target[rows], truth["target"], rtol=0, atol=2.0**-31)
+            np.testing.assert_allclose(undisturbed.target[rows], truth.target, rtol=0, atol=2.0**-31)
             for kept in SIGNALS:
                 signals = here[kept.name]
                 step = signals.attrs["resolution"]
                 assert step <= 1e-6
-                np.testing.assert_allclose(signals[rows], truth[kept.name], rtol=0, atol=0.5 * step)
+                np.testing.assert_allclose(signals[rows], getattr(truth, kept.name), rtol=0, atol=0.5 * step)
     for name, variable in undisturbed.variables.items():
         assert variable.attrs["units"], name
         assert variable.attrs["long_name"], name

@@ -40,8 +40,8 @@ def test_law_arrays_have_the_documented_shapes() -> None:
     np.testing.assert_array_equal(got.time, np.arange(201) / 100.0)
     assert got.target.shape == (201, 2)
     for name in VARIABLES:
-        assert got[name].shape == (201, 2, 2), name
-        assert np.isfinite(got[name]).all()
+        assert getattr(got, name).shape == (201, 2, 2), name
+        assert np.isfinite(getattr(got, name)).all()
     # robot 1's agent sees the target itself, robot 2's the mean of its spots
     np.testing.assert_array_equal(got.aim[:, 0], got.target)
     assert np.abs(got.aim[:, 1] - got.target).max() > 0.01
@@ -60,8 +60,8 @@ def test_law_many_trials_are_the_single_ones() -> None:
         rows = len(one.time)
         np.testing.assert_array_equal(many.target[trial, :rows], one.target)
         for name in VARIABLES:
-            np.testing.assert_array_equal(many[name][trial, :rows], one[name])
-            assert np.isnan(many[name][trial, rows:]).all()
+            np.testing.assert_array_equal(getattr(many, name)[trial, :rows], getattr(one, name))
+            assert np.isnan(getattr(many, name)[trial, rows:]).all()
         ended_at = np.nan if one.ended_at is None else one.ended_at
         np.testing.assert_array_equal(many.ended_at[trial], ended_at)
     assert many.ended_at[2] > 0.0
@@ -221,7 +221,7 @@ def test_law_friction_that_just_balances_the_force_gives_numbers() -> None:
         [0, 0],
     )
     for name in ("position", "velocity", "handle_force"):
-        assert np.isfinite(got[name]).all()
+        assert np.isfinite(getattr(got, name)).all()
     assert (got.velocity[2:] == 0.0).all()
 
 

@@ -322,3 +322,16 @@ def test_ref_the_command_line_takes_robot_files(tmp_path: Path) -> None:
     refused = runner.invoke(app, ["decide", "--robot2", str(path)])
     assert refused.exit_code == 2
     assert "robot2.damping" in refused.output
+
+
+def test_law_access_by_key_works_and_names_the_attribute() -> None:
+    experiment = experiment_of(ts.Study.paper())
+    for participant, key in (
+        (experiment.agents[1], "spots"),
+        (experiment.arms[0], "kind"),
+        (experiment.task, "kind"),
+    ):
+        with pytest.warns(DeprecationWarning, match=rf'\["{key}"\] is now \w+\.{key};'):
+            assert participant[key] == getattr(participant, key)
+    with pytest.raises(KeyError, match="no_such_key"):
+        experiment.task["no_such_key"]

@@ -1,9 +1,11 @@
 //! Who takes part in a rehearsal as Python sees it: agents, their arms, and the task that they follow.
 
+use std::ffi::CString;
+
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyDeprecationWarning, PyKeyError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
 use telespring::InvalidInput;
 use telespring::rig::{self, Elbow, Spots, TwoLinkArm, figure_eight_positions};
 use telespring::study::{self, AgentChoice, PythonObject, Table};
@@ -128,21 +130,7 @@ impl Agent {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        item(&self.to_dict(py)?, key)
-    }
-
-    #[pyo3(signature = (key, default=None))]
-    fn get<'py>(
-        &self,
-        py: Python<'py>,
-        key: &str,
-        default: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        Ok(self.to_dict(py)?.get_item(key)?.or(default))
-    }
-
-    fn keys<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        Ok(self.to_dict(py)?.keys())
+        deprecated_item("Agent", &self.to_dict(py)?, key)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -313,21 +301,7 @@ impl Arm {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        item(&self.to_dict(py)?, key)
-    }
-
-    #[pyo3(signature = (key, default=None))]
-    fn get<'py>(
-        &self,
-        py: Python<'py>,
-        key: &str,
-        default: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        Ok(self.to_dict(py)?.get_item(key)?.or(default))
-    }
-
-    fn keys<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        Ok(self.to_dict(py)?.keys())
+        deprecated_item("Arm", &self.to_dict(py)?, key)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -492,21 +466,7 @@ impl Task {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        item(&self.to_dict(py)?, key)
-    }
-
-    #[pyo3(signature = (key, default=None))]
-    fn get<'py>(
-        &self,
-        py: Python<'py>,
-        key: &str,
-        default: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        Ok(self.to_dict(py)?.get_item(key)?.or(default))
-    }
-
-    fn keys<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        Ok(self.to_dict(py)?.keys())
+        deprecated_item("Task", &self.to_dict(py)?, key)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -542,8 +502,16 @@ fn options<'py>(py: Python<'py>, object: &PythonObject) -> PyResult<Bound<'py, P
     Ok(options)
 }
 
-fn item<'py>(dict: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-    dict.get_item(key)?.ok_or_else(|| PyKeyError::new_err(key.to_owned()))
+/// The value of a key in brackets, as in the dicts that these classes replace; it warns.
+fn deprecated_item<'py>(class: &str, dict: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+    let value = dict.get_item(key)?.ok_or_else(|| PyKeyError::new_err(key.to_owned()))?;
+    let attribute = if key == "class" { "class_" } else { key };
+    let message = format!(
+        "{class}[{key:?}] is now {class}.{attribute}; access by key will be removed in the next release."
+    );
+    let category = dict.py().get_type::<PyDeprecationWarning>();
+    PyErr::warn(dict.py(), &category, &CString::new(message)?, 1)?;
+    Ok(value)
 }
 
 fn written_out(class: &str, dict: &Bound<'_, PyDict>) -> PyResult<String> {

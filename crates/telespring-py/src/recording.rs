@@ -1,7 +1,6 @@
 //! What is recorded of trials: one trial, or many of the same duration.
 
 use numpy::{Ix1, Ix2, Ix3, Ix4};
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
 use crate::records::{Array, record};
@@ -34,11 +33,6 @@ record! {
         /// Time of the first tick that is left out, s; None where the trial was completed.
         ended_at: Option<f64>,
     }
-    methods {
-        fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-            attribute(slf.as_any(), name)
-        }
-    }
 }
 
 record! {
@@ -68,11 +62,6 @@ record! {
         /// Time of the first tick that is left out, s, (trials,); NaN where a trial was completed.
         ended_at: Array<f64, Ix1>,
     }
-    methods {
-        fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-            attribute(slf.as_any(), name)
-        }
-    }
 }
 
 record! {
@@ -93,14 +82,4 @@ record! {
         /// Time of the last row, s, where the motion ended early; None where it was completed.
         ended_at: Option<f64>,
     }
-    methods {
-        fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-            attribute(slf.as_any(), name)
-        }
-    }
-}
-
-/// An attribute by its name in brackets.
-fn attribute<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    object.getattr(name).map_err(|_| PyKeyError::new_err(name.to_owned()))
 }

@@ -189,21 +189,21 @@ def _simulate_two_axes(
     run = driven.experiment.laboratory.run(
         None, 0.0, 0, ticks / RATE, RATE, target=np.ascontiguousarray(target)
     )
-    before = np.empty_like(run["handle_force"])
+    before = np.empty_like(run.handle_force)
     for robot in range(2):
-        positions = np.ascontiguousarray(run["position"][:, robot])
+        positions = np.ascontiguousarray(run.position[:, robot])
         before[:, robot] = _force_before_ticks(
-            run["handle_force"][:, robot],
-            run["agent_force"][:, robot],
+            run.handle_force[:, robot],
+            run.agent_force[:, robot],
             np.diag(driven.dyad.robots[robot].mass),
             core.arm_operator(driven.experiment.arms[robot], positions)[0],
         )
     # The first tick, at which the servo starts abruptly, has no force before it.
     return SimulatedLog(
         time=time[1:],
-        position=run["position"][1:],
-        handle_force=0.5 * (before + run["handle_force"])[1:],
-        joint_force=0.5 * (run["agent_force"][1:] + run["agent_force"][:-1]),
+        position=run.position[1:],
+        handle_force=0.5 * (before + run.handle_force)[1:],
+        joint_force=0.5 * (run.agent_force[1:] + run.agent_force[:-1]),
     )
 
 
