@@ -144,3 +144,7 @@ serve_moved_modules()
 if not TYPE_CHECKING:
     # Hidden from type checkers, which would accept every name.
     __getattr__ = old_names(__name__)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -188,6 +188,11 @@ impl AxisChoice {
     /// The first axis, the default.
     pub const FIRST: Self = Self::Given(AxisKind::Index(0));
 
+    /// The axis with this name.
+    pub fn named(name: &str) -> Self {
+        Self::Given(AxisKind::Name(name.to_owned()))
+    }
+
     /// The index of that axis of the dyad.
     pub fn index(&self, dyad: &telespring::Dyad) -> telespring::Result<usize> {
         let names = dyad.axis_names();

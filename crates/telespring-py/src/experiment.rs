@@ -210,7 +210,7 @@ impl Experiment {
     /// Its `run` needs the agents and the target that are written in Python as arguments.
     #[getter]
     fn laboratory(&self) -> Outcome<Laboratory> {
-        Ok(Laboratory(self.study.laboratory()?))
+        Ok(Laboratory::of(&self.study)?)
     }
 
     fn __repr__(&self) -> String {

@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyIterator, PyList, PyTuple};
 use telespring::InvalidInput;
 
 use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, PerAxis};
@@ -371,6 +371,19 @@ impl Dyad {
 
     fn __getitem__(&self, axis: AxisChoice) -> Outcome<DyadAxis> {
         self.axis(axis)
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.axis_names().len()
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.0.axis_names().iter().any(|known| known == name)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyIterator>> {
+        let axes = self.0.axis_names().iter().map(|name| self.axis(AxisChoice::named(name)));
+        PyList::new(py, axes.collect::<Outcome<Vec<_>>>()?)?.try_iter().map_err(Into::into)
     }
 }
 

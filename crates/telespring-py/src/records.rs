@@ -142,7 +142,12 @@ macro_rules! words {
             fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
                 match value.extract::<std::borrow::Cow<'_, str>>()?.as_ref() {
                     $($word => Ok(Self::$variant),)*
-                    other => Err(pyo3::exceptions::PyValueError::new_err(format!("no such status: {other:?}"))),
+                    other => {
+                        let words = [$($word),*].map(|word: &str| format!("{word:?}")).join(", ");
+                        let allowed = format!("one of {words} is needed");
+                        let refusal = telespring::InvalidInput::new("value", other, allowed, "Choose one of them.");
+                        Err(crate::errors::Failure::from(refusal).into())
+                    }
                 }
             }
         }

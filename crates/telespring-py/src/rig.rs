@@ -2,6 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -24,9 +25,28 @@ use crate::recording::{Recording, Recordings};
 /// >>> trial = laboratory.run(71.2, 0.0836, seed=1, duration=2.0, record_rate=100.0)
 /// >>> trial.position.shape, trial.status
 /// ((201, 2, 2), 'completed')
-#[pyclass(frozen, eq, module = "telespring")]
+#[pyclass(frozen, module = "telespring")]
+#[derive(Debug, Clone)]
+pub struct Laboratory {
+    inner: rig::Laboratory,
+    source: Source,
+}
+
+/// Where a laboratory comes from, so that it can be pickled.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Laboratory(pub rig::Laboratory);
+enum Source {
+    /// `Laboratory.paper()`.
+    Paper,
+    /// The laboratory of the study with this text.
+    Study(String),
+}
+
+impl Laboratory {
+    /// The laboratory of a study.
+    pub fn of(study: &telespring::study::Study) -> telespring::Result<Self> {
+        Ok(Self { inner: study.laboratory()?, source: Source::Study(study.to_toml()) })
+    }
+}
 
 /// A function of the caller: the force of an agent from time, position, velocity and target.
 type AgentFunction = Py<PyAny>;
@@ -36,7 +56,29 @@ impl Laboratory {
     /// The paper's laboratory: the robots of Table III, massless arms, a skilled and a less-skilled agent.
     #[staticmethod]
     fn paper() -> Self {
-        Self(rig::Laboratory::paper())
+        Self { inner: rig::Laboratory::paper(), source: Source::Paper }
+    }
+
+    fn __repr__(&self) -> String {
+        let period = self.inner.controller.sample_period;
+        format!("<Laboratory of two stations, controllers at {:?} Hz>", 1.0 / period)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.inner == other.inner
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let class = py.get_type::<Self>();
+        Ok(match &self.source {
+            Source::Paper => (class.getattr("paper")?, PyTuple::empty(py)),
+            Source::Study(text) => (class.getattr("_from_toml")?, PyTuple::new(py, [text])?),
+        })
+    }
+
+    #[staticmethod]
+    fn _from_toml(text: &str) -> Outcome<Self> {
+        Ok(Self::of(&telespring::study::Study::from_toml(text)?)?)
     }
 
     /// Positions of the target at the recorded instants of a whole trial, m, (n, 2).
@@ -57,10 +99,10 @@ impl Laboratory {
         record_rate: Number,
     ) -> Outcome<Bound<'py, PyArray2<f64>>> {
         let (duration, rate) = (duration.named("duration")?, record_rate.named("record_rate")?);
-        let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
+        let schedule = Schedule::new(duration, rate, self.inner.controller.sample_period)?;
         check_rows(schedule.rows(), 1)?;
-        self.0.target.check()?;
-        let positions = self.0.target.positions(&schedule, self.0.controller.sample_period);
+        self.inner.target.check()?;
+        let positions = self.inner.target.positions(&schedule, self.inner.controller.sample_period);
         let shape = [positions.len(), 2];
         Ok(positions.into_flattened().into_pyarray(py).reshape(shape)?)
     }
@@ -119,9 +161,9 @@ impl Laboratory {
         let coupling = coupling(stiffness, delay.check()?, coupling_damping.named("coupling_damping")?);
         let seed = seed.named("seed")?;
         let (duration, rate) = (duration.named("duration")?, record_rate.named("record_rate")?);
-        let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
+        let schedule = Schedule::new(duration, rate, self.inner.controller.sample_period)?;
         check_rows(schedule.rows(), 1)?;
-        let mut laboratory = self.0.clone();
+        let mut laboratory = self.inner.clone();
         if let Some(target) = target {
             laboratory.target = sampled(rows("target", target)?, schedule.ticks() + 1)?;
         }
@@ -233,9 +275,9 @@ impl Laboratory {
             }
         }
         let (duration, rate) = (duration.named("duration")?, record_rate.named("record_rate")?);
-        let schedule = Schedule::new(duration, rate, self.0.controller.sample_period)?;
+        let schedule = Schedule::new(duration, rate, self.inner.controller.sample_period)?;
         let damping = coupling_damping.named("coupling_damping")?;
-        let laboratory = &self.0;
+        let laboratory = &self.inner;
         let jobs = stiffness
             .iter()
             .zip(&delay)

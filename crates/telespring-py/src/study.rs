@@ -649,9 +649,11 @@ pub fn robot_record(robot_file: &Bound<'_, PyAny>) -> Outcome<RobotRecord> {
 
 /// A robot file by its path, or by its text.
 fn read_robot_file(path_or_text: &Bound<'_, PyAny>) -> Outcome<RobotFile> {
+    // a robot file's text assigns values, the name of a file does not
+    let is_text = |text: &Bound<'_, PyString>| text.to_cow().is_ok_and(|text| text.contains(['=', '\n']));
     Ok(match path_or_text.cast::<PyString>() {
-        Ok(text) => RobotFile::from_toml(&text.to_cow()?, "the robot's text")?,
-        Err(_) => RobotFile::from_toml(&read_text(path_or_text, "a robot file")?, &path_or_text.to_string())?,
+        Ok(text) if is_text(text) => RobotFile::from_toml(&text.to_cow()?, "the robot's text")?,
+        _ => RobotFile::from_toml(&read_text(path_or_text, "a robot file")?, &path_or_text.to_string())?,
     })
 }
 

@@ -1,16 +1,17 @@
-//! Stability of a dyad in jointed arms, one frozen pose at a time.
+//! Stability of a dyad held by two-link arms, one frozen pose at a time.
 //!
 //! A two-link arm adds to its handle a mass and a damping that couple x and y and change with the
-//! pose. With both handles at rest in one place the dyad is a linear system of eight states; what
-//! moving from pose to pose adds is not in it.
+//! pose. With both handles at rest in one place the dyad is a linear system of eight states; the effect of
+//! moving from pose to pose is not included.
 
 use nalgebra::{DMatrix, Matrix2};
 
 use crate::delay_system::DelaySystem;
 use crate::error::{InvalidInput, Result};
+use crate::model::{Delay, Dyad, DyadAxis, Side};
+use crate::quantity;
 use crate::rig::Arm;
 use crate::spectrum::spectral_abscissa;
-use crate::{Delay, Dyad, DyadAxis, Side, quantity};
 
 /// Stability of one pose.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from the ground up, each with all that it may import.
-const FLOORS: [(&str, &[&str]); 14] = [
+const FLOORS: [(&str, &[&str]); 15] = [
     ("error", &[]),
     ("session", &[]),
     ("poly", &[]),
@@ -17,6 +17,7 @@ const FLOORS: [(&str, &[&str]); 14] = [
     ("rig", &["error", "quantity", "model", "session"]),
     ("spectrum", &["error", "quantity", "model", "characteristic"]),
     ("delay_system", &["error", "quantity", "model", "spectrum"]),
+    ("poses", &["error", "quantity", "model", "rig", "spectrum", "delay_system"]),
     ("criteria", &["error", "quantity", "model", "poly", "characteristic", "spectrum"]),
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
     ("verdicts", &["error", "quantity", "model", "characteristic", "criteria"]),

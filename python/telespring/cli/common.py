@@ -64,22 +64,16 @@ def refusals() -> Iterator[None]:
     try:
         yield
     except InvalidInput as refused:
-        refusal_screen(
-            Console(stderr=True, highlight=False),
-            refused.field,
-            refused.value,
-            refused.allowed,
-            refused.remedy,
-        )
+        refusal_screen(Console(stderr=True, highlight=False), refused)
         raise typer.Exit(2) from None
     except OSError as error:
-        refusal_screen(
-            Console(stderr=True, highlight=False),
+        refused = InvalidInput(
             "file",
             str(error.filename or "file"),
             f"a file that can be read or written is needed ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
+        refusal_screen(Console(stderr=True, highlight=False), refused)
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
         print("Stopped. No incomplete file was left behind.", file=sys.stderr)

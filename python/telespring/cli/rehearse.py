@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from telespring.decision.arm_stability import arm_stability
+from telespring._errors import InvalidInput
 from telespring.model import Study
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
@@ -78,13 +79,13 @@ def rehearse(
     except OSError as error:
         if not trials:  # before the first trial: a file to read, or the folder itself
             raise
-        refusal_screen(
-            Console(stderr=True, highlight=False),
+        refused = InvalidInput(
             "out",
             str(error.filename or out),
             f"a writable folder with enough space is needed ({error.strerror or error})",
             f"Provide one. {resume_sentence(finished, trials)}",
         )
+        refusal_screen(Console(stderr=True, highlight=False), refused)
         raise typer.Exit(2) from None
     seconds = time.perf_counter() - start
     experiment = rehearsed.experiment

@@ -3,11 +3,18 @@
 from rich.console import Console
 from rich.text import Text
 
+from telespring._errors import InvalidInput
+
 __all__ = ["refusal_screen"]
 
 
-def refusal_screen(console: Console, field: str, value: str, allowed: str, remedy: str) -> None:
+def refusal_screen(console: Console, refused: InvalidInput) -> None:
     """Print why an input was refused: field, value, allowed values and remedy."""
-    console.print(Text.assemble(("Refused: ", "bold red"), (field, "bold"), f" = {value}"))
-    console.print(Text(f"  Allowed: {allowed}."))
-    console.print(Text(f"  {remedy}"))
+    if refused.is_missing:
+        console.print(Text.assemble(("Refused: ", "bold red"), refused.statement))
+    else:
+        console.print(
+            Text.assemble(("Refused: ", "bold red"), (refused.field, "bold"), f" = {refused.value}")
+        )
+        console.print(Text(f"  Allowed: {refused.allowed}."))
+    console.print(Text(f"  {refused.remedy}"))
