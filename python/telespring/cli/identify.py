@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 from rich.console import Console
+
+from telespring.cli.common import print_json
 
 if TYPE_CHECKING:
     from telespring.identification.results import Identification, Method
@@ -110,9 +110,7 @@ def identify_command(
     if out is not None:
         write_robot(identification, out, name or log.stem, source=log.name)
     if as_json:
-        answer = {"log": str(log), "columns": dict(columns.columns)} | identification.to_json()
-        escape_letters = not sys.stdout.encoding.lower().startswith("utf")
-        typer.echo(json.dumps(answer, indent=1, ensure_ascii=escape_letters, allow_nan=False))
+        print_json({"log": str(log), "columns": dict(columns.columns)} | identification.to_json())
         return
     console = Console(highlight=False)
     console.print(identification_screen(identification, log.name))
@@ -124,7 +122,7 @@ def identify_command(
 def _write_residual_figure(identification: Identification, path: Path) -> None:
     from telespring._errors import InvalidInput
     from telespring._files import replacing
-    from telespring.show.figures.style import styled
+    from telespring.show.figures.style import figure_style
     from telespring.show.identification_drawings import draw_residuals
 
     if path.suffix.lower() not in {".svg", ".png", ".pdf"}:
@@ -134,5 +132,5 @@ def _write_residual_figure(identification: Identification, path: Path) -> None:
             "the file's name must end in .svg, .png or .pdf",
             "Use one of these endings.",
         )
-    with styled(), replacing(path) as temporary:
+    with figure_style(), replacing(path) as temporary:
         draw_residuals(identification).savefig(temporary, dpi=200)

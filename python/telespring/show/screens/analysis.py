@@ -26,19 +26,14 @@ def analysis_screen(
 ) -> RenderableType:
     """Lay out an analysis for the terminal: Table I with lag and forces, and the results of the tests.
 
-    Parameters
-    ----------
-    numbers
-        From `telespring.analysis.analyse_trials`.
-    title
-        What was analysed.
-    resampled_to
-        Period of the grid to which the trials were resampled, s; None if they were not.
+    `resampled_to` is the period of the grid to which the trials were resampled, s; None if they were not.
     """
-    return Group(Text(title, style="bold"), _table(numbers), *_statements(numbers, resampled_to))
+    return Group(
+        Text(title, style="bold"), _table_1_screen(numbers), *_test_result_lines(numbers, resampled_to)
+    )
 
 
-def _table(numbers: Mapping[str, Any]) -> Table:
+def _table_1_screen(numbers: Mapping[str, Any]) -> Table:
     # Narrow enough for 80 columns.
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("Condition", no_wrap=True)
@@ -50,10 +45,10 @@ def _table(numbers: Mapping[str, Any]) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("trials", justify="right", no_wrap=True)
     for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
-        cells = [_tracking_error_cell(row, robot) for robot in (1, 2)]
+        cells = [_table_1_cell(row, robot) for robot in (1, 2)]
         for name, _, factor, decimals in columns:
             means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
-            shown = ["–" if mean is None else _short(factor * mean, decimals, 10.0) for mean in means]
+            shown = ["–" if mean is None else _table_number(factor * mean, decimals, 10.0) for mean in means]
             cells.append(Text("|".join(shown)))
         early, begun = row["ended_early"], row["trials"]
         trials = Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))
@@ -61,19 +56,19 @@ def _table(numbers: Mapping[str, Any]) -> Table:
     return table
 
 
-def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
+def _table_1_cell(row: Mapping[str, Any], robot: int) -> Text:
     """Show mean ± standard deviation, an arrow for a difference from the baseline, * if Holm keeps it."""
     mean, sd = row[f"te{robot}_mean"], row[f"te{robot}_sd"]
     if mean is None:
         return Text("–     ")
-    text = _short(mean, 2, 100.0)
+    text = _table_number(mean, 2, 100.0)
     if sd is not None:
-        text += f" ± {_short(sd, 2, 10.0 if mean >= 100.0 else 100.0)}"
+        text += f" ± {_table_number(sd, 2, 10.0 if mean >= 100.0 else 100.0)}"
     arrow, arrow_holm = row[f"te{robot}_arrow"], row[f"te{robot}_arrow_holm"]
     return Text(f"{text} {arrow or ' '}{'*' if arrow and arrow_holm else ' '}")
 
 
-def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
+def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
     analysed = numbers["analysed"]
     has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
     forces = "; forces are root mean squares" if has_forces else ""
@@ -87,7 +82,7 @@ def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Itera
         yield Text(
             f"The trials had different sample times and were resampled every {1e3 * resampled_to:.4g} ms."
         )
-    yield from _comparisons_with_baseline(numbers)
+    yield from _baseline_comparison_lines(numbers)
     for test in numbers["kruskal_wallis"]:
         if test["over"] == "all conditions" and test["h"] is not None:
             yield Text(
@@ -105,7 +100,7 @@ def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Itera
         )
 
 
-def _comparisons_with_baseline(numbers: Mapping[str, Any]) -> Iterator[Text]:
+def _baseline_comparison_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     baseline = numbers["baseline"]["condition"]
     if baseline is None:
         yield Text(
@@ -126,7 +121,7 @@ def _comparisons_with_baseline(numbers: Mapping[str, Any]) -> Iterator[Text]:
             )
 
 
-def _short(value: float, decimals: int, threshold: float) -> str:
+def _table_number(value: float, decimals: int, threshold: float) -> str:
     """Format a number with one decimal less from `threshold` on, and another from ten times that."""
     fewer = sum(abs(value) >= limit for limit in (threshold, 10.0 * threshold))
     return f"{value:.{max(0, decimals - fewer)}f}"
