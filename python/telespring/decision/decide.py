@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.theory.axis import axes_of, free_axis, holds
+from telespring.theory.axis import axes_of, holds
 from telespring.theory.criteria import Crossing
 from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
 
@@ -152,7 +152,7 @@ class Decision:
     @property
     def constant_delay(self) -> tuple[float, float]:
         """The delay that is judged, s: the network's, or with jitter or gaps that behind a playout buffer."""
-        return self._constant.buffer_delay or self.delay
+        return self._constant_delay_verdict.buffer_delay or self.delay
 
     @property
     def mean_delay(self) -> float:
@@ -172,7 +172,7 @@ class Decision:
     @property
     def continuous_stable(self) -> bool:
         """Whether continuous controllers are stable at this constant delay for every operator."""
-        return self._constant.satisfied
+        return self._constant_delay_verdict.satisfied
 
     @property
     def stable(self) -> bool:
@@ -183,7 +183,7 @@ class Decision:
     def stiffness_limit(self) -> float:
         """Every smaller stiffness is stable at this delay, sampled controllers included, N/m; may be 0."""
         sampled = [axis.sampled_stiffness_bound for axis in self.verdicts.axes]
-        bounds = [self._constant.stiffness_bound, *sampled]
+        bounds = [self._constant_delay_verdict.stiffness_bound, *sampled]
         return min((bound for bound in bounds if bound is not None), default=math.nan)
 
     @property
@@ -208,10 +208,10 @@ class Decision:
 
         Where it is False, no verdict here holds: all of them treat the axes one by one.
         """
-        return _axes_independent(self.robot_records)
+        return _are_recorded_axes_independent(self.robot_records)
 
     @property
-    def _constant(self) -> Verdict:
+    def _constant_delay_verdict(self) -> Verdict:
         return self.verdicts.tier("constant delay")
 
 
@@ -286,7 +286,7 @@ def decide(
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
         needed = [axis.minimum_damping(stiffness, mean) for axis in axes]
         damping = max(judged.remedies.damping or 0.0, *needed)
-    certain = uncertainty == (None, None) or _axes_independent(records) is False
+    certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
     return Decision(
         verdicts=judged,
         axes=tuple(
@@ -297,7 +297,7 @@ def decide(
         added_damping=damping,
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
-        decay_stiffness=() if decay_rate is None else _decay_stiffness(axes, mean, decay_rate),
+        decay_stiffness=() if decay_rate is None else _decay_rate_bounds(axes, mean, decay_rate),
         uncertainty=None
         if certain
         else margin_uncertainty(dyad, uncertainty, stiffness, (forward, backward)),
@@ -306,7 +306,7 @@ def decide(
     )
 
 
-def _axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
+def _are_recorded_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
     independent = [None if record is None else record.independent for record in records]
     return False if False in independent else None if None in independent else True
 
@@ -322,7 +322,7 @@ def _decide_axis(
     around = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
     return AxisDecision(
         verdict=verdict,
-        critical_stiffness_paper=free_axis(*axis.parameters).critical_stiffness("paper"),
+        critical_stiffness_paper=DyadAxis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
         stable_delays=tuple(axis.stable_delays(stiffness, horizon)),
         stable_around=next((interval for interval in around if holds(interval, mean)), None),
@@ -340,7 +340,7 @@ def _maximum_delay_paper(axis: DyadAxis, stiffness: float) -> float:
     return axis.maximum_delay(stiffness, "paper")
 
 
-def _decay_stiffness(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
+def _decay_rate_bounds(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
     """Intersect the ranges of stiffness, N/m, in which every axis decays at this rate, 1/s."""
     common = [(0.0, math.inf)]
     for axis in axes:

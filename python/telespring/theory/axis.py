@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from telespring._json import finite_or_none
 from telespring.model import Dyad, DyadAxis
 
-__all__ = ["Axis", "axes_of", "finite_or_none", "free_axis", "holds"]
-
-Axis = DyadAxis
+__all__ = ["axes_of", "holds"]
 
 
 def holds(interval: tuple[float, float], delay: float) -> bool:
@@ -19,8 +16,3 @@ def holds(interval: tuple[float, float], delay: float) -> bool:
 def axes_of(dyad: Dyad) -> list[DyadAxis]:
     """List every axis of a dyad, operators added to the robots."""
     return [dyad.axis(name) for name in dyad.axes]
-
-
-def free_axis(m1: float, b1: float, m2: float, b2: float) -> DyadAxis:
-    """Build an axis with free handles from masses (kg) and dampings (N·s/m)."""
-    return DyadAxis(m1, b1, m2, b2)
