@@ -26,7 +26,7 @@ from telespring.paper.scene import Scene
 from telespring.paper.sections.arms.section import find_arms
 from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.show import figures
-from telespring.show.screens.arms import describe_unavailable
+from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.theory.poses import pose_stability
 
 LUMPED: dict[str, Any] = {
@@ -276,7 +276,7 @@ def reason(study: ts.Study, folder: Path | None = None) -> str:
     assert found.operators is None
     assert not found.conditions
     assert found.unavailable
-    return describe_unavailable(found) or ""
+    return describe_unavailable_arms(found) or ""
 
 
 def test_law_nobody_knows_the_stiffness_of_a_program(root: Path) -> None:
@@ -416,7 +416,7 @@ def test_law_the_figure_of_the_poses_is_whole_and_the_same_every_time(count: int
     figure = drawn()
     text = figures.to_svg(figure, "arms", "title", "description")
     assert text == figures.to_svg(drawn(), "arms", "title", "description")
-    with figures.style.styled():
+    with figures.style.figure_style():
         canvas = FigureCanvasAgg(figure)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
         box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]

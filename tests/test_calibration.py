@@ -39,10 +39,12 @@ from telespring.paper.calibration.least_squares import least_squares
 from telespring.paper.calibration.likelihood import Likelihood, threshold
 from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.surrogate import Surrogate
-from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_of
-from telespring.paper.sections.arms.boundary import boundary_in_arms
-from telespring.paper.sections.arms.boundary import draw as draw_boundary
-from telespring.paper.sections.calibration.statements import _of_growth, statements
+from telespring.paper.calibration.unknowns import HIGH, NAMES, VARIANTS, Variant, free_unknowns
+from telespring.paper.sections.arms.boundary import boundary_in_arms, draw_arms_boundary
+from telespring.paper.sections.calibration.statements import (
+    _predicted_growth_sentences,
+    calibration_statements,
+)
 from telespring.show import figures
 from telespring.show.quantities import format_signed
 
@@ -150,7 +152,7 @@ def test_law_everything_goes_into_json(on_stand_in: Calibration) -> None:
     assert numbers["arrows"]["ideal"]["of_held_out"] == 24
     for counts in numbers["arrows"].values():
         assert counts["agreeing"] + len(counts["disagreeing"]) == 33
-    assert all(sentence.endswith(".") for sentence in statements(on_stand_in))
+    assert all(sentence.endswith(".") for sentence in calibration_statements(on_stand_in))
 
 
 # ---- recovery ----------------------------------------------------------------------------------------
@@ -173,7 +175,7 @@ def test_law_known_unknowns_are_recovered(variant: Variant, truth: tuple[float, 
     found = fit(
         surrogate, likelihood, variant, lambda point: rig.errors(conditions, 20, point * HIGH).mean(axis=1)
     )
-    for i in free_of(variant):
+    for i in free_unknowns(variant):
         low, high = found.profiles[NAMES[i]].interval
         assert low <= truth[i] <= high, NAMES[i]
         assert low <= found.values[NAMES[i]] <= high
@@ -199,7 +201,7 @@ def test_law_the_rigs_own_unknowns_are_recovered() -> None:
     found = fit(
         surrogate, likelihood, "inside", lambda point: rig.errors(conditions, 20, point * HIGH).mean(axis=1)
     )
-    for i in free_of("inside"):
+    for i in free_unknowns("inside"):
         low, high = found.profiles[NAMES[i]].interval
         assert low <= truth[i] <= high, NAMES[i]
     # the model is true here: it misses by no more than a few sampling errors
@@ -268,7 +270,7 @@ def test_law_the_choice_of_likelihood_is_told_with_what_another_gives(on_stand_i
     assert set(other["unknowns"]) == set(NAMES)
     assert len(other["cells"]) == 17
     assert numbers["held_out"]["least squares"]["both"]["cells"] == 24
-    said = " ".join(statements(on_stand_in))
+    said = " ".join(calibration_statements(on_stand_in))
     assert "The likelihood is a choice" in said
     assert f"arm mass {other['unknowns']['arm_mass']['value']:.2f} kg" in said
     assert f"{other['rms_error_of_fitted_cells']:.1f} mm" in said
@@ -278,7 +280,7 @@ def test_law_the_choice_of_likelihood_is_told_with_what_another_gives(on_stand_i
 def test_law_the_null_predictions_rank_correlation_is_told_beside_the_models(
     on_stand_in: Calibration,
 ) -> None:
-    said = " ".join(statements(on_stand_in))
+    said = " ".join(calibration_statements(on_stand_in))
     for name in ("inside", "as unconnected"):
         rank = on_stand_in.scores[name]["both"].rank_correlation
         assert rank is not None
@@ -288,7 +290,7 @@ def test_law_the_null_predictions_rank_correlation_is_told_beside_the_models(
 def test_law_a_run_away_is_not_taken_as_proof_of_damping() -> None:
     rig = StandIn().errors(CONDITIONS, 20)
     rig[16] *= 10
-    said = " ".join(_of_growth({"ideal": predict(rig, TABLE_I)}, TABLE_I))
+    said = " ".join(_predicted_growth_sentences({"ideal": predict(rig, TABLE_I)}, TABLE_I))
     assert "run away in CM-142-334" in said
     assert "so the real arms" not in said
     assert "one possible explanation" in said
@@ -296,7 +298,7 @@ def test_law_a_run_away_is_not_taken_as_proof_of_damping() -> None:
 
 def test_law_statements_write_numbers_as_print_does(on_stand_in: Calibration) -> None:
     assert [format_signed(each, 1) for each in (-0.04, 0.04, -0.06, 1.0)] == ["0.0", "0.0", "−0.1", "+1.0"]
-    for sentence in statements(on_stand_in):
+    for sentence in calibration_statements(on_stand_in):
         assert not re.search(r"(?<![\w-])-\d", sentence), sentence
         assert not re.search(r"[-−+]0\.0+\b(?!\d)", sentence), sentence
         assert "_xy" not in sentence
@@ -444,13 +446,13 @@ def test_law_figures_are_whole_and_the_same_every_time(on_stand_in: Calibration,
         if name == "arms":
             conditions = [(k, delay) for k, delay in CONDITIONS.values() if k is not None]
             found = boundary_in_arms(ts.hman(), [142.0], conditions=conditions)
-            return draw_boundary(found, points=40)
+            return draw_arms_boundary(found, points=40)
         return {"cells": draw_cells, "profiles": draw_profiles, "pairs": draw_pairs}[name](on_stand_in)
 
     figure = drawn()
     text = figures.to_svg(figure, name, "title", "description")
     assert text == figures.to_svg(drawn(), name, "title", "description")
-    with figures.style.styled():
+    with figures.style.figure_style():
         canvas = FigureCanvasAgg(figure)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
         box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]

@@ -142,7 +142,7 @@ def drawing(request: pytest.FixtureRequest) -> tuple[str, Figure]:
 
 def test_law_nothing_is_cut_off(drawing: tuple[str, Figure]) -> None:
     _, figure = drawing
-    with figures.style.styled():
+    with figures.style.figure_style():
         canvas = FigureCanvasAgg(figure)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
         box = figure.get_tightbbox(canvas.get_renderer())  # type: ignore[no-untyped-call]
@@ -190,7 +190,7 @@ def test_law_same_figure_same_text(drawing: tuple[str, Figure]) -> None:
 @pytest.mark.parametrize("name", SCHEMATICS)
 def test_law_no_two_words_of_a_schematic_overlap(name: str) -> None:
     figure = DRAWINGS[name]()
-    with figures.style.styled():
+    with figures.style.figure_style():
         canvas = FigureCanvasAgg(figure)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib gives it no types
         renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]

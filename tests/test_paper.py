@@ -15,8 +15,8 @@ from telespring.paper.published import TABLE_II
 from telespring.paper.scene import Scene
 from telespring.paper.sections.number_sets.section import (
     find_number_sets,
-    number_set,
     roots_of_identical_robots,
+    table_2_set,
 )
 
 
@@ -117,4 +117,4 @@ def test_ref_table_ii_changes_where_the_second_eta_vanishes(table: dict[str, Any
     ],
 )
 def test_law_a_value_is_in_the_smallest_set_that_holds_it(value: complex, name: str) -> None:
-    assert number_set(value, 1.0) == name
+    assert table_2_set(value, 1.0) == name

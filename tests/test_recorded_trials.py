@@ -14,7 +14,13 @@ import xarray as xr
 import telespring as ts
 from made_trials import figure_eight, offsets, small
 from telespring.analysis import measure, read_recorded, write_recorded, write_template
-from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED, TARGET, TIME, columns_of
+from telespring.analysis.recordings.layout import (
+    INDEX_OPTIONAL,
+    INDEX_REQUIRED,
+    TARGET,
+    TIME,
+    recorded_columns,
+)
 
 TASK = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
 
@@ -153,7 +159,9 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
         ["missing; position_robot1_x_mm is there instead"],
     ),
     "given in mm": (
-        in_first(lambda table: table.assign(**{name: 1e3 * table[name] for name in columns_of("position")})),
+        in_first(
+            lambda table: table.assign(**{name: 1e3 * table[name] for name in recorded_columns("position")})
+        ),
         [f"{FIRST}: position", "no robot reaches 5 m", "Divide by 1000 if they are in mm"],
     ),
     "force without unit": (
@@ -161,7 +169,7 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
         ["agent_force_robot1_x_N", "agent_force_robot1_x is there instead"],
     ),
     "quantity in some": (
-        in_first(lambda table: table.drop(columns=list(columns_of("velocity")))),
+        in_first(lambda table: table.drop(columns=list(recorded_columns("velocity")))),
         [f"{FIRST}: velocity = missing", "all trials must have the same columns"],
     ),
     "trial twice": (
@@ -282,6 +290,6 @@ def test_law_what_is_written_is_a_csv_that_others_read(tmp_path: Path) -> None:
 def test_law_the_document_names_every_column(root: Path) -> None:
     text = (root / "docs" / "recorded-trials.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`([A-Za-z0-9_]+)`", text))
-    assert {*INDEX_REQUIRED, *INDEX_OPTIONAL, TIME, *TARGET, *columns_of("position")} <= named
+    assert {*INDEX_REQUIRED, *INDEX_OPTIONAL, TIME, *TARGET, *recorded_columns("position")} <= named
     for quantity in ("coupling_force", "agent_force", "velocity"):
-        assert f"`{columns_of(quantity)[0]}`" in text
+        assert f"`{recorded_columns(quantity)[0]}`" in text

@@ -184,7 +184,7 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
     "place",
     [
         "telespring.rehearsal.store.write_whole",
-        "telespring.rehearsal.dataset._declare_signals",
+        "telespring.rehearsal.dataset._declare_dataset_signals",
         "telespring.rehearsal.store.RehearsalStore.flush_folder",
         "telespring.rehearsal.store.RehearsalStore.remove_trials",
     ],

@@ -19,13 +19,13 @@ def as_numbers(name: str, value: ArrayLike) -> FloatArray:
     except (TypeError, ValueError):
         raise InvalidInput(
             name,
-            written(value),
+            quoted_value(value),
             "a real number or an array of real numbers is needed",
             "Convert it, for instance with numpy.asarray(..., dtype=float).",
         ) from None
 
 
-def written(value: object) -> str:
+def quoted_value(value: object) -> str:
     """Return the value as Python writes it, cut to a length that fits a message."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

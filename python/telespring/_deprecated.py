@@ -30,6 +30,7 @@ RENAMED = {
     "telespring.experiment.Outcome": "telespring.rehearsal:RehearsalOutcome",
     "telespring.study_text.with_robot": "telespring.model:Study.with_robot",
     "telespring.analysis.target_of": "telespring.study.target:target_positions",
+    "telespring.arms_boundary.draw": "telespring.paper.sections.arms.boundary:draw_arms_boundary",
     "telespring.analysis.take_trials": "telespring.analysis.trials:Trials.from_dataset",
 }
 
@@ -55,12 +56,12 @@ def old_names(module: str) -> Callable[[str], Any]:
         old = f"{module}.{name}"
         if old in RENAMED:
             home, _, path = RENAMED[old].partition(":")
-            _warn(old, f"{home}.{path}")
-            return _attribute(home, path)
+            _warn_of_old_path(old, f"{home}.{path}")
+            return _moved_attribute(home, path)
         if old in MOVED_MODULES:
-            _warn(old, MOVED_MODULES[old])
+            _warn_of_old_path(old, MOVED_MODULES[old])
             moved = sys.modules[old] = ModuleType(old)
-            _fill(moved)
+            _forward_old_module(moved)
             setattr(sys.modules[module], name, moved)
             return moved
         # Special names belong to the old module itself: with a __path__ it would be a package.
@@ -85,11 +86,11 @@ class _MovedModules(MetaPathFinder, Loader):
         return None
 
     def exec_module(self, module: ModuleType) -> None:
-        _warn(module.__name__, MOVED_MODULES[module.__name__])
-        _fill(module)
+        _warn_of_old_path(module.__name__, MOVED_MODULES[module.__name__])
+        _forward_old_module(module)
 
 
-def _fill(module: ModuleType) -> None:
+def _forward_old_module(module: ModuleType) -> None:
     """Let an old module forward every name to the new one."""
     old = module.__name__
     new = import_module(MOVED_MODULES[old])
@@ -100,14 +101,14 @@ def _fill(module: ModuleType) -> None:
     vars(module)["__dir__"] = lambda: [*vars(new), *renamed]
 
 
-def _attribute(home: str, path: str) -> Any:
+def _moved_attribute(home: str, path: str) -> Any:
     value: Any = import_module(home)
     for name in path.split("."):
         value = getattr(value, name)
     return value
 
 
-def _warn(old: str, new: str) -> None:
+def _warn_of_old_path(old: str, new: str) -> None:
     # At the caller's line; the frames of `import` itself do not count.
     warnings.warn(
         f"{old} is now {new}; the old name will be removed in the next release.",

@@ -16,24 +16,8 @@ __all__ = ["replacing", "write_whole"]
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary path beside `path` and move it there when the block ends well.
 
-    Whatever ends the block early (an exception, Ctrl-C) removes the temporary file and leaves what
-    was at `path` as it was.
-
-    Parameters
-    ----------
-    path
-        Where the finished file shall stand. Missing folders are made.
-
-    Yields
-    ------
-    pathlib.Path
-        A path in the same folder where nothing stands yet, to be written by the caller.
-
-    Raises
-    ------
-    OSError
-        Where the folder cannot be made or written; its `filename` is the folder or `path`, never the
-        temporary path.
+    Missing folders are made. Whatever ends the block early (an exception, Ctrl-C) removes the temporary file
+    and leaves what was at `path` as it was. An OSError names the folder or `path`, never the temporary file.
 
     Examples
     --------
@@ -68,24 +52,9 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
-    """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
+    """Write `content` (text as UTF-8) to `path`: a reader sees the old file or the new one, never a part.
 
-    Parameters
-    ----------
-    path
-        Where the file shall stand. Missing folders are made.
-    content
-        Text (written as UTF-8) or bytes.
-
-    Returns
-    -------
-    pathlib.Path
-        The path written.
-
-    Raises
-    ------
-    OSError
-        Where the folder cannot be made or written.
+    Missing folders are made. Returns the path.
     """
     with replacing(path) as beside:
         beside.write_bytes(content.encode() if isinstance(content, str) else content)

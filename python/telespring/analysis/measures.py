@@ -130,7 +130,7 @@ def _lag_behind_target(trials: Trials) -> tuple[FloatArray, FloatArray]:
     """Estimate the lag (s) of every robot and the correlation at that lag, (condition, trial, robot)."""
     shape = (*trials.status.shape, 2)
     lag, correlation = np.full(shape, np.nan), np.full(shape, np.nan)
-    longest = _longest_shifts(trials)
+    longest = _longest_lag_shifts(trials)
     for shift in np.unique(longest[longest >= 1]).tolist():
         # Trials that are searched over the same shifts share one convolution.
         group = longest == shift
@@ -164,9 +164,9 @@ def _lag_within_shifts(
         target_weight, samples = (
             (windows[0][None, None, :, None].astype(float), count.max()) if shared else (weight, count)
         )
-        total = _shifted_sums(target_weight, target, longest)
+        total = _lagged_sums(target_weight, target, longest)
         spread = (
-            _shifted_sums(target_weight, target**2, longest) - total**2 / np.asarray(samples)[..., None, None]
+            _lagged_sums(target_weight, target**2, longest) - total**2 / np.asarray(samples)[..., None, None]
         )
         spread = np.asarray(spread.sum(axis=-1))
         correlation = np.empty((*shape, spread.shape[-1]))
@@ -174,15 +174,15 @@ def _lag_within_shifts(
             position = np.where(weight > 0.0, trials.position[..., robot, :], 0.0)
             mean = position.sum(axis=2, keepdims=True) / count[..., None, None]
             centred = np.where(weight > 0.0, position - mean, 0.0)
-            product = _shifted_sums(centred, target, longest).sum(axis=-1)
+            product = _lagged_sums(centred, target, longest).sum(axis=-1)
             own = (centred**2).sum(axis=(2, 3))[..., None]
             # Below rounding nothing moves, and there is no correlation.
             still = (own < 1e-24 * count[..., None]) | (spread < 1e-24 * count[..., None])
             correlation[:, :, robot] = np.where(still, np.nan, product / np.sqrt(own * spread))
-    return _parabolic_peak(correlation, trials.sample_period, longest)
+    return _lag_at_peak(correlation, trials.sample_period, longest)
 
 
-def _longest_shifts(trials: Trials) -> NDArray[np.int_]:
+def _longest_lag_shifts(trials: Trials) -> NDArray[np.int_]:
     """Return by how many samples the target is shifted at most in the lag search, (condition, trial)."""
     counts = trials.window.sum(axis=-1)
     # The longest trial resolves the target's period best.
@@ -198,7 +198,7 @@ def _longest_shifts(trials: Trials) -> NDArray[np.int_]:
     )
 
 
-def _shifted_sums(weights: FloatArray, values: FloatArray, longest: int) -> FloatArray:
+def _lagged_sums(weights: FloatArray, values: FloatArray, longest: int) -> FloatArray:
     """Sum weights(t) values(t − shift) over t for shifts −longest to longest, along axis 2."""
     from scipy.signal import fftconvolve
 
@@ -207,7 +207,7 @@ def _shifted_sums(weights: FloatArray, values: FloatArray, longest: int) -> Floa
     return np.asarray(sums[:, :, size - 1 - longest : size + longest])
 
 
-def _parabolic_peak(correlation: FloatArray, step: float, longest: int) -> tuple[FloatArray, FloatArray]:
+def _lag_at_peak(correlation: FloatArray, step: float, longest: int) -> tuple[FloatArray, FloatArray]:
     """Refine the best shift by a parabola through its neighbours: lag (s) and correlation."""
     undefined: NDArray[np.bool_] = np.asarray(~np.isfinite(correlation).all(axis=-1))
     filled = np.where(undefined[..., None], 0.0, correlation)

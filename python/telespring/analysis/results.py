@@ -94,13 +94,13 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
         "table1": table_1_rows(errors, trials, with_baseline),
         "kruskal_wallis": _kruskal_wallis_tests(errors, trials, baseline),
         "wilcoxon": {
-            "baseline": _family(
+            "baseline": _holm_family(
                 "TE1 and TE2 in every condition against TE2 in the baseline",
                 [comparison.to_json() for comparison in with_baseline.values()],
             ),
-            "robots": _pair_family("TE1 against TE2 in every condition", same_condition, errors),
+            "robots": _holm_pair_family("TE1 against TE2 in every condition", same_condition, errors),
             **{
-                f"te{robot}_pairs": _pair_family(
+                f"te{robot}_pairs": _holm_pair_family(
                     f"TE{robot}, every pair of conditions",
                     list(combinations([tracking_error_name(robot, label) for label in trials.labels], 2)),
                     errors,
@@ -109,18 +109,18 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
             },
         },
         "conditions": _condition_summaries(trials, measured),
-        "warnings": [_warning(implausible) for implausible in implausible_trials(trials)],
+        "warnings": [_implausible_trial_warning(implausible) for implausible in implausible_trials(trials)],
     }
 
 
-def _family(description: str, comparisons: list[dict[str, Any]]) -> dict[str, Any]:
+def _holm_family(description: str, comparisons: list[dict[str, Any]]) -> dict[str, Any]:
     return {"family": description, "size": len(comparisons), "comparisons": comparisons}
 
 
-def _pair_family(
+def _holm_pair_family(
     description: str, pairs: list[tuple[str, str]], errors: Mapping[str, FloatArray]
 ) -> dict[str, Any]:
-    return _family(description, [comparison.to_json() for comparison in compare_pairs(pairs, errors)])
+    return _holm_family(description, [comparison.to_json() for comparison in compare_pairs(pairs, errors)])
 
 
 def _kruskal_wallis_tests(
@@ -180,7 +180,7 @@ def _condition_summaries(trials: Trials, measured: xr.Dataset) -> list[dict[str,
     return rows
 
 
-def _warning(implausible: ShortTrial | StillHandle) -> str:
+def _implausible_trial_warning(implausible: ShortTrial | StillHandle) -> str:
     """Write the sentence that `analysis.json` holds for a trial that looks cut off or stuck."""
     trial = f"Trial {implausible.trial} of {implausible.condition}"
     if isinstance(implausible, ShortTrial):

@@ -23,26 +23,10 @@ _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | None = None) -> xr.Dataset:
-    """Open a rehearsal or recorded trials.
+    """Open a rehearsal (its ``.nc`` file or its folder) or recorded trials (their folder or their list).
 
-    Parameters
-    ----------
-    path : path
-        A rehearsal's ``.nc`` file or its folder; or recorded trials, their folder or their list.
-    task : telespring.Task or mapping, optional
-        A study's task, for recorded trials without a target.
-
-    Returns
-    -------
-    xarray.Dataset
-        The trials, in memory.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        If there are no trials at the path.
-    OSError
-        If it cannot be read.
+    `task`, a study's, gives the target of recorded trials without one. InvalidInput where the path has no
+    trials.
     """
     place = Path(path)
     if place.is_dir():

@@ -65,7 +65,7 @@ class GroupTest:
     epsilon_squared: float | None
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the test to plain values."""
+        """Convert a Kruskal-Wallis test to plain values."""
         return {
             "groups": list(self.groups),
             "sizes": list(self.sizes),
@@ -132,7 +132,7 @@ class Comparison:
         return "↑" if self.superiority > 0.5 else "↓"
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the comparison to plain values."""
+        """Convert a rank-sum comparison to plain values."""
         interval = self.superiority_interval
         return {
             "first": self.first,
@@ -179,7 +179,7 @@ def kruskal_wallis(groups: Mapping[str, ArrayLike]) -> GroupTest:
     """
     from scipy import stats
 
-    present = {name: _drop_missing(values) for name, values in groups.items()}
+    present = {name: _drop_missing_values(values) for name, values in groups.items()}
     present = {name: values for name, values in present.items() if len(values)}
     names, sizes = tuple(present), tuple(len(values) for values in present.values())
     count = sum(sizes)
@@ -222,7 +222,7 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
     """
     from scipy import stats
 
-    one, other = _drop_missing(first), _drop_missing(second)
+    one, other = _drop_missing_values(first), _drop_missing_values(second)
     sizes = (len(one), len(other))
     if 0 in sizes:
         return Comparison(*names, sizes, None, None, None, "no values", None, None, None)
@@ -334,6 +334,6 @@ def superiority_interval(
     return low, high
 
 
-def _drop_missing(values: ArrayLike) -> FloatArray:
+def _drop_missing_values(values: ArrayLike) -> FloatArray:
     array = np.asarray(values, dtype=float).reshape(-1)
     return np.asarray(array[~np.isnan(array)])

@@ -29,7 +29,7 @@ def tracking_error_name(robot: int, label: str) -> str:
 
 
 def choose_baseline(trials: Trials, requested: str | None = None) -> str | None:
-    """Return the baseline condition: the requested one, else the unconnected mode, None without one."""
+    """Return the baseline of Table I: the requested one, else the unconnected mode, None without."""
     if requested is None:
         unconnected = [
             label for label, k in zip(trials.labels, trials.stiffness, strict=True) if not np.isfinite(k)
@@ -63,7 +63,7 @@ def compare_with_baseline(
 
 
 def mean_sd_median(values: FloatArray) -> dict[str, float | None]:
-    """Compute mean, standard deviation (n − 1) and median without NaN; None for too few values."""
+    """Compute mean, standard deviation (n − 1) and median of a cell of Table I; None for too few values."""
     present = values[np.isfinite(values)]
     return {
         "mean": finite_or_none(present.mean()) if len(present) else None,

@@ -112,8 +112,8 @@ class Trials:
         telespring.InvalidInput
             If a variable is missing, or a completed trial has a value that is not a number.
         """
-        _check_layout(dataset)
-        time = _increasing_times(dataset)
+        _check_trials_layout(dataset)
+        time = _trial_times(dataset)
         stiffness = np.asarray(dataset["stiffness"], dtype=float)
         delay = np.asarray(dataset["delay"], dtype=float)
         if dataset["condition"].dtype.kind in "UOT" and "condition" in dataset.coords:
@@ -126,17 +126,17 @@ class Trials:
             discard = float(dataset.attrs.get("discard", 0.0))
         target = dataset["target"]
         if "condition" in target.dims:
-            targets = _contiguous(target.transpose("condition", "trial", "time", "axis"))
+            targets = _contiguous_signal(target.transpose("condition", "trial", "time", "axis"))
         else:
-            targets = _contiguous(target.transpose("time", "axis"))[None, None]
+            targets = _contiguous_signal(target.transpose("time", "axis"))[None, None]
         series = {
-            name: _contiguous(dataset[name].transpose(*_PER_SAMPLE))
+            name: _contiguous_signal(dataset[name].transpose(*_PER_SAMPLE))
             for name in ("position", "velocity", "coupling_force", "agent_force")
             if name in dataset.variables and set(_PER_SAMPLE) == set(dataset[name].dims)
         }
-        window = _analysed_samples(dataset, status, labels, time, discard)
+        window = _analysed_trial_samples(dataset, status, labels, time, discard)
         for name, values in {**series, "target": targets[..., None, :]}.items():
-            _check_finite(name, values, window, labels, time)
+            _check_trials_finite(name, values, window, labels, time)
         return cls(
             labels=labels,
             stiffness=stiffness,
@@ -166,21 +166,21 @@ def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:
     return raw.astype(str)
 
 
-def _check_layout(dataset: xr.Dataset) -> None:
+def _check_trials_layout(dataset: xr.Dataset) -> None:
     for name, dimensions in (("position", _PER_SAMPLE), ("target", ("time", "axis"))):
         if name not in dataset.variables or not set(dimensions) <= set(dataset[name].dims):
-            raise _not_trials(name, f"{name} over {', '.join(dimensions)} is needed")
+            raise _refuse_trials(name, f"{name} over {', '.join(dimensions)} is needed")
     for name in ("time", "stiffness", "delay"):
         if name not in dataset.variables:
-            raise _not_trials(name, f"a coordinate {name} is needed")
+            raise _refuse_trials(name, f"a coordinate {name} is needed")
     sizes = dataset.sizes
     if sizes["robot"] != 2 or sizes["axis"] != 2 or 0 in sizes.values():
-        raise _not_trials(
+        raise _refuse_trials(
             "position", "two robots, two axes and at least one condition, trial and sample are needed"
         )
 
 
-def _not_trials(field: str, allowed: str) -> InvalidInput:
+def _refuse_trials(field: str, allowed: str) -> InvalidInput:
     return InvalidInput(
         field,
         "missing, or of another shape",
@@ -189,7 +189,7 @@ def _not_trials(field: str, allowed: str) -> InvalidInput:
     )
 
 
-def _increasing_times(dataset: xr.Dataset) -> FloatArray:
+def _trial_times(dataset: xr.Dataset) -> FloatArray:
     time = np.asarray(dataset["time"], dtype=float)
     if len(time) < 2:
         raise InvalidInput(
@@ -199,11 +199,11 @@ def _increasing_times(dataset: xr.Dataset) -> FloatArray:
             "Record longer trials, or keep more samples per second.",
         )
     if not np.all(np.diff(time) > 0.0):
-        raise _not_trials("time", "times that increase are needed")
+        raise _refuse_trials("time", "times that increase are needed")
     return time
 
 
-def _analysed_samples(
+def _analysed_trial_samples(
     dataset: xr.Dataset, status: NDArray[np.str_], labels: tuple[str, ...], time: FloatArray, discard: float
 ) -> NDArray[np.bool_]:
     """Select the samples of completed trials after the discarded part, (condition, trial, time)."""
@@ -230,12 +230,12 @@ def _analysed_samples(
     return np.asarray(window)
 
 
-def _contiguous(values: xr.DataArray) -> FloatArray:
+def _contiguous_signal(values: xr.DataArray) -> FloatArray:
     # One memory layout, so that sums round alike wherever the trials come from.
     return np.ascontiguousarray(values, dtype=float)
 
 
-def _check_finite(
+def _check_trials_finite(
     name: str, values: FloatArray, window: NDArray[np.bool_], labels: tuple[str, ...], time: FloatArray
 ) -> None:
     missing = window & ~np.isfinite(values).all(axis=(-2, -1))

@@ -100,19 +100,19 @@ def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *,
     if figures:
         from telespring.show.drawings.trials import draw_errors, draw_trajectories
 
-        written += _write_figure(folder / "trajectories", draw_trajectories(trials))
-        written += _write_figure(folder / "tracking-errors", draw_errors(numbers))
+        written += _write_analysis_figure(folder / "trajectories", draw_trajectories(trials))
+        written += _write_analysis_figure(folder / "tracking-errors", draw_errors(numbers))
     return written
 
 
-def _write_figure(stem: Path, figure: Figure) -> list[Path]:
+def _write_analysis_figure(stem: Path, figure: Figure) -> list[Path]:
     """Write a figure as SVG and PNG; the same figure gives the same bytes."""
-    from telespring.show.figures.style import styled
+    from telespring.show.figures.style import figure_style
 
     paths = [stem.with_suffix(suffix) for suffix in (".svg", ".png")]
     for path in paths:
         is_svg = path.suffix == ".svg"
-        with replacing(path) as beside, styled(**{"svg.hashsalt": stem.name}):
+        with replacing(path) as beside, figure_style(**{"svg.hashsalt": stem.name}):
             figure.savefig(
                 beside, dpi="figure" if is_svg else 200.0, metadata={"Date": None} if is_svg else None
             )

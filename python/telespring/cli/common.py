@@ -67,13 +67,13 @@ def refusals() -> Iterator[None]:
         refusal_screen(Console(stderr=True, highlight=False), refused)
         raise typer.Exit(2) from None
     except OSError as error:
-        refused = InvalidInput(
+        unusable = InvalidInput(
             "file",
             str(error.filename or "file"),
             f"a file that can be read or written is needed ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
-        refusal_screen(Console(stderr=True, highlight=False), refused)
+        refusal_screen(Console(stderr=True, highlight=False), unusable)
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
         print("Stopped. No incomplete file was left behind.", file=sys.stderr)
@@ -81,7 +81,7 @@ def refusals() -> Iterator[None]:
 
 
 def read_study(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> Study:
-    """Read a study file, or take the paper's study, and put in robots from files of their own."""
+    """Read a command's study file, or take the paper's study, and put in robots from files of their own."""
     read = Study.paper() if study is None else Study.read(study)
     for side, robot in ((1, robot1), (2, robot2)):
         if robot is not None:
@@ -108,7 +108,7 @@ def requested_delay(study: Study, delay: float | None, backward: float | None) -
 
 
 def print_notes(console: Console, records: tuple[RobotRecord | None, RobotRecord | None]) -> None:
-    """Print the warnings that identification recorded, coupled axes among them."""
+    """Print the warnings that identification recorded in the robot files, coupled axes among them."""
     from telespring.show.screens.robots import identification_notes
 
     for note in identification_notes(records):
@@ -116,6 +116,6 @@ def print_notes(console: Console, records: tuple[RobotRecord | None, RobotRecord
 
 
 def print_json(value: Any) -> None:
-    """Print JSON; letters that the output cannot encode are escaped."""
+    """Print the JSON answer of a command; letters that the output cannot encode are escaped."""
     escape_letters = not sys.stdout.encoding.lower().startswith("utf")
     typer.echo(json.dumps(value, indent=1, ensure_ascii=escape_letters, allow_nan=False))

@@ -87,14 +87,14 @@ def decide_command(
             records=robot_records(robot1, robot2),
         )
         if study is not None:
-            decision = _with_arms(decision, read, study)
+            decision = _decision_with_arms(decision, read, study)
     if as_json:
         print_json(decision_json(decision))
     else:
         Console(highlight=False).print(decision_screen(decision, read.name))
 
 
-def _with_arms(decision: Decision, study: Study, study_file: Path) -> Decision:
+def _decision_with_arms(decision: Decision, study: Study, study_file: Path) -> Decision:
     """Add the stability in arms where the study file itself says what holds the handles."""
     from telespring.decision.arm_stability import arm_stability
 

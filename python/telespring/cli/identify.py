@@ -110,8 +110,7 @@ def identify_command(
     if out is not None:
         write_robot(identification, out, name or log.stem, source=log.name)
     if as_json:
-        answer = {"log": str(log), "columns": dict(columns.columns)} | identification.to_json()
-        print_json(answer)
+        print_json({"log": str(log), "columns": dict(columns.columns)} | identification.to_json())
         return
     console = Console(highlight=False)
     console.print(identification_screen(identification, log.name))
@@ -124,7 +123,7 @@ def _write_residual_figure(identification: Identification, path: Path) -> None:
     from telespring._errors import InvalidInput
     from telespring._files import replacing
     from telespring.show.drawings.identification import draw_residuals
-    from telespring.show.figures.style import styled
+    from telespring.show.figures.style import figure_style
 
     if path.suffix.lower() not in {".svg", ".png", ".pdf"}:
         raise InvalidInput(
@@ -133,5 +132,5 @@ def _write_residual_figure(identification: Identification, path: Path) -> None:
             "the file's name must end in .svg, .png or .pdf",
             "Use one of these endings.",
         )
-    with styled(), replacing(path) as temporary:
+    with figure_style(), replacing(path) as temporary:
         draw_residuals(identification).savefig(temporary, dpi=200)

@@ -9,18 +9,18 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from telespring.decision.arm_stability import arm_stability
 from telespring._errors import InvalidInput
-from telespring.model import Study
+from telespring.cli.common import read_study
+from telespring.decision.arm_stability import arm_stability
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
 from telespring.show.screens.refusal import refusal_screen
 from telespring.show.screens.rehearsal import (
-    conditions_screen,
-    outcome_screen,
     preflight_screen,
-    progress_bar,
-    resume_sentence,
+    rehearsal_outcome_screen,
+    rehearsal_progress_bar,
+    rehearsal_resume_sentence,
+    rehearsed_conditions_screen,
 )
 
 __all__ = ["rehearse"]
@@ -56,16 +56,13 @@ def rehearse(
     from telespring.rehearsal.summary import summarise_dataset
 
     console = Console(highlight=False)
-    rehearsed = Study.paper() if study is None else Study.read(study)
-    for side, robot in ((1, robot1), (2, robot2)):
-        if robot is not None:
-            rehearsed = rehearsed.with_robot(side, robot)
+    rehearsed = read_study(study, robot1, robot2)
     modules = None if study is None else study.parent
     preflight_screen(console, preflight_warnings(rehearsed, modules))
     finished, trials = 0, 0
     start = time.perf_counter()
     try:
-        with progress_bar(console) as show_progress:
+        with rehearsal_progress_bar(console) as show_progress:
 
             def progress(done: int, total: int) -> None:
                 nonlocal finished, trials
@@ -74,7 +71,7 @@ def rehearse(
 
             outcome = run_protocol(rehearsed, out, progress, workers, fresh=fresh, modules=modules)
     except KeyboardInterrupt:
-        console.print(f"Stopped. {resume_sentence(finished, trials)}", markup=False)
+        console.print(f"Stopped. {rehearsal_resume_sentence(finished, trials)}", markup=False)
         raise typer.Exit(130) from None
     except OSError as error:
         if not trials:  # before the first trial: a file to read, or the folder itself
@@ -83,7 +80,7 @@ def rehearse(
             "out",
             str(error.filename or out),
             f"a writable folder with enough space is needed ({error.strerror or error})",
-            f"Provide one. {resume_sentence(finished, trials)}",
+            f"Provide one. {rehearsal_resume_sentence(finished, trials)}",
         )
         refusal_screen(Console(stderr=True, highlight=False), refused)
         raise typer.Exit(2) from None
@@ -91,7 +88,7 @@ def rehearse(
     experiment = rehearsed.experiment
     assert experiment is not None  # it has been rehearsed
     summary = summarise_dataset(outcome.dataset, experiment)
-    outcome_screen(console, outcome, summary, seconds)
+    rehearsal_outcome_screen(console, outcome, summary, seconds)
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    conditions_screen(console, summary, arm_stability(rehearsed, connected, modules))
+    rehearsed_conditions_screen(console, summary, arm_stability(rehearsed, connected, modules))
     console.print(f"Dataset: {outcome.dataset}", markup=False)

@@ -68,7 +68,7 @@ def simulate_command(
         if stiffness is None:
             stiffness = read.stiffness
         delays = requested_delay(read, delay, backward)
-        forces = _forces(force, len(read.dyad.axes))
+        forces = _step_forces(force, len(read.dyad.axes))
         motion = simulate(read.dyad, stiffness, delays, forces, duration, rate=rate)
         if out.suffix == ".csv":
             write_whole(out, motion_csv(motion))
@@ -81,7 +81,7 @@ def simulate_command(
         console.print(f"Written: {out}", markup=False)
 
 
-def _forces(force: list[float] | None, axes: int) -> list[list[float]]:
+def _step_forces(force: list[float] | None, axes: int) -> list[list[float]]:
     """Return the step of force, N, per robot and axis."""
     if not force:
         return [[1.0] * axes, [-1.0] * axes]

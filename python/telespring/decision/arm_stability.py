@@ -123,27 +123,10 @@ def arm_stability(
 ) -> ArmStability:
     """Judge conditions with the handles held by the study's own arms and agents.
 
-    Controllers are continuous and the delay is constant. Coulomb friction and torque limits are left out.
-    Poses are frozen, with both handles on the target: the effect of moving between poses is not included.
-
-    Parameters
-    ----------
-    study
-        A study with robots of two axes.
-    conditions
-        Stiffness (N/m) and one-way delay (s), or the pair (forward, backward).
-    modules
-        Where a target in Python is looked up first: the folder of the study's file.
-
-    Returns
-    -------
-    ArmStability
-        A verdict for every condition, or why there is none.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a stiffness or delay is out of range, or the robots do not have two axes.
+    A condition is a stiffness (N/m) and a one-way delay (s), or the pair (forward, backward). Controllers are
+    continuous and the delay is constant. Coulomb friction and torque limits are left out. Poses are frozen,
+    with both handles on the target: the effect of moving between poses is not included. `modules`, the folder
+    of the study's file, is where a target in Python is looked up first.
 
     Examples
     --------
@@ -167,10 +150,10 @@ def arm_stability(
     }
     if programs:
         return ArmStability("agent program", programs)
-    pairs = [(float(stiffness), _both_ways(delay)) for stiffness, delay in conditions]
+    pairs = [(float(stiffness), _delay_both_ways(delay)) for stiffness, delay in conditions]
     operators = equivalent_operators(study, experiment)
     if not operators.depends_on_pose:
-        verdicts = tuple(_axis_by_axis(operators, *pair) for pair in pairs)
+        verdicts = tuple(_judge_arms_axis_by_axis(operators, *pair) for pair in pairs)
         return ArmStability(operators=operators, conditions=verdicts)
     try:
         positions, section = target_positions(experiment, modules)
@@ -182,12 +165,12 @@ def arm_stability(
         if not error.field.startswith("positions"):
             raise
         return ArmStability("out of reach")
-    verdicts = tuple(_over_poses(operators, positions, *pair) for pair in pairs)
+    verdicts = tuple(_judge_arms_over_poses(operators, positions, *pair) for pair in pairs)
     poses = PoseSample(positions, section, cross)
     return ArmStability(operators=operators, poses=poses, conditions=verdicts)
 
 
-def _axis_by_axis(
+def _judge_arms_axis_by_axis(
     operators: EquivalentOperators, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
     axes = [operators.held[name] for name in operators.held.axes]
@@ -207,7 +190,7 @@ def _axis_by_axis(
     )
 
 
-def _over_poses(
+def _judge_arms_over_poses(
     operators: EquivalentOperators, positions: FloatArray, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
     poses = pose_stability(operators.held, operators.jointed, stiffness, delay, positions)
@@ -227,6 +210,6 @@ def _over_poses(
     )
 
 
-def _both_ways(delay: float | tuple[float, float]) -> tuple[float, float]:
+def _delay_both_ways(delay: float | tuple[float, float]) -> tuple[float, float]:
     forward, backward = np.broadcast_to(delay, 2).tolist()
     return forward, backward

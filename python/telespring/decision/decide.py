@@ -151,7 +151,7 @@ class Decision:
     @property
     def constant_delay(self) -> tuple[float, float]:
         """The delay that is judged, s: the network's, or with jitter or gaps that behind a playout buffer."""
-        return self._constant.buffer_delay or self.delay
+        return self._constant_delay_verdict.buffer_delay or self.delay
 
     @property
     def mean_delay(self) -> float:
@@ -171,7 +171,7 @@ class Decision:
     @property
     def continuous_stable(self) -> bool:
         """Whether continuous controllers are stable at this constant delay for every operator."""
-        return self._constant.satisfied
+        return self._constant_delay_verdict.satisfied
 
     @property
     def stable(self) -> bool:
@@ -182,7 +182,7 @@ class Decision:
     def stiffness_limit(self) -> float:
         """Every smaller stiffness is stable at this delay, sampled controllers included, N/m; may be 0."""
         sampled = [axis.sampled_stiffness_bound for axis in self.verdicts.axes]
-        bounds = [self._constant.stiffness_bound, *sampled]
+        bounds = [self._constant_delay_verdict.stiffness_bound, *sampled]
         return min((bound for bound in bounds if bound is not None), default=math.nan)
 
     @property
@@ -207,10 +207,10 @@ class Decision:
 
         Where it is False, no verdict here holds: all of them treat the axes one by one.
         """
-        return _axes_independent(self.robot_records)
+        return _are_recorded_axes_independent(self.robot_records)
 
     @property
-    def _constant(self) -> Verdict:
+    def _constant_delay_verdict(self) -> Verdict:
         return self.verdicts.tier("constant delay")
 
 
@@ -285,7 +285,7 @@ def decide(
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
         needed = [axis.minimum_damping(stiffness, mean) for axis in axes]
         damping = max(judged.remedies.damping or 0.0, *needed)
-    certain = uncertainty == (None, None) or _axes_independent(records) is False
+    certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
     return Decision(
         verdicts=judged,
         axes=tuple(
@@ -296,7 +296,7 @@ def decide(
         added_damping=damping,
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
-        decay_stiffness=() if decay_rate is None else _decay_stiffness(axes, mean, decay_rate),
+        decay_stiffness=() if decay_rate is None else _decay_rate_bounds(axes, mean, decay_rate),
         uncertainty=None
         if certain
         else margin_uncertainty(dyad, uncertainty, stiffness, (forward, backward)),
@@ -305,7 +305,7 @@ def decide(
     )
 
 
-def _axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
+def _are_recorded_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
     independent = [None if record is None else record.independent for record in records]
     return False if False in independent else None if None in independent else True
 
@@ -345,7 +345,7 @@ def _maximum_delay_paper(axis: DyadAxis, stiffness: float) -> float:
     return axis.maximum_delay(stiffness, "paper")
 
 
-def _decay_stiffness(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
+def _decay_rate_bounds(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
     """Intersect the ranges of stiffness, N/m, in which every axis decays at this rate, 1/s."""
     common = [(0.0, math.inf)]
     for axis in axes:

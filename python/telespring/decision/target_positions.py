@@ -25,27 +25,10 @@ _STEPS = 32
 
 
 def target_positions(experiment: Experiment, modules: Path | None = None) -> tuple[FloatArray, PathSection]:
-    """Choose distinct positions along the path of the target.
+    """Choose distinct positions (m) along the path of the target, and name the part of it that they cover.
 
-    Parameters
-    ----------
-    experiment
-        A study's protocol.
-    modules
-        Where a target in Python is looked up first: the folder of the study's file.
-
-    Returns
-    -------
-    positions : ndarray, (position, 2)
-        In m: evenly spaced in phase on the figure of eight; spread as far apart as possible over the trial
-        of a target in Python.
-    section : str
-        Which part of the path they cover.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a target in Python is not found or returns no valid position.
+    They are evenly spaced in phase on the figure of eight, and spread as far apart as possible over the trial
+    of a target in Python, which is looked up in `modules`, the folder of the study's file, first.
 
     Examples
     --------
@@ -55,14 +38,14 @@ def target_positions(experiment: Experiment, modules: Path | None = None) -> tup
     (31, 'period')
     """
     if experiment.task.kind == "python":
-        return _farthest_points(user_target_path(experiment, modules), _STEPS), "whole trial"
+        return _farthest_target_points(user_target_path(experiment, modules), _STEPS), "whole trial"
     path, is_whole = figure_eight_path(experiment, _STEPS)
     # Rounded, so that sin(2π) is sin(0): far below what moves a pose.
     positions = np.unique(np.round(path, 12) + 0.0, axis=0)
     return positions, "period" if is_whole else "part of a period"
 
 
-def _farthest_points(path: FloatArray, count: int) -> FloatArray:
+def _farthest_target_points(path: FloatArray, count: int) -> FloatArray:
     """Pick points of a path one by one, each the farthest from those before it."""
     chosen = [int(np.argmax(np.hypot(*(path - path.mean(axis=0)).T)))]
     distance = np.hypot(*(path - path[chosen[0]]).T)

@@ -76,7 +76,7 @@ class Probability:
 
     @classmethod
     def of(cls, stable: np.ndarray[Any, np.dtype[np.bool_]]) -> Probability:
-        """Return the share of draws that are true."""
+        """Estimate the probability of stability by the share of stable draws."""
         draws = int(stable.size)
         count = int(np.count_nonzero(stable))
         share = (count + 1) / (draws + 2)
@@ -133,11 +133,8 @@ def sample_parameters(
 ) -> FloatArray:
     """Draw masses and dampings of both robots, operators added.
 
-    Returns
-    -------
-    ndarray
-        m1, b1, m2, b2 in kg and N·s/m, shape (4, axes, draws). A draw with a robot's mass below 0.0001 kg
-        or damping below 0 is rejected and replaced.
+    Returns m1, b1, m2, b2 in kg and N·s/m, shape (4, axes, draws). A draw with a robot's mass below 0.0001 kg
+    or damping below 0 is rejected and replaced.
     """
     random = np.random.default_rng(seed)
     parameters = np.empty((4, len(dyad.axes), draws))
@@ -147,19 +144,19 @@ def sample_parameters(
         for i in range(len(dyad.axes)):
             # Drawn even where nothing is uncertain, so that one robot's draws do not depend on the other's.
             own = np.random.default_rng(random.integers(2**63))
-            drawn = _axis_draws(own, float(mass[i]), float(damping[i]), _deviations(known, i), draws)
+            drawn = _draw_parameters(own, float(mass[i]), float(damping[i]), _parameter_sds(known, i), draws)
             parameters[2 * robot, i] = drawn[0] + dyad.operators[robot].mass[i]
             parameters[2 * robot + 1, i] = drawn[1] + dyad.operators[robot].damping[i]
     return parameters
 
 
-def _deviations(known: RobotUncertainty | None, axis: int) -> tuple[float, float, float]:
+def _parameter_sds(known: RobotUncertainty | None, axis: int) -> tuple[float, float, float]:
     if known is None:
         return 0.0, 0.0, 0.0
     return float(known.mass_sd[axis]), float(known.damping_sd[axis]), float(known.correlation[axis])
 
 
-def _axis_draws(
+def _draw_parameters(
     random: np.random.Generator,
     mass: float,
     damping: float,
@@ -189,28 +186,7 @@ def stable_probability(
 ) -> Probability:
     """Estimate the probability that a stiffness and a constant delay are stable on all axes.
 
-    Parameters
-    ----------
-    dyad
-        The robots as estimated, and their operators.
-    uncertainty
-        Of each robot, such as `telespring.Study.uncertainty`; None where it is known exactly.
-    stiffness
-        N/m.
-    delay
-        One-way delay, s; only the mean of both ways matters.
-    draws, seed
-        Of the Monte Carlo.
-
-    Returns
-    -------
-    Probability
-        With its Monte Carlo standard error.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a value is out of its range.
+    `uncertainty` is None for a robot that is known exactly. Of the one-way delays (s) only the mean matters.
 
     Examples
     --------
@@ -224,10 +200,10 @@ def stable_probability(
     True
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
-    return Probability.of(_stable(parameters, dyad, stiffness, float(np.mean(delay))))
+    return Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay))))
 
 
-def _stable(
+def _stable_draws(
     parameters: FloatArray, dyad: Dyad, stiffness: float, delay: float
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
     stable = np.ones(parameters.shape[2], dtype=bool)
@@ -250,17 +226,7 @@ def margin_uncertainty(
     """Propagate the errors of the parameters to critical stiffness, maximum delay and the verdict.
 
     The stiffness is that of the maximum delay and the verdict; other arguments are as in
-    `stable_probability`.
-
-    Returns
-    -------
-    MarginUncertainty
-        95 % intervals (from the 2.5 % and 97.5 % quantiles of the draws) and the probability of stability.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a value is out of its range.
+    `stable_probability`. The 95 % intervals are from the 2.5 % and 97.5 % quantiles of the draws.
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
@@ -270,13 +236,13 @@ def margin_uncertainty(
         delays.append(np.asarray(criteria.maximum_delay(m1, b1, m2, b2, stiffness, **axis.keywords)))
     names = [str(name) for name in dyad.axes]
     return MarginUncertainty(
-        axes=tuple(_intervals(name, k, d) for name, k, d in zip(names, critical, delays, strict=True)),
-        worst=_intervals(None, np.min(critical, axis=0), np.min(delays, axis=0)),
-        stable=Probability.of(_stable(parameters, dyad, stiffness, float(np.mean(delay)))),
+        axes=tuple(_margin_intervals(name, k, d) for name, k, d in zip(names, critical, delays, strict=True)),
+        worst=_margin_intervals(None, np.min(critical, axis=0), np.min(delays, axis=0)),
+        stable=Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay)))),
     )
 
 
-def _intervals(axis: str | None, critical: FloatArray, delay: FloatArray) -> AxisUncertainty:
+def _margin_intervals(axis: str | None, critical: FloatArray, delay: FloatArray) -> AxisUncertainty:
     def interval(values: FloatArray) -> tuple[float, float]:
         # Without interpolation: some of the delays may be infinite.
         low, high = np.quantile(values, [0.025, 0.975], method="closest_observation")
@@ -301,7 +267,7 @@ def delta_method(
     middle = np.array(judged.parameters)
     covariance = np.zeros((4, 4))
     for robot, known in enumerate(uncertainty):
-        mass_sd, damping_sd, correlation = _deviations(known, axis)
+        mass_sd, damping_sd, correlation = _parameter_sds(known, axis)
         block = np.array(
             [
                 [mass_sd**2, correlation * mass_sd * damping_sd],

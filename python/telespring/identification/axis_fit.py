@@ -32,7 +32,7 @@ class AxisModel:
 
 
 def axis_regressor(signals: Signals, index: int, model: AxisModel) -> FloatArray:
-    """Build the regressor of one axis, in SI units."""
+    """Build the regressor that one axis is fitted with, in SI units."""
     return regression.regressor_matrix(
         signals.acceleration[index],
         signals.velocity[index],
@@ -42,12 +42,9 @@ def axis_regressor(signals: Signals, index: int, model: AxisModel) -> FloatArray
 
 
 def fit_axis(name: str, index: int, signals: Signals, model: AxisModel) -> AxisIdentification:
-    """Estimate the parameters of the axis in row `index` of the signals.
+    """Estimate mass, damping and friction of the axis in row `index` of the signals.
 
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the columns of the regressor are nearly multiples of each other.
+    InvalidInput where the columns of the regressor are nearly multiples of each other.
     """
     regressor, force = axis_regressor(signals, index, model), signals.force[index]
     condition = _scaled_condition_number(regressor)

@@ -42,13 +42,8 @@ _NO_MOVEMENT, _NO_MOVEMENT_SHARE = 60.0, 1.0 / 32.0
 def choose_cutoff(position: FloatArray, rate: float) -> float:
     """Choose the cut-off of the filter, Hz, from the movement (`CUTOFF_RULE`).
 
-    Parameters
-    ----------
-    position
-        m, shape (n,), or (axes, n): then the axis that moves fastest decides, up to what the noisiest axis
-        tolerates. (Too low a cut-off costs precision, too high a cut-off causes bias.)
-    rate
-        Samples per second, Hz.
+    Of several rows of positions (m) the axis that moves fastest decides, up to what the noisiest axis
+    tolerates. (Too low a cut-off costs precision, too high a cut-off causes bias.)
     """
     rows = np.atleast_2d(position)
     limits = [largest_cutoff(row, rate) for row in rows]
@@ -70,7 +65,7 @@ def movement_bandwidth(position: FloatArray, rate: float) -> float:
     >>> 1.9 < movement_bandwidth(0.1 * np.sin(2 * np.pi * 2.0 * time), 1000.0) < 2.7
     True
     """
-    frequency, power, floor = _spectrum(position, rate)
+    frequency, power, floor = _position_spectrum(position, rate)
     # A periodogram's noise is exponentially distributed: no bin exceeds this by chance.
     threshold = floor * math.log(frequency.size / _FALSE_ALARM)
     velocity = np.where(power > threshold, power, 0.0) * frequency**2
@@ -98,7 +93,7 @@ def largest_cutoff(position: FloatArray, rate: float) -> float:
     >>> [round(largest_cutoff(movement + size * noise, 1000.0)) for size in (1e-4, 1e-5)]
     [4, 10]
     """
-    frequency, power, floor = _spectrum(position, rate)
+    frequency, power, floor = _position_spectrum(position, rate)
     noise = floor * np.cumsum(frequency**4)
     low = np.flatnonzero(noise[1:] <= _NOISE_SHARE * np.cumsum(power * frequency**4)[1:])
     return float(frequency[1 + low[-1]]) if low.size else float(frequency[1])
@@ -106,7 +101,7 @@ def largest_cutoff(position: FloatArray, rate: float) -> float:
 
 def filtered_noise(position: FloatArray, rate: float, cutoff: float) -> tuple[float, float]:
     """Return the variances of position noise in the filtered velocity, (m/s)², and acceleration, (m/s²)²."""
-    frequency, _, floor = _spectrum(position, rate)
+    frequency, _, floor = _position_spectrum(position, rate)
     # Forwards and backwards: the filter's gain is applied twice.
     passed = floor / (1.0 + (frequency / cutoff) ** (2 * FILTER_ORDER)) ** 2
     angular = 2.0 * np.pi * frequency
@@ -115,11 +110,11 @@ def filtered_noise(position: FloatArray, rate: float, cutoff: float) -> tuple[fl
 
 def noise_deviation(position: FloatArray, rate: float) -> float:
     """Return the standard deviation of a position's noise, m."""
-    frequency, _, floor = _spectrum(position, rate)
+    frequency, _, floor = _position_spectrum(position, rate)
     return math.sqrt(floor * frequency.size)
 
 
-def _spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray, float]:
+def _position_spectrum(position: FloatArray, rate: float) -> tuple[FloatArray, FloatArray, float]:
     """Return frequencies, Hz, the position's power per bin, m², and the noise floor per bin, m²."""
     from scipy import fft, signal
 

@@ -30,7 +30,7 @@ from telespring.identification.warning_messages import UNITS, Diagnostic, diagno
 __all__ = [
     "check_coupling",
     "check_cutoff",
-    "check_estimates",
+    "check_estimate_signs",
     "check_force_lag",
     "check_omitted_friction",
     "check_plausibility",
@@ -137,7 +137,7 @@ def check_force_lag(
     ]
 
 
-def check_estimates(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
+def check_estimate_signs(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
     """Find estimates with a wrong or open sign, and fits that explain little or reject many samples."""
     warnings: list[Diagnostic] = []
     for axis in axes:
@@ -186,10 +186,7 @@ def check_cutoff(
 ) -> list[Diagnostic]:
     """Find estimates that depend on the cut-off, and refuse a cut-off that lets too much noise pass.
 
-    Raises
-    ------
-    telespring.InvalidInput
-        Where position noise biases an estimate by three half-widths of its interval or more.
+    That is where position noise biases an estimate by three half-widths of its interval or more.
     """
     return _check_noise_bias(axes, log, signals) or _check_half_cutoff(axes, log, signals, model)
 

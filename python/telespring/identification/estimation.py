@@ -104,11 +104,11 @@ def identify(
     >>> low < 0.8 < high and high - low < 0.01
     True
     """
-    positions, forces = _axis_rows("position", position), _axis_rows("force", force)
+    positions, forces = _log_signal_rows("position", position), _log_signal_rows("force", force)
     times = as_numbers("time", time)
     log_warnings = check_log(times, positions, forces)
     log, resampling_warnings = resample_uniformly(times, positions, forces)
-    names = _axis_names(axes, len(positions))
+    names = _identified_axis_names(axes, len(positions))
     if force_delay:
         log = shift_force(log, as_number("force_delay", force_delay))
     _refuse_unknown_method(method, iterations)
@@ -126,7 +126,7 @@ def identify(
         replace(axis, time_shift=None if terms.lag is None else terms.lag.estimate)
         for axis, terms in zip(fits, unmodelled, strict=True)
     )
-    cross_inertias = _cross_inertias(results, unmodelled)
+    cross_inertias = _estimate_cross_inertias(results, unmodelled)
     return Identification(
         axes=results,
         signals=signals,
@@ -144,7 +144,7 @@ def identify(
             *diagnostics.check_omitted_friction(results, unmodelled, signals, model),
             *diagnostics.check_sticking(results, signals, model),
             *diagnostics.check_force_lag(results, unmodelled, cross_inertias),
-            *diagnostics.check_estimates(results),
+            *diagnostics.check_estimate_signs(results),
             *diagnostics.check_coupling(cross_inertias),
             *diagnostics.check_cutoff(results, log, signals, model),
             *diagnostics.check_plausibility(results, signals),
@@ -152,7 +152,7 @@ def identify(
     )
 
 
-def _axis_rows(name: str, values: ArrayLike) -> FloatArray:
+def _log_signal_rows(name: str, values: ArrayLike) -> FloatArray:
     """Transpose an array over (time,) or (time, axis) to one row per axis."""
     array = as_numbers(name, values)
     if array.ndim not in (1, 2) or array.size == 0:
@@ -165,7 +165,7 @@ def _axis_rows(name: str, values: ArrayLike) -> FloatArray:
     return np.ascontiguousarray(array.reshape(array.shape[0], -1).T)
 
 
-def _axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
+def _identified_axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
     """Return the given axis names, checked, or x, y, z."""
     if axes is None:
         return ["x", "y", "z"][:count] if count <= 3 else [f"axis {i + 1}" for i in range(count)]
@@ -220,7 +220,7 @@ def _refuse_short_travel(name: str, position: FloatArray, rate: float) -> None:
         )
 
 
-def _cross_inertias(
+def _estimate_cross_inertias(
     axes: Sequence[AxisIdentification], unmodelled: Sequence[UnmodelledTerms]
 ) -> tuple[CrossInertia, ...]:
     cross_inertias = []

@@ -277,13 +277,13 @@ def design_excitation(
     from scipy.optimize import minimize
 
     limits = Extremes(
-        _positive_limit("position_limit", position_limit, "m"),
-        _positive_limit("velocity_limit", velocity_limit, "m/s"),
-        _positive_limit("acceleration_limit", acceleration_limit, "m/s²"),
+        _positive_movement_limit("position_limit", position_limit, "m"),
+        _positive_movement_limit("velocity_limit", velocity_limit, "m/s"),
+        _positive_movement_limit("acceleration_limit", acceleration_limit, "m/s²"),
     )
     if not 1 <= harmonics <= 20:
         raise InvalidInput("harmonics", str(harmonics), "1 to 20 harmonics are allowed", "Omit it for 5.")
-    problem = _DesignProblem(limits, harmonics, angular_frequency, coulomb, offset)
+    problem = _ExcitationDesignProblem(limits, harmonics, angular_frequency, coulomb, offset)
     first = np.zeros((2, harmonics))
     # With fewer harmonics than the paper's, start from its highest amplitudes, which dominate the movement.
     count = min(harmonics, len(PAPER_AMPLITUDES))
@@ -303,17 +303,17 @@ def design_excitation(
         candidates.append(np.asarray(optimum.x))
     best = min(candidates, key=problem.objective)
     cosine, sine = best.reshape(2, harmonics)
-    return _scale_to_limits(Excitation(cosine, sine, angular_frequency), limits)
+    return _scale_movement_to_limits(Excitation(cosine, sine, angular_frequency), limits)
 
 
-def _scale_to_limits(movement: Excitation, limits: Extremes) -> Excitation:
+def _scale_movement_to_limits(movement: Excitation, limits: Extremes) -> Excitation:
     """Scale a movement until it reaches the first of the limits."""
     size = max(peak / limit for peak, limit in zip(movement.extremes(), limits, strict=True))
     # Between the points of a grid the peak may be this little larger.
     return movement._scaled((1.0 - 1e-5) / size)
 
 
-def _positive_limit(name: str, value: float, unit: str) -> float:
+def _positive_movement_limit(name: str, value: float, unit: str) -> float:
     number = as_number(name, value)
     if not 0.0 < number < math.inf:
         raise InvalidInput(
@@ -322,7 +322,7 @@ def _positive_limit(name: str, value: float, unit: str) -> float:
     return number
 
 
-class _DesignProblem:
+class _ExcitationDesignProblem:
     """Condition number of a movement as a function of its amplitudes, which are scaled to the limits."""
 
     def __init__(
@@ -330,7 +330,7 @@ class _DesignProblem:
     ) -> None:
         self.limits = limits
         self.coulomb, self.offset = coulomb, offset
-        paper = _scale_to_limits(paper_excitation(angular_frequency), limits)
+        paper = _scale_movement_to_limits(paper_excitation(angular_frequency), limits)
         self.paper_condition = paper.condition_number(coulomb=coulomb, offset=offset)
         order = np.arange(1, harmonics + 1)
         points = 48 * harmonics

@@ -80,22 +80,9 @@ def filter_signals(
 ) -> Signals:
     """Filter position and force alike, differentiate the position, trim the ends and decimate.
 
-    Parameters
-    ----------
-    time
-        s, shape (n,), evenly spaced.
-    position, force
-        m and N, time last: shape (..., n). All rows are filtered at once.
-    rate
-        Samples per second, Hz.
-    cutoff
-        Cut-off frequency, Hz: there a fourth-order Butterworth filter, run forwards and backwards, passes
-        half of the amplitude.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the cut-off does not suit the sample rate, or the log is too short for it.
+    Times (s) are evenly spaced, and come last in positions (m) and forces (N). At the cut-off (Hz) a
+    fourth-order Butterworth filter, run forwards and backwards, passes half of the amplitude. InvalidInput
+    where the cut-off does not suit the sample rate (Hz), or the log is too short for it.
     """
     from scipy import signal
 

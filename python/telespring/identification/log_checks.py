@@ -27,11 +27,8 @@ _JUMP = 4.0
 def check_log(time: FloatArray, position: FloatArray, force: FloatArray) -> list[Diagnostic]:
     """Check a log: times (s), and positions (m) and forces (N) of shape (axes, n).
 
-    Raises
-    ------
-    telespring.InvalidInput
-        Where shapes do not match, numbers are missing, time stamps repeat, go back, have gaps or are in
-        another unit, or a sensor was stuck.
+    InvalidInput where shapes do not match, numbers are missing, time stamps repeat, go back, have gaps or are
+    in another unit, or a sensor was stuck.
     """
     _refuse_unequal_shapes(time, position, force)
     _refuse_missing_numbers(time, position, force)

@@ -14,12 +14,12 @@ from telespring._types import FloatArray
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["read_columns", "read_csv", "read_mat", "read_parquet"]
+__all__ = ["read_csv_log", "read_log_columns", "read_mat_log", "read_parquet_log"]
 
 
-def read_columns(path: Path) -> dict[str, FloatArray]:
+def read_log_columns(path: Path) -> dict[str, FloatArray]:
     """Read all columns of a log as numbers; what is not a number becomes NaN."""
-    readers = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_mat}
+    readers = {".csv": read_csv_log, ".parquet": read_parquet_log, ".mat": read_mat_log}
     reader = readers.get(path.suffix.lower())
     if reader is None:
         raise InvalidInput(
@@ -33,7 +33,7 @@ def read_columns(path: Path) -> dict[str, FloatArray]:
     return reader(path)
 
 
-def read_csv(path: Path) -> dict[str, FloatArray]:
+def read_csv_log(path: Path) -> dict[str, FloatArray]:
     """Read a CSV file with one line of column names and one line of numbers per sample."""
     import pandas as pd
 
@@ -59,7 +59,7 @@ def read_csv(path: Path) -> dict[str, FloatArray]:
             "Check that it is a log, and remove any lines above the column names.",
         ) from None
     except (ValueError, OSError) as error:
-        raise _unreadable(path, error) from None
+        raise _refuse_unreadable_log(path, error) from None
     names = [str(name) for name in table.columns]
     for separator, word in ((";", "semicolons"), ("\t", "tabs")):
         if len(names) == 1 and separator in names[0]:
@@ -69,7 +69,7 @@ def read_csv(path: Path) -> dict[str, FloatArray]:
                 "columns must be separated by commas, with a point before decimals",
                 "Export it with commas between columns and a point before decimals.",
             )
-    numbers = _to_numbers(table)
+    numbers = _log_table_as_numbers(table)
     if len(table) and numbers.isna().all(axis=None):
         raise InvalidInput(
             "log",
@@ -86,15 +86,15 @@ def read_csv(path: Path) -> dict[str, FloatArray]:
             "Remove that line; give units other than s, m and N with --time-scale, --position-scale and "
             "--force-scale.",
         )
-    return _numbers_by_column(numbers)
+    return _log_numbers_by_column(numbers)
 
 
-def read_parquet(path: Path) -> dict[str, FloatArray]:
+def read_parquet_log(path: Path) -> dict[str, FloatArray]:
     """Read a Parquet file; this needs pyarrow."""
     import pandas as pd
 
     try:
-        return _numbers_by_column(_to_numbers(pd.read_parquet(path)))
+        return _log_numbers_by_column(_log_table_as_numbers(pd.read_parquet(path)))
     except ImportError:
         raise InvalidInput(
             "log",
@@ -103,10 +103,10 @@ def read_parquet(path: Path) -> dict[str, FloatArray]:
             "Install it with: pip install 'telespring[parquet]'. Or export the log to CSV.",
         ) from None
     except (ValueError, OSError) as error:
-        raise _unreadable(path, error) from None
+        raise _refuse_unreadable_log(path, error) from None
 
 
-def read_mat(path: Path) -> dict[str, FloatArray]:
+def read_mat_log(path: Path) -> dict[str, FloatArray]:
     """Read the arrays of a MATLAB file up to version 7.2, and those in the fields of its structs."""
     from scipy import io
 
@@ -122,10 +122,10 @@ def read_mat(path: Path) -> dict[str, FloatArray]:
     except OSError:
         raise
     except Exception as error:  # any error of the parser in a damaged file
-        raise _unreadable(path, error) from None
+        raise _refuse_unreadable_log(path, error) from None
     columns: dict[str, FloatArray] = {}
     others = []
-    for name, value in _flatten_structs(content).items():
+    for name, value in _flatten_mat_structs(content).items():
         array = np.asarray(value)
         if array.dtype.kind not in "biuf" or array.ndim > 2:
             others.append(name)
@@ -145,7 +145,7 @@ def read_mat(path: Path) -> dict[str, FloatArray]:
     return columns
 
 
-def _flatten_structs(content: Mapping[str, Any]) -> dict[str, Any]:
+def _flatten_mat_structs(content: Mapping[str, Any]) -> dict[str, Any]:
     """Replace each struct by its fields, named `struct.field`."""
     values: dict[str, Any] = {}
     for name, value in content.items():
@@ -158,18 +158,18 @@ def _flatten_structs(content: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
-def _to_numbers(table: pd.DataFrame) -> pd.DataFrame:
+def _log_table_as_numbers(table: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
     numbers: pd.DataFrame = table.apply(pd.to_numeric, errors="coerce")
     return numbers
 
 
-def _numbers_by_column(numbers: pd.DataFrame) -> dict[str, FloatArray]:
+def _log_numbers_by_column(numbers: pd.DataFrame) -> dict[str, FloatArray]:
     return {str(name).strip(): numbers[name].to_numpy(dtype=float) for name in numbers.columns}
 
 
-def _unreadable(path: Path, error: Exception) -> InvalidInput:
+def _refuse_unreadable_log(path: Path, error: Exception) -> InvalidInput:
     reason = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
     return InvalidInput(
         "log",

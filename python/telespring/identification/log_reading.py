@@ -11,7 +11,7 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.log_formats import read_columns
+from telespring.identification.log_formats import read_log_columns
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["Log", "read_log"]
@@ -107,7 +107,7 @@ def read_log(
             "as many forces as positions, one per axis, are needed",
             "Name both once per axis, in the same order.",
         )
-    names = _axis_names(axes, position)
+    names = _log_axis_names(axes, position)
     for option, scale in (("time", time_scale), ("position", position_scale), ("force", force_scale)):
         if not np.isfinite(scale) or scale == 0.0:
             raise InvalidInput(
@@ -119,10 +119,10 @@ def read_log(
     for option, limit in (("start", start), ("end", end)):
         if limit is not None and np.isnan(limit):
             raise InvalidInput(option, f"{limit:g}", "a time in s is needed", "Omit it for the whole log.")
-    columns = read_columns(log_path)
-    times = time_scale * _select_column(log_path, columns, "time", time)
+    columns = read_log_columns(log_path)
+    times = time_scale * _select_log_column(log_path, columns, "time", time)
     positions, forces = (
-        np.column_stack([_select_column(log_path, columns, option, name) for name in selected])
+        np.column_stack([_select_log_column(log_path, columns, option, name) for name in selected])
         for option, selected in (("position", position), ("force", force))
     )
     keep = np.ones(times.size, dtype=bool)
@@ -151,7 +151,7 @@ def read_log(
     )
 
 
-def _axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tuple[str, ...]:
+def _log_axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tuple[str, ...]:
     """Name the axis of each position column."""
     if axes:
         if len(axes) != len(position):
@@ -165,7 +165,7 @@ def _axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tuple[st
     return ("x", "y", "z")[: len(position)] if len(position) <= 3 else tuple(map(str, range(len(position))))
 
 
-def _select_column(path: Path, columns: Mapping[str, FloatArray], option: str, name: str) -> FloatArray:
+def _select_log_column(path: Path, columns: Mapping[str, FloatArray], option: str, name: str) -> FloatArray:
     """Return the column that an option names, checked to have one number per sample."""
     column = columns.get(name)
     if column is None:

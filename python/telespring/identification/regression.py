@@ -143,7 +143,7 @@ def least_squares(regressor: FloatArray, force: FloatArray, weights: FloatArray 
     """
     weights = np.ones_like(force) if weights is None else weights
     root = np.sqrt(weights)
-    size = _column_sizes(regressor)
+    size = _regressor_column_sizes(regressor)
     estimate: FloatArray = (
         np.linalg.lstsq(regressor / size * root[:, None], force * root, rcond=None)[0].astype(float) / size
     )
@@ -207,7 +207,7 @@ def _sandwich_covariance(
     from statsmodels.stats.sandwich_covariance import S_hac_simple
 
     # Scaled columns: mass and offset may differ by orders of magnitude.
-    size = _column_sizes(regressor)
+    size = _regressor_column_sizes(regressor)
     columns = regressor / size
     bread = np.linalg.inv(columns.T @ (slope[:, None] * columns))
     leverage = np.clip(np.einsum("ij,jk,ik->i", columns, bread, columns), 0.0, 0.5)
@@ -215,7 +215,7 @@ def _sandwich_covariance(
     return np.asarray(bread @ meat @ bread / np.outer(size, size))
 
 
-def _column_sizes(regressor: FloatArray) -> FloatArray:
+def _regressor_column_sizes(regressor: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((regressor**2).mean(axis=0)))
 
 
@@ -244,7 +244,7 @@ class Reweighting:
     effective_samples: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain numbers."""
+        """Return the numbers of one reweighting."""
         return {
             "iteration": self.iteration,
             "estimate": self.estimate.tolist(),

@@ -86,7 +86,7 @@ class SimulatedLog:
     def measured(
         self, random: np.random.Generator, noise: SensorNoise | None = None, *, at: str = "handle"
     ) -> tuple[FloatArray, FloatArray]:
-        """Return position (m) and force (N, at the "handle" or the "joints") with sensor noise."""
+        """Return position (m) and force (N, at "handle" or "joints") of a simulated log with noise."""
         added = noise or SensorNoise()
         force = self.handle_force if at == "handle" else self.joint_force
         play = random.normal(0.0, added.position_jitter, self.position.shape)
@@ -107,25 +107,9 @@ def simulate_log(
 
     The paper commands the same movement on both axes. Then no log can show whether the axes are coupled by
     inertia; with a quarter of a period between them it can. Sensor noise does not enter the servo, so one
-    simulation serves any number of noisy logs.
-
-    Parameters
-    ----------
-    robots
-        A study (its robots with their Coulomb friction) or a dyad (robots without); by default the paper's.
-        Operators that hold the handles are ignored.
-    movement
-        The movement that the servo follows; by default the paper's.
-    arm
-        Both arms, as in a study file; by default `ARM` or, for other than two axes, which no planar arm can
-        move, a mass and a damping on every axis separately.
-    periods
-        Number of periods to log.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the movement leaves the arm's reach.
+    simulation serves any number of noisy logs. A study's robots have their Coulomb friction, a dyad's have
+    none; operators that hold the handles are ignored. `arm`, that of both sides, is by default `ARM` or, for
+    other than two axes, which no planar arm can move, a mass and a damping on every axis separately.
     """
     command = movement or paper_excitation()
     sections = _robot_sections(robots)

@@ -52,7 +52,7 @@ class Term:
 
     @property
     def estimate(self) -> Estimate:
-        """Value, standard error and interval."""
+        """Value, standard error and interval of an unmodelled term."""
         interval = (self.value - self.half_width, self.value + self.half_width)
         return Estimate(self.value, self.standard_error, interval)
 
@@ -94,33 +94,33 @@ def estimate_unmodelled_terms(
     friction = {
         name: column
         for name, column in (("coulomb", signals.direction[index]), ("offset", np.ones_like(force)))
-        if name in omitted and _orthogonal_share(column, regressor) > _SEPARABLE
+        if name in omitted and _orthogonal_share_of_column(column, regressor) > _SEPARABLE
     }
     base = np.column_stack([regressor, *friction.values()])
     others = [i for i in range(len(signals.force)) if i != index]
     accelerations = {
         i: signals.acceleration[i]
         for i in others
-        if _orthogonal_share(signals.acceleration[i], base) > _SEPARABLE
+        if _orthogonal_share_of_column(signals.acceleration[i], base) > _SEPARABLE
     }
-    is_lag_separable = _orthogonal_share(jerk, regressor) > _SEPARABLE
+    is_lag_separable = _orthogonal_share_of_column(jerk, regressor) > _SEPARABLE
     candidates = [*([jerk] if is_lag_separable else []), *accelerations.values()]
     is_confounded = is_lag_separable and any(
-        _orthogonal_share(column, np.column_stack([base, *candidates[:i], *candidates[i + 1 :]]))
+        _orthogonal_share_of_column(column, np.column_stack([base, *candidates[:i], *candidates[i + 1 :]]))
         <= _SEPARABLE_SIDE_BY_SIDE
         for i, column in enumerate(candidates)
     )
-    weights = _sample_weights(fit, base, list(friction), signals, index, omitted)
+    weights = _moving_sample_weights(fit, base, list(friction), signals, index, omitted)
     with_inertias = np.column_stack([base, *accelerations.values()])
     if is_confounded:
-        lag, _, r_squared = _fit_with_lag(base, jerk, signals.time, force, weights)
-        terms, r_squared_coupled = _fit_terms(with_inertias, force, weights)
+        lag, _, r_squared = _fit_terms_with_force_lag(base, jerk, signals.time, force, weights)
+        terms, r_squared_coupled = _fit_all_terms(with_inertias, force, weights)
         r_squared = max(r_squared, r_squared_coupled)
     elif is_lag_separable:
-        lag, terms, r_squared = _fit_with_lag(with_inertias, jerk, signals.time, force, weights)
+        lag, terms, r_squared = _fit_terms_with_force_lag(with_inertias, jerk, signals.time, force, weights)
     else:
         lag = None
-        terms, r_squared = _fit_terms(with_inertias, force, weights)
+        terms, r_squared = _fit_all_terms(with_inertias, force, weights)
     inertias = dict(zip(accelerations, terms[base.shape[1] :], strict=True))
     return UnmodelledTerms(
         friction=dict(zip(friction, terms[regressor.shape[1] : base.shape[1]], strict=True)),
@@ -136,7 +136,7 @@ def is_moving(signals: Signals, index: int) -> FloatArray:
     return np.asarray(signals.rest[index] < _REST_SHARE)
 
 
-def _sample_weights(
+def _moving_sample_weights(
     fit: Fit, base: FloatArray, friction: list[str], signals: Signals, index: int, omitted: Sequence[str]
 ) -> FloatArray:
     """Return the weights of the fit, without the samples near rest where the axis has friction."""
@@ -144,7 +144,7 @@ def _sample_weights(
     weights = np.ones_like(force) if fit.lags is None else fit.weights
     has_friction = "coulomb" not in omitted
     if "coulomb" in friction:
-        terms, _ = _fit_terms(base, force, weights)
+        terms, _ = _fit_all_terms(base, force, weights)
         has_friction = terms[fit.estimate.size].significant
         if has_friction and fit.lags is not None:
             # The fit without friction took other samples for outliers.
@@ -156,10 +156,10 @@ def _sample_weights(
     return weights
 
 
-def _fit_terms(columns: FloatArray, force: FloatArray, weights: FloatArray) -> tuple[list[Term], float]:
+def _fit_all_terms(columns: FloatArray, force: FloatArray, weights: FloatArray) -> tuple[list[Term], float]:
     """Return the coefficients of all columns, and the share of the force's variance that they explain."""
     fit = least_squares(columns, force, weights)
-    strictness = _strictness(fit.degrees_of_freedom)
+    strictness = _significance_threshold(fit.degrees_of_freedom)
     terms = [
         Term(float(value), float(error), float(half), bool(abs(value) > strictness * half))
         for value, error, half in zip(fit.estimate, fit.standard_error, fit.half_width(), strict=True)
@@ -169,7 +169,7 @@ def _fit_terms(columns: FloatArray, force: FloatArray, weights: FloatArray) -> t
     return terms, 1.0 - squares / variation if variation > 0.0 else 0.0
 
 
-def _fit_with_lag(
+def _fit_terms_with_force_lag(
     columns: FloatArray, jerk: FloatArray, time: FloatArray, force: FloatArray, weights: FloatArray
 ) -> tuple[Term | None, list[Term], float]:
     """Estimate the lag of the force from its share of the jerk, and the coefficients of the other columns.
@@ -183,7 +183,7 @@ def _fit_with_lag(
     shifted, total = force, 0.0
     spline = None
     for _ in range(_LAG_STEPS):
-        terms, r_squared = _fit_terms(with_jerk[keep], shifted[keep], weights[keep])
+        terms, r_squared = _fit_all_terms(with_jerk[keep], shifted[keep], weights[keep])
         fitted = int(keep.sum())
         mass = terms[0].value
         if mass <= 0.0:
@@ -197,12 +197,12 @@ def _fit_with_lag(
         spline = spline or CubicSpline(time, force)
         shifted = spline(time + total)
         keep = (time + total >= time[0]) & (time + total <= time[-1])
-    strictness = _strictness(fitted - with_jerk.shape[1])
+    strictness = _significance_threshold(fitted - with_jerk.shape[1])
     significant = bool(abs(lag.value) > strictness * lag.half_width)
     return replace(lag, significant=significant), terms[:-1], r_squared
 
 
-def _strictness(degrees_of_freedom: int) -> float:
+def _significance_threshold(degrees_of_freedom: int) -> float:
     """Return how many half-widths of its 95 % interval a term must exceed to be significant."""
     from scipy import stats
 
@@ -210,7 +210,7 @@ def _strictness(degrees_of_freedom: int) -> float:
     return float(strict / usual)
 
 
-def _orthogonal_share(column: FloatArray, others: FloatArray) -> float:
+def _orthogonal_share_of_column(column: FloatArray, others: FloatArray) -> float:
     """Return the share of a column's length that is orthogonal to all other columns."""
     length = float(np.linalg.norm(column))
     if length == 0.0:

@@ -148,7 +148,7 @@ class Diagnostic:
 
 
 def diagnostic(code: str, **values: Any) -> Diagnostic:
-    """Word a warning: its code selects the sentence, and its values fill it."""
+    """Word a warning of an identification: its code selects the sentence, and its values fill it."""
     return Diagnostic(code, values, _QuantityFormatter().format(_MESSAGES[code], **values))
 
 

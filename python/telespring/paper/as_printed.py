@@ -42,7 +42,7 @@ def sign_of_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, fre
 
 
 def delay_equation_9(m1: float, b1: float, m2: float, b2: float, k: float, frequency: float) -> float:
-    """One-way delay (s) by Eqs. 6 and 9 at a frequency (rad/s) where F vanishes."""
+    """One-way delay (s) as Eqs. 6 and 9 print it, at a frequency (rad/s) where F vanishes."""
     a1 = m1 * frequency**2 - 1j * b1 * frequency - k
     a2 = m2 * frequency**2 - 1j * b2 * frequency - k
     z = float(np.sign(sign_of_equation_9(m1, b1, m2, b2, k, frequency))) * cmath.sqrt(a1 * a2) / k

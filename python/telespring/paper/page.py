@@ -22,7 +22,7 @@ __all__ = ["look_up", "places_of", "render", "render_section"]
 
 
 def look_up(numbers: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a dotted key of nested dicts and lists, such as ``summary.rows.3.delay``.
+    """Return the value at a dotted key, as a template quotes it, such as ``summary.rows.3.delay``.
 
     Examples
     --------
@@ -36,18 +36,10 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
 
 
 def render(study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
-    """Render the whole page, HTML that loads nothing from elsewhere.
-
-    Parameters
-    ----------
-    study
-        The key `study` of `study.json`.
-    findings
-        Results of any sections, by the section's name.
-    """
-    shown = [section for section in SECTIONS if _is_shown(section, findings)]
+    """Render the whole page, HTML that loads nothing from elsewhere, from the findings of any sections."""
+    shown = [section for section in SECTIONS if _is_section_shown(section, findings)]
     return (
-        _environment()
+        _template_environment()
         .get_template("templates/report.html.jinja")
         .render(
             study=study,
@@ -59,7 +51,7 @@ def render(study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
 
 
 def render_section(section: Section, study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
-    """Render one section, of which the template sees no more than `Section` promises."""
+    """Render the template of one section, which sees no more than `Section` promises."""
     own = findings.get(section.name, Findings())
     numbers: dict[str, Any] = {"study": study, **own.numbers}
     for name in section.mentions:
@@ -81,7 +73,7 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
 
     ranges = study["operator_ranges"]
     return (
-        _environment()
+        _template_environment()
         .get_template(section.template)
         .render(
             numbers=numbers,
@@ -99,21 +91,21 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
 
 
 def places_of(sections: Sequence[Section]) -> list[Place]:
-    """List the paper's figures, then its tables, that some sections hold, by their numbers."""
+    """List the paper's figures, then its tables, that some sections of the page hold, by their numbers."""
     return sorted(
         (place for section in sections for place in section.holds),
         key=lambda place: (place.name.startswith("Table"), len(place.name), place.name),
     )
 
 
-def _is_shown(section: Section, findings: Mapping[str, Findings]) -> bool:
+def _is_section_shown(section: Section, findings: Mapping[str, Findings]) -> bool:
     """Whether a section has something to show: what computes nothing always has."""
     own = findings.get(section.name, Findings())
     return section.find is None or bool(own.numbers or own.drawings)
 
 
 @cache
-def _environment() -> Environment:
+def _template_environment() -> Environment:
     return Environment(
         loader=PackageLoader("telespring.paper", "."),
         autoescape=True,

@@ -69,7 +69,7 @@ class PublishedTableIII:
     reference_delay: float
 
 
-def _table_1() -> tuple[PublishedRow, ...]:
+def _read_table_1() -> tuple[PublishedRow, ...]:
     arrows = {"less": "↓", "greater": "↑", "": ""}
 
     def pair(row: dict[str, Any], key: str) -> tuple[float, float]:
@@ -87,7 +87,7 @@ def _table_1() -> tuple[PublishedRow, ...]:
     )
 
 
-def _table_3() -> PublishedTableIII:
+def _read_table_3() -> PublishedTableIII:
     base, reference = _DU2025["table3"]["base"], _DU2025["table3"]["reference"]
     return PublishedTableIII(
         base_mass=base["M"]["value"],
@@ -100,10 +100,10 @@ def _table_3() -> PublishedTableIII:
 
 
 #: All 17 conditions of Table I.
-TABLE_I: Sequence[PublishedRow] = _table_1()
+TABLE_I: Sequence[PublishedRow] = _read_table_1()
 #: Table II, a row per range of stiffness from small to large: sets of η₁, η₂, ξ₁, ξ₂ and ξ₃.
 TABLE_II: tuple[tuple[str, ...], ...] = tuple(tuple(row["sets"]) for row in _DU2025["table2"]["row"])
-TABLE_III = _table_3()
+TABLE_III = _read_table_3()
 #: Stiffness k_c of an agent's arm, N/m (Table III).
 AGENT_STIFFNESS: float = _DU2025["table3"]["reference"]["k_c"]["value"]
 #: Median of TE2 in the unconnected mode, m (Fig. 8, caption).

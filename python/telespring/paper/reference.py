@@ -57,7 +57,7 @@ def reference_of(axes: list[DyadAxis]) -> Reference:
     Operators can make every stiffness safe. Then Eq. 5 with the same masses and dampings gives K, and Δ is
     0.1 s, so that the figures can still be drawn.
     """
-    stiffness, stiffness_axis = _reference_stiffness(axes)
+    stiffness, stiffness_axis = _reference_stiffness_of(axes)
     delays = {axis.name: float(axis.maximum_delay(2 * stiffness)) for axis in axes}
     delay_axis = min(delays, key=lambda name: delays[name])
     delay = delays[delay_axis]
@@ -110,14 +110,14 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
             "Check the unit (N·s/m), or use `telespring decide`.",
         )
     for group, robots in ((axes, dyad.robots), ([identical], dyad.robots[:1])):
-        stiffness, name = _reference_stiffness(group)
+        stiffness, name = _reference_stiffness_of(group)
         low, high = (factor * stiffness for factor in _STIFFNESS_FACTORS)
         axis = next(axis for axis in group if axis.name == name)
         if low < _STIFFNESS_RANGE[0] or high > _STIFFNESS_RANGE[1]:
             least, most = (
                 bound / factor for bound, factor in zip(_STIFFNESS_RANGE, _STIFFNESS_FACTORS, strict=True)
             )
-            raise _refusal(
+            raise _refuse_damping(
                 robots,
                 axis,
                 low < _STIFFNESS_RANGE[0],
@@ -126,7 +126,7 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
             )
         reference = reference_of(group)
         if _DELAY_FACTOR * reference.delay > _LONGEST_DELAY:
-            raise _refusal(
+            raise _refuse_damping(
                 robots,
                 next(axis for axis in group if axis.name == reference.delay_axis),
                 True,
@@ -135,7 +135,7 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
             )
 
 
-def _reference_stiffness(axes: list[DyadAxis]) -> tuple[float, str]:
+def _reference_stiffness_of(axes: list[DyadAxis]) -> tuple[float, str]:
     critical = {axis.name: axis.critical_stiffness() for axis in axes}
     name = min(critical, key=critical.__getitem__)
     if math.isinf(critical[name]):
@@ -143,8 +143,8 @@ def _reference_stiffness(axes: list[DyadAxis]) -> tuple[float, str]:
     return critical[name], name
 
 
-def _refusal(robots: Sequence[Robot], axis: DyadAxis, too_little: bool, allowed: str) -> InvalidInput:
-    """Refuse the damping of the robot that is further out of range on that axis."""
+def _refuse_damping(robots: Sequence[Robot], axis: DyadAxis, too_little: bool, allowed: str) -> InvalidInput:
+    """Refuse, for the figures, the damping of the robot that is further out of range on that axis."""
     dampings = [float(robot.damping[axis.index]) for robot in robots]
     side = dampings.index(min(dampings) if too_little else max(dampings))
     return InvalidInput(

@@ -97,27 +97,10 @@ def analyse(
 
 
 def write(analysis: Analysis, folder: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Write `report.html` and `study.json` into `folder`.
+    """Write `report.html` and `study.json` into `folder`, created if it is missing; return both paths.
 
     Both are completely written and flushed to the disk before either replaces an older file, so that a page
     never stands beside another study's numbers.
-
-    Parameters
-    ----------
-    analysis
-        Result of `analyse`.
-    folder
-        Created if it is missing.
-
-    Returns
-    -------
-    report, numbers
-        The two paths.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written.
     """
     text = json.dumps(analysis.numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     report, numbers = Path(folder) / "report.html", Path(folder) / "study.json"

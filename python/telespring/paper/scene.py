@@ -82,7 +82,7 @@ class Scene:
 
     @property
     def dyad(self) -> Dyad:
-        """The study's robots and operators."""
+        """The robots and operators of the scene's study."""
         return self.study.dyad
 
     def describe_study(self) -> dict[str, Any]:

@@ -75,12 +75,12 @@ class Section:
 
     @property
     def template(self) -> str:
-        """Path of its template below the folder of this package."""
+        """Path of the section's template below the folder of this package."""
         return f"sections/{self.name}/page.html.jinja"
 
     @property
     def of_paper(self) -> str:
-        """The paper's figures and tables that it holds, as in "Figs. 7 and 8, Table I"."""
+        """The paper's figures and tables that the section holds, as in "Figs. 7 and 8, Table I"."""
         figures = [place.name.removeprefix("Fig. ") for place in self.holds if place.name.startswith("Fig. ")]
         tables = [place.name for place in self.holds if place.name.startswith("Table ")]
         if figures:

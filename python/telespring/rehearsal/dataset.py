@@ -39,19 +39,13 @@ def write_dataset(
     trials: list[ScheduledTrial],
     target: FloatArray,
 ) -> None:
-    """Write the dataset of a finished rehearsal, complete or absent; `target` is (time, axis), m.
-
-    Raises
-    ------
-    OSError
-        Where it cannot be written.
-    """
+    """Write the dataset of a finished rehearsal, complete or absent; `target` is (time, axis), m."""
     records = _StoredTrials(store, trials)
-    with _errors_of_the_disk(store.dataset), replacing(store.dataset) as temporary:
+    with _dataset_disk_errors(store.dataset), replacing(store.dataset) as temporary:
         labels = _dataset_without_signals(identity, study, experiment, records, target)
         no_fill_value = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
         labels.to_netcdf(temporary, engine="h5netcdf", encoding=no_fill_value)
-        _declare_signals(temporary, len(experiment.sample_times))
+        _declare_dataset_signals(temporary, len(experiment.sample_times))
         # Every thread compressed its own trials; here only their bytes are copied.
         with h5py.File(temporary, "r+") as file:
             for trial, record in records:
@@ -80,7 +74,7 @@ class _StoredTrials:
 
 
 @contextmanager
-def _errors_of_the_disk(dataset: Path) -> Iterator[None]:
+def _dataset_disk_errors(dataset: Path) -> Iterator[None]:
     """Raise OSError where h5py raises RuntimeError because a write failed."""
     try:
         yield
@@ -179,17 +173,19 @@ def _dataset_attributes(identity: RehearsalIdentity, study: Study, experiment: E
         "trials": experiment.trials,
         "master_seed": np.uint64(experiment.seed),
         "order": experiment.order,
-        "agents": _json([agent.to_dict() for agent in experiment.agents]),
-        "arms": _json([arm.to_dict() for arm in experiment.arms]),
-        "task": _json(experiment.task.to_dict()),
-        "robots": _json([_robot_keys(study, index) for index in range(2)]),
+        "agents": _attribute_json([agent.to_dict() for agent in experiment.agents]),
+        "arms": _attribute_json([arm.to_dict() for arm in experiment.arms]),
+        "task": _attribute_json(experiment.task.to_dict()),
+        "robots": _attribute_json([_robot_keys(study, index) for index in range(2)]),
         "coupling_damping": experiment.coupling_damping,
-        "laboratory": _json(experiment.settings.to_dict() | {"sample_period": experiment.sample_period}),
+        "laboratory": _attribute_json(
+            experiment.settings.to_dict() | {"sample_period": experiment.sample_period}
+        ),
     }
 
 
 def _robot_keys(study: Study, index: int) -> dict[str, Any]:
-    """List the keys of a robot as the text of its study has them, without those at their defaults."""
+    """List a robot's keys for the dataset as its study has them, without those at their defaults."""
     robot, name = study.dyad.robots[index], study.robot_names[index]
     friction, uncertainty = study.coulomb[index], study.uncertainty[index]
     keys: dict[str, Any] = {} if name is None else {"name": name}
@@ -203,11 +199,11 @@ def _robot_keys(study: Study, index: int) -> dict[str, Any]:
     return keys
 
 
-def _json(value: Any) -> str:
+def _attribute_json(value: Any) -> str:
     return json.dumps(value, sort_keys=True, ensure_ascii=False)
 
 
-def _declare_signals(path: Path, count: int) -> None:
+def _declare_dataset_signals(path: Path, count: int) -> None:
     """Add the variables of the signals to the file, a chunk per trial, without values."""
     with h5netcdf.File(path, "a") as file:
         for signal in SIGNALS:

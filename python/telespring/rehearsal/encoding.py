@@ -31,7 +31,7 @@ class Signal:
 
     @property
     def resolution(self) -> float:
-        """The step to which values are rounded, in the signal's units."""
+        """The step to which a stored signal is rounded, in its units."""
         return 2.0**-self.bits
 
 
@@ -53,22 +53,11 @@ STATUSES = ("completed", "diverged", "out of reach", "too stiff")
 
 
 def compress_signal(signal: Signal, values: FloatArray, count: int) -> bytes:
-    """Compress a signal of one trial to a chunk of the dataset.
+    """Compress a signal (time, robot, axis) of one trial to a chunk of the dataset.
 
-    Parameters
-    ----------
-    signal
-        The signal.
-    values
-        (time, robot, axis); fewer than `count` rows where the trial ended early.
-    count
-        Rows of a completed trial; missing rows are NaN.
-
-    Returns
-    -------
-    bytes
-        The output of HDF5's shuffle and deflate filters. It is made here because every thread can do it,
-        while HDF5 admits one thread at a time.
+    It may have fewer rows than `count`, those of a completed trial; missing rows are NaN. The bytes are those
+    of HDF5's shuffle and deflate filters. They are made here because every thread can do it, while HDF5
+    admits one thread at a time.
     """
     padded = np.full((count, *values.shape[1:]), np.nan, dtype="<f8")
     padded[: len(values)] = round_signal(signal, values)
@@ -76,6 +65,6 @@ def compress_signal(signal: Signal, values: FloatArray, count: int) -> bytes:
 
 
 def round_signal(signal: Signal, values: FloatArray) -> FloatArray:
-    """Round values to the resolution of a signal."""
+    """Round a signal to the resolution in which it is stored."""
     scale = 2.0**signal.bits
     return np.asarray(np.rint(values * scale) / scale, dtype=np.float64)

@@ -53,7 +53,7 @@ class RehearsalIdentity:
 
     @property
     def fingerprint(self) -> str:
-        """A hash of all attributes."""
+        """A hash of the whole identity of a rehearsal."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()
 
     def to_json(self) -> str:

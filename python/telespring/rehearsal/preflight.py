@@ -62,24 +62,10 @@ PreflightWarning: TypeAlias = JitterWarning | LossWarning | ReachWarning
 def preflight_warnings(study: Study, modules: Path | None = None) -> list[PreflightWarning]:
     """Check a study for what will spoil its trials.
 
-    Nothing is refused: a network that loses every packet can be studied too.
-
-    Parameters
-    ----------
-    study
-        Any study; without an experiment it has no warnings.
-    modules
-        Folder of the study file, where the module of a Python target is looked up first.
-
-    Returns
-    -------
-    list of PreflightWarning
-        `telespring.show.screens.rehearsal.preflight_sentence` puts each into words.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a Python target is missing or its positions are invalid.
+    Nothing is refused: a network that loses every packet can be studied too. A study without an experiment
+    has no warnings. `modules`, the folder of the study file, is where a Python target is looked up first; it
+    is refused where it is missing or its positions are invalid.
+    `telespring.show.screens.rehearsal.preflight_sentence` puts each warning into words.
 
     Examples
     --------

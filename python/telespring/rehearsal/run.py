@@ -134,8 +134,8 @@ def run_protocol(
     if not isinstance(study, Study):
         modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
-    experiment = _require_experiment(study)
-    threads = _thread_count(workers)
+    experiment = _require_rehearsal_experiment(study)
+    threads = _rehearsal_thread_count(workers)
     user_code = load_user_code(experiment, modules)
     if workers is None and user_code.has_agents:
         # The interpreter runs one agent at a time; threads would only wait for each other.
@@ -178,22 +178,14 @@ def run_protocol(
 
 
 def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
-    """Remove the rehearsal in a folder, whichever it is, and nothing else.
-
-    Raises
-    ------
-    InvalidInput
-        Where another process is at work on it.
-    OSError
-        Where it cannot be removed.
-    """
+    """Remove the rehearsal in a folder, whichever it is, and nothing else."""
     store = RehearsalStore(Path(folder), RehearsalIdentity("", "", {}, SCHEMA, core_version()))
     if store.holds_other_rehearsal():
         with lock_folder(store.path):
             store.remove_rehearsal()
 
 
-def _require_experiment(study: Study) -> Experiment:
+def _require_rehearsal_experiment(study: Study) -> Experiment:
     experiment = study.experiment
     if experiment is None:
         raise InvalidInput(
@@ -212,7 +204,7 @@ def _recorded_target(experiment: Experiment, target: FloatArray | None) -> Float
     return experiment.laboratory.target(experiment.duration, experiment.record_rate)
 
 
-def _thread_count(workers: int | None) -> int:
+def _rehearsal_thread_count(workers: int | None) -> int:
     if workers is None:
         with suppress(AttributeError):  # only some systems can limit a process to some cores
             return len(os.sched_getaffinity(0))

@@ -22,19 +22,14 @@ LOCK_FILE = ".rehearsal.lock"
 
 @contextmanager
 def lock_folder(folder: Path) -> Iterator[None]:
-    """Hold a folder until the block ends or this process dies, even by SIGKILL.
+    """Hold a rehearsal's folder until the block ends or this process dies, even by SIGKILL.
 
-    Raises
-    ------
-    InvalidInput
-        Where another process holds it.
-    OSError
-        Where the folder cannot be written.
+    InvalidInput where another process holds it.
     """
     from filelock import FileLock, Timeout
 
     path = folder / LOCK_FILE
-    lock = FileLock(path, blocking=False, preserve_lock_file=True, on_acquired=_write_process_id)
+    lock = FileLock(path, blocking=False, preserve_lock_file=True, on_acquired=_write_process_id_to_lock)
     try:
         lock.acquire()
     except Timeout:
@@ -55,7 +50,7 @@ def lock_folder(folder: Path) -> Iterator[None]:
         lock.release()
 
 
-def _write_process_id(descriptor: int) -> None:
+def _write_process_id_to_lock(descriptor: int) -> None:
     os.ftruncate(descriptor, 0)
     os.write(descriptor, f"{os.getpid()}\n".encode())
 
@@ -111,15 +106,7 @@ class RehearsalStore:
         return False
 
     def begin(self) -> None:
-        """Claim the folder for this rehearsal, and remove what a killed process left half-written.
-
-        Raises
-        ------
-        InvalidInput
-            Where it holds another rehearsal.
-        OSError
-            Where it cannot be written.
-        """
+        """Claim the folder for this rehearsal, and remove what a killed process left half-written."""
         self._require_same_trials()
         # An identity without finished trials may be replaced: the agent that failed at once may be corrected.
         if not any(self._trials.glob("*.trial")):

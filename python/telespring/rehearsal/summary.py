@@ -88,7 +88,9 @@ def summarise_dataset(dataset: Path, experiment: Experiment) -> RehearsalSummary
                     condition=condition,
                     completed=int(np.count_nonzero(ended == 0)),
                     early_ends=tuple(
-                        _early_ends(meanings[value], ended == value, ended_at, position, experiment.arms)
+                        _early_ends_of_condition(
+                            meanings[value], ended == value, ended_at, position, experiment.arms
+                        )
                         for value in range(1, len(meanings))
                         if (ended == value).any()
                     ),
@@ -98,13 +100,15 @@ def summarise_dataset(dataset: Path, experiment: Experiment) -> RehearsalSummary
         )
 
 
-def _early_ends(status: str, has_ended: Any, ended_at: Any, position: Any, arms: Sequence[Arm]) -> EarlyEnds:
+def _early_ends_of_condition(
+    status: str, has_ended: Any, ended_at: Any, position: Any, arms: Sequence[Arm]
+) -> EarlyEnds:
     first = int(np.argmin(np.where(has_ended, ended_at, np.inf)))
-    arm = _arm_at_its_limit(position[first], arms) if status == "out of reach" else None
+    arm = _arm_nearest_its_limit(position[first], arms) if status == "out of reach" else None
     return EarlyEnds(status, int(np.count_nonzero(has_ended)), float(ended_at[first]), arm)
 
 
-def _arm_at_its_limit(position: Any, arms: Sequence[Arm]) -> int | None:
+def _arm_nearest_its_limit(position: Any, arms: Sequence[Arm]) -> int | None:
     """Return 1 or 2: the arm that is nearest to a limit of its reach at the end of a trial."""
     finite = position[np.isfinite(position).all(axis=(-2, -1))]
     room = []

@@ -18,24 +18,10 @@ _POINTS = 4000
 
 
 def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArray:
-    """Compute the path of the target: one period of the figure eight, or a whole trial of a Python target.
+    """Compute the path of the target, m: one period of the figure eight, or a whole trial of a Python target.
 
-    Parameters
-    ----------
-    experiment
-        The experiment of a study.
-    modules
-        Folder of the study file, where the module of a Python target is looked up first.
-
-    Returns
-    -------
-    ndarray, (point, 2)
-        Consecutive positions, m.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where a Python target is missing or its positions are invalid.
+    `modules`, the folder of the study file, is where a Python target is looked up first; it is refused where
+    it is missing or its positions are invalid.
 
     Examples
     --------
@@ -50,13 +36,7 @@ def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArr
 
 
 def user_target_path(experiment: Experiment, modules: Path | None) -> FloatArray:
-    """Compute the positions of a Python target at every tick of a trial, m, (tick, 2).
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the target is missing or its positions are invalid.
-    """
+    """Compute the positions of a Python target at every tick of a trial, m, (tick, 2)."""
     positions = load_user_code(experiment, modules).target_positions(
         experiment.tick_count, experiment.sample_period
     )

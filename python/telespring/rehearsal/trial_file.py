@@ -48,19 +48,14 @@ def write_trial_file(path: Path, record: TrialRecord) -> None:
     """Write a trial so that its file is complete or absent if this process is killed.
 
     The file is not flushed to the disk, which would take longer than the trial, so that a power cut may
-    corrupt it. `read_trial_file` detects that.
-
-    Raises
-    ------
-    OSError
-        Where it cannot be written; its `filename` is `path`.
+    corrupt it. `read_trial_file` detects that. An OSError names `path`.
     """
     head = asdict(record) | {"chunks": {name: len(chunk) for name, chunk in record.chunks.items()}}
     header = json.dumps(head).encode()
     content = b"".join([len(header).to_bytes(8, "little"), header, *record.chunks.values()])
     temporary = path.with_name(f".unfinished-{path.name}")
     try:
-        temporary.write_bytes(_MAGIC + _digest(content) + content)
+        temporary.write_bytes(_MAGIC + _trial_file_digest(content) + content)
         temporary.replace(path)
     except BaseException as error:
         temporary.unlink(missing_ok=True)
@@ -70,20 +65,14 @@ def write_trial_file(path: Path, record: TrialRecord) -> None:
 
 
 def read_trial_file(path: Path) -> TrialRecord | None:
-    """Read a trial; None where its file is absent, corrupt or something else.
-
-    Raises
-    ------
-    OSError
-        Where the file exists and cannot be read.
-    """
+    """Read the file of a trial; None where it is absent, corrupt or something else."""
     try:
         data = path.read_bytes()
     except FileNotFoundError:
         return None
     start = len(_MAGIC) + _DIGEST
     content = data[start:]
-    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : start] != _digest(content):
+    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : start] != _trial_file_digest(content):
         return None
     end = 8 + int.from_bytes(content[:8], "little")
     head = json.loads(content[8:end])
@@ -94,5 +83,5 @@ def read_trial_file(path: Path) -> TrialRecord | None:
     return TrialRecord(**(head | {"chunks": chunks}))
 
 
-def _digest(content: bytes) -> bytes:
+def _trial_file_digest(content: bytes) -> bytes:
     return hashlib.blake2b(content, digest_size=_DIGEST).digest()

@@ -75,7 +75,7 @@ class UserObject:
     options: Mapping[str, Any]
 
     def provenance(self) -> dict[str, str]:
-        """Return the name and a hash of the file, on which the numbers depend."""
+        """Return name and SHA-256 of the user's file, on which the numbers depend."""
         content = self.file.read_bytes() if self.file is not None else b""
         return {"name": self.reference, "sha256": hashlib.sha256(content).hexdigest()}
 
@@ -106,7 +106,7 @@ class UserCode:
         return self.agents != (None, None)
 
     def provenance(self) -> dict[str, dict[str, str]]:
-        """Return the name and a hash of each part, by its place in the study."""
+        """Return name and SHA-256 of each agent and target program, by its place in the study."""
         parts = {"agent1": self.agents[0], "agent2": self.agents[1], "task": self.target}
         return {place: part.provenance() for place, part in parts.items() if part is not None}
 
@@ -115,58 +115,40 @@ class UserCode:
         if not self.has_agents:
             return None
         first, second = (
-            None if agent is None else _create_agent(agent, trial_seed(seed, robot, 0), stop)
+            None if agent is None else _create_user_agent(agent, trial_seed(seed, robot, 0), stop)
             for robot, agent in enumerate(self.agents)
         )
         return first, second
 
     def target_positions(self, ticks: int, sample_period: float) -> FloatArray | None:
-        """Compute the positions of the target at every tick; None where it is not written in Python.
-
-        Raises
-        ------
-        UserCodeError
-            Where it raises an exception or its positions are invalid.
-        """
+        """Compute the user's target at every tick, m; None where it is not written in Python."""
         if self.target is None:
             return None
-        return _checked_positions(self.target, sample_period * np.arange(ticks + 1, dtype=np.float64))
+        return _checked_user_target(self.target, sample_period * np.arange(ticks + 1, dtype=np.float64))
 
 
 def load_user_code(experiment: Experiment, folder: Path | None) -> UserCode:
     """Load the Python classes and functions of an experiment, from beside the study file or as installed.
 
-    Parameters
-    ----------
-    experiment
-        The experiment of a study.
-    folder
-        Folder of the study file, if there is one.
-
-    Raises
-    ------
-    InvalidInput
-        Where a module or a name in it is missing.
-    UserCodeError
-        Where a module raises an exception when it is loaded.
+    InvalidInput where a module or a name in it is missing; UserCodeError where a module raises an exception.
     """
     modules: dict[str, ModuleType] = {}
     first, second = (
         None
         if agent.class_ is None
-        else _load_object(f"agent{robot}.class", agent.class_, agent.options or {}, folder, modules)
+        else _load_user_object(f"agent{robot}.class", agent.class_, agent.options or {}, folder, modules)
         for robot, agent in enumerate(experiment.agents, start=1)
     )
     task = experiment.task
     target = (
         None
         if task.function is None
-        else _load_object("task.function", task.function, task.options or {}, folder, modules)
+        else _load_user_object("task.function", task.function, task.options or {}, folder, modules)
     )
     return UserCode((first, second), target)
 
 
-def _load_object(
+def _load_user_object(
     field: str,
     reference: str,
     options: Mapping[str, Any],
@@ -176,7 +158,7 @@ def _load_object(
     """Load the object of a reference; `modules` holds the modules that are loaded already."""
     name, _, attribute = reference.partition(":")
     if name not in modules:
-        modules[name] = _load_module(field, reference, name, folder)
+        modules[name] = _load_user_module(field, reference, name, folder)
     module = modules[name]
     file = None if module.__file__ is None else Path(module.__file__)
     function: Any = module
@@ -187,7 +169,7 @@ def _load_object(
             field,
             reference,
             f"{name} must have a class or function of the name {attribute}",
-            f"It has {_callable_names(module)}.",
+            f"It has {_callables_of_user_module(module)}.",
         )
     if field.endswith("class") and not inspect.isclass(function):
         raise InvalidInput(
@@ -199,10 +181,10 @@ def _load_object(
     return UserObject(field, reference, function, file, options)
 
 
-def _load_module(field: str, reference: str, name: str, folder: Path | None) -> ModuleType:
+def _load_user_module(field: str, reference: str, name: str, folder: Path | None) -> ModuleType:
     file = None if folder is None else folder / f"{name}.py"
     try:
-        with _folder_on_path(folder):
+        with _user_folder_on_path(folder):
             if file is None or not file.is_file():
                 return importlib.import_module(name)
             # Loaded anew each time: the file may have been edited, or belong to another study.
@@ -210,12 +192,12 @@ def _load_module(field: str, reference: str, name: str, folder: Path | None) -> 
             assert spec is not None
             assert spec.loader is not None
             module = importlib.util.module_from_spec(spec)
-            with _registered_module(name, module):
+            with _registered_user_module(name, module):
                 spec.loader.exec_module(module)
             return module
     except ModuleNotFoundError as missing:
         if missing.name != name.split(".")[0]:
-            raise _loading_error(field, reference, missing, file) from missing
+            raise _user_loading_error(field, reference, missing, file) from missing
         places = "on Python's module path"
         if folder is not None:
             places = f"beside the study file ({folder}) or {places}"
@@ -223,19 +205,19 @@ def _load_module(field: str, reference: str, name: str, folder: Path | None) -> 
             field, reference, f"a module {name} must exist {places}", f"Put {name}.py there."
         ) from None
     except _EXCEPTIONS as error:
-        raise _loading_error(field, reference, error, file) from error
+        raise _user_loading_error(field, reference, error, file) from error
 
 
-def _loading_error(field: str, reference: str, error: BaseException, file: Path | None) -> UserCodeError:
+def _user_loading_error(field: str, reference: str, error: BaseException, file: Path | None) -> UserCodeError:
     return UserCodeError(
         field,
         reference,
-        f"its module must load, and it raised {_describe_exception(error, file)}",
+        f"its module must load, and it raised {_describe_user_exception(error, file)}",
         "Correct the module.",
     )
 
 
-def _callable_names(module: ModuleType) -> str:
+def _callables_of_user_module(module: ModuleType) -> str:
     names = [
         name
         for name, member in vars(module).items()
@@ -245,7 +227,7 @@ def _callable_names(module: ModuleType) -> str:
 
 
 @contextmanager
-def _folder_on_path(folder: Path | None) -> Iterator[None]:
+def _user_folder_on_path(folder: Path | None) -> Iterator[None]:
     """Let modules beside the study file import each other."""
     if folder is None:
         yield
@@ -259,7 +241,7 @@ def _folder_on_path(folder: Path | None) -> Iterator[None]:
 
 
 @contextmanager
-def _registered_module(name: str, module: ModuleType) -> Iterator[None]:
+def _registered_user_module(name: str, module: ModuleType) -> Iterator[None]:
     """Register a module while it is loaded, as dataclasses need, and then restore any other of its name."""
     before = sys.modules.get(name)
     sys.modules[name] = module
@@ -272,7 +254,7 @@ def _registered_module(name: str, module: ModuleType) -> Iterator[None]:
             sys.modules[name] = before
 
 
-def _describe_exception(error: BaseException, file: Path | None) -> str:
+def _describe_user_exception(error: BaseException, file: Path | None) -> str:
     """Describe an exception with the line of the user's file where it was raised."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if file is not None and Path(frame.filename) == file] or frames
@@ -280,12 +262,12 @@ def _describe_exception(error: BaseException, file: Path | None) -> str:
     return f"{type(error).__name__}: {error}{place}"
 
 
-def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallable:
+def _create_user_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallable:
     try:
         agent = user_class.function(seed=seed, **user_class.options)
     except _EXCEPTIONS as error:
         options = ", ".join(["seed", *user_class.options])
-        raised = _describe_exception(error, user_class.file)
+        raised = _describe_user_exception(error, user_class.file)
         raise user_class.error(f"the class must accept {options} by name, and it raised {raised}") from error
 
     def checked_force(
@@ -296,7 +278,7 @@ def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallab
         try:
             force = agent(time, position, velocity, target)
         except _EXCEPTIONS as error:
-            raised = _describe_exception(error, user_class.file)
+            raised = _describe_user_exception(error, user_class.file)
             raise user_class.error(
                 f"an agent must not raise exceptions, and it raised {raised} at t = {time:.6g} s"
             ) from error
@@ -314,11 +296,11 @@ def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallab
     return checked_force
 
 
-def _checked_positions(target: UserObject, times: FloatArray) -> FloatArray:
+def _checked_user_target(target: UserObject, times: FloatArray) -> FloatArray:
     try:
         returned = target.function(times.copy(), **target.options)
     except _EXCEPTIONS as error:
-        raised = _describe_exception(error, target.file)
+        raised = _describe_user_exception(error, target.file)
         raise target.error(f"a target must not raise exceptions, and it raised {raised}") from error
     try:
         positions = np.array(returned, dtype=np.float64)
@@ -334,17 +316,17 @@ def _checked_positions(target: UserObject, times: FloatArray) -> FloatArray:
     undefined = np.flatnonzero(~np.isfinite(positions).all(axis=1))
     if undefined.size:
         raise target.error(f"a target must be finite, and it is not at t = {times[undefined[0]]:.6g} s")
-    far = np.flatnonzero(np.abs(positions).max(axis=1) > _FARTHEST_TARGET)
-    if far.size:
+    too_far = np.flatnonzero(np.abs(positions).max(axis=1) > _FARTHEST_TARGET)
+    if too_far.size:
         raise target.error(
-            f"a target must stay within {_FARTHEST_TARGET:g} m, and it does not at t = {times[far[0]]:.6g} s "
-            f"(are these millimetres?)"
+            f"a target must stay within {_FARTHEST_TARGET:g} m, and it does not at "
+            f"t = {times[too_far[0]]:.6g} s (are these millimetres?)"
         )
     speed = np.hypot(*(np.diff(positions, axis=0) / np.diff(times)[:, None]).T)
-    fast = np.flatnonzero(speed > _FASTEST_TARGET)
-    if fast.size:
+    too_fast = np.flatnonzero(speed > _FASTEST_TARGET)
+    if too_fast.size:
         raise target.error(
             f"a target must not move faster than {_FASTEST_TARGET:g} m/s, and it moves at "
-            f"{speed[fast[0]]:.4g} m/s at t = {times[fast[0]]:.6g} s (a jump, or millimetres?)"
+            f"{speed[too_fast[0]]:.4g} m/s at t = {times[too_fast[0]]:.6g} s (a jump, or millimetres?)"
         )
     return positions

@@ -9,7 +9,7 @@ from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
-from telespring.show.screens.arms import describe_unavailable
+from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 from telespring.theory.verdicts import DelayBudget, Verdict
@@ -34,8 +34,8 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "stable": decision.stable,
         "worst_axis": decision.worst_axis.name,
         "horizon": decision.horizon,
-        "axes": [_axis(axis) for axis in decision.axes],
-        "verdicts": {text.key: _verdict(decision, name) for name, text in TIERS.items()},
+        "axes": [_decision_axis_json(axis) for axis in decision.axes],
+        "verdicts": {text.key: _decision_verdict_json(decision, name) for name, text in TIERS.items()},
         "stiffness_allowed": None if allowed is None else finite_or_none(allowed.stiffness),
         "stiffness_allowed_unbounded": allowed is not None and math.isinf(allowed.stiffness),
         "stiffness_allowed_attained": allowed is not None and allowed.attained,
@@ -44,7 +44,7 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "sampled_stable": verdicts.sampled_stable,
         "over_operator_ranges": decision.over_operator_ranges,
         "delay_budget": {
-            direction: _budget(budget)
+            direction: _delay_budget_json(budget)
             for direction, budget in zip(("forward", "backward"), verdicts.delay_budget, strict=True)
         },
         "remedies": {
@@ -63,11 +63,11 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
         "axes_independent": decision.axes_independent,
         "warnings": robot_notes(decision),
-        "in_arms": None if decision.arms is None else _arms(decision.arms),
+        "in_arms": None if decision.arms is None else _arm_stability_json(decision.arms),
     }
 
 
-def _axis(axis: AxisDecision) -> dict[str, Any]:
+def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness),
@@ -90,7 +90,7 @@ def _axis(axis: AxisDecision) -> dict[str, Any]:
     }
 
 
-def _verdict(decision: Decision, name: str) -> dict[str, Any]:
+def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
     axes = [axis.name for axis in decision.axes]
     constant, paper = decision.verdicts.tier("constant delay"), decision.verdicts.paper
     if name == "paper":
@@ -98,7 +98,7 @@ def _verdict(decision: Decision, name: str) -> dict[str, Any]:
         axis: int | None = paper.critical_axis
         attained, satisfied, tier = True, paper.stable, constant
     else:
-        tier = _tier(decision, name)
+        tier = _decision_tier_json(decision, name)
         bound, attained, axis, satisfied = (
             tier.stiffness_bound,
             tier.attained,
@@ -120,11 +120,11 @@ def _verdict(decision: Decision, name: str) -> dict[str, Any]:
     }
 
 
-def _tier(decision: Decision, name: str) -> Verdict:
+def _decision_tier_json(decision: Decision, name: str) -> Verdict:
     return next(tier for tier in decision.verdicts.tiers if tier.tier == name)
 
 
-def _budget(budget: DelayBudget) -> dict[str, float]:
+def _delay_budget_json(budget: DelayBudget) -> dict[str, float]:
     names = ("network", "jitter", "gap", "sampling", "computing", "total")
     return {name: getattr(budget, name) for name in names}
 
@@ -138,12 +138,12 @@ def uncertainty_json(known: MarginUncertainty) -> dict[str, Any]:
             "standard_error": stable.standard_error,
             "draws": stable.draws,
         },
-        "axes": [_axis_uncertainty(axis) for axis in known.axes],
-        "worst": _axis_uncertainty(known.worst),
+        "axes": [_axis_uncertainty_json(axis) for axis in known.axes],
+        "worst": _axis_uncertainty_json(known.worst),
     }
 
 
-def _axis_uncertainty(axis: AxisUncertainty) -> dict[str, Any]:
+def _axis_uncertainty_json(axis: AxisUncertainty) -> dict[str, Any]:
     return {
         "axis": axis.axis,
         "critical_stiffness_interval": list(axis.critical_stiffness),
@@ -152,8 +152,8 @@ def _axis_uncertainty(axis: AxisUncertainty) -> dict[str, Any]:
     }
 
 
-def _arms(arms: ArmStability) -> dict[str, Any]:
-    reason = describe_unavailable(arms)
+def _arm_stability_json(arms: ArmStability) -> dict[str, Any]:
+    reason = describe_unavailable_arms(arms)
     if arms.operators is None:
         return {"known": False, "reason": reason}
     (condition,) = arms.conditions

@@ -46,7 +46,7 @@ _SHOWN = {
 }
 
 
-def _decimal(value: float) -> Decimal:
+def _exact_decimal(value: float) -> Decimal:
     # The shortest decimal that reads back as the same number: 0.029 s is 29 ms, not a bit less.
     return Decimal(repr(float(value)))
 
@@ -54,28 +54,15 @@ def _decimal(value: float) -> Decimal:
 def format_number(value: float, digits: int = 4, *, rounding: Rounding = "nearest", shift: int = 0) -> str:
     """Write a number with significant digits and no zeros at its end.
 
-    Parameters
-    ----------
-    value
-        The number.
-    digits
-        Significant digits.
-    rounding
-        "down" for a limit that must stay above what is safe to use, "up" for one that must stay below.
-    shift
-        Write the number times ten to this power: 3 for a length in mm or a time in ms.
-
-    Returns
-    -------
-    str
-        The digits.
+    `rounding` is "down" for a limit that must stay above what is safe to use, "up" for one that must stay
+    below. `shift` writes the number times ten to this power: 3 for a length in mm or a time in ms.
 
     Examples
     --------
     >>> format_number(0.16719, rounding="down", shift=3), format_number(0.3, rounding="down", shift=3)
     ('167.1', '300')
     """
-    shown = Context(prec=digits, rounding=_ROUNDING[rounding]).plus(_decimal(value).scaleb(shift))
+    shown = Context(prec=digits, rounding=_ROUNDING[rounding]).plus(_exact_decimal(value).scaleb(shift))
     if shown == 0 or -5 < shown.adjusted() < 7:
         text = f"{shown:f}"
         return text.rstrip("0").rstrip(".") if "." in text else text
@@ -160,26 +147,12 @@ def format_quantity(
 ) -> str:
     """Write a quantity for the report: milliseconds, millimetres, significant digits.
 
-    Parameters
-    ----------
-    value
-        In SI units; None for an unbounded or missing one.
-    unit
-        Its SI unit; "1" for a pure number, "seconds" for a time that is not shown in milliseconds, such as
-        a trial's length.
-    digits
-        Significant digits.
-    style
-        "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies
-        within it; "given" drops zeros at the end, as a person writes a value; "hundredths" has two
-        decimals whatever the size, as a table's columns do.
-    bare
-        Without the unit, which then stands elsewhere, such as above a table's column.
-
-    Returns
-    -------
-    str
-        Number and unit.
+    The value is in the SI unit `unit`, or None for an unbounded or missing one. The unit is "1" for a pure
+    number and "seconds" for a time that is not shown in milliseconds, such as a trial's length. The style
+    "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies within it;
+    "given" drops zeros at the end, as a person writes a value; "hundredths" has two decimals whatever the
+    size, as a table's columns do. A `bare` quantity is without its unit, which then stands above a table's
+    column.
 
     Examples
     --------
@@ -198,13 +171,13 @@ def format_quantity(
         return "no limit"
     # A delay is shown in milliseconds, the length of a trial in seconds.
     shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
-    scaled = _decimal(value) * Decimal(factor)
+    scaled = _exact_decimal(value) * Decimal(factor)
     with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
         if style == "hundredths":
             text = f"{scaled:.2f}"
         elif scaled != 0 and not Decimal("1e-3") <= abs(scaled) < 1_000_000:
             mantissa, exponent = f"{scaled:.{min(digits, 2) - 1}e}".split("e")
-            text = f"{mantissa}·10{_superscript(int(exponent))}"
+            text = f"{mantissa}·10{_superscript_exponent(int(exponent))}"
         elif scaled == scaled.to_integral_value():
             text = f"{abs(scaled) if scaled == 0 else scaled:.0f}"
         else:
@@ -218,7 +191,7 @@ def format_quantity(
     return f"{text}{'' if shown == '°' else ' '}{shown}"
 
 
-def _superscript(exponent: int) -> str:
+def _superscript_exponent(exponent: int) -> str:
     return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 

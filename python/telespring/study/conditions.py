@@ -38,18 +38,9 @@ def condition_label(stiffness: float | None, delay: float, digits: int = 0) -> s
 
 
 def condition_labels(conditions: Iterable[Condition | tuple[float | None, float]]) -> list[str]:
-    """Name all conditions of an experiment, each differently.
+    """Name all conditions of an experiment as `condition_label` does, each differently.
 
-    Parameters
-    ----------
-    conditions
-        Stiffness, N/m (None: unconnected), and one-way delay, s, of each.
-
-    Returns
-    -------
-    list of str
-        The names of `condition_label`. Where rounding makes two conditions alike, all names have more
-        digits; a repeated condition is numbered.
+    Where rounding makes two conditions alike, all names have more digits; a repeated condition is numbered.
 
     Examples
     --------

@@ -15,24 +15,10 @@ __all__ = ["figure_eight_path", "target_positions"]
 
 
 def target_positions(task: Task | Mapping[str, Any], time: FloatArray) -> FloatArray:
-    """Compute the positions of the target of a figure-eight task.
+    """Compute the positions (A sin 2ωt, B sin ωt), m, of a figure-eight target at times (s), Eq. 12.
 
-    Parameters
-    ----------
-    task
-        The task of a study, or its keys as a dataset records them.
-    time
-        Times since the start of the trial, s.
-
-    Returns
-    -------
-    ndarray, (time, axis)
-        Positions, m: (A sin 2ωt, B sin ωt), Eq. 12.
-
-    Raises
-    ------
-    telespring.InvalidInput
-        Where the target is written in Python: only its function knows the positions.
+    The task is a study's, or its keys as a dataset records them. A target in Python is refused: only its
+    function knows the positions.
 
     Examples
     --------
@@ -46,21 +32,9 @@ def target_positions(task: Task | Mapping[str, Any], time: FloatArray) -> FloatA
 
 
 def figure_eight_path(experiment: Experiment, steps: int) -> tuple[FloatArray, bool]:
-    """Compute the path of a figure eight over one period, or over the trial where that is shorter.
+    """Compute the path of a figure eight, m, over one period, or over the trial where that is shorter.
 
-    Parameters
-    ----------
-    experiment
-        An experiment whose task is a figure eight.
-    steps
-        Number of steps, equal in phase.
-
-    Returns
-    -------
-    path : ndarray, (steps + 1, 2)
-        Consecutive positions, m.
-    is_whole : bool
-        Whether the path covers a whole period.
+    Also return whether the path covers a whole period. Its `steps` are equal in phase.
 
     Examples
     --------

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_number, as_numbers, written
+from telespring._arrays import as_number, as_numbers, quoted_value
 from telespring._core import DelaySolution
 from telespring._errors import InvalidInput
 from telespring._types import DelayValue, FloatArray, OptionValues
@@ -21,7 +21,7 @@ RightHandSide: TypeAlias = Callable[[float, FloatArray, FloatArray], ArrayLike]
 Delay: TypeAlias = float | Callable[[float], float] | Callable[[float, FloatArray], float]
 
 
-def _takes_state(function: Callable[..., Any], field: str) -> bool:
+def _delay_takes_state(function: Callable[..., Any], field: str) -> bool:
     """Whether a delay is a function of t and y rather than of t alone."""
     try:
         signature = inspect.signature(function)
@@ -41,12 +41,12 @@ def _takes_state(function: Callable[..., Any], field: str) -> bool:
     )
 
 
-def _delays(delays: Delay | Sequence[Delay]) -> list[DelayValue]:
+def _dde_delays(delays: Delay | Sequence[Delay]) -> list[DelayValue]:
     given: Iterable[Delay] = delays if isinstance(delays, Sequence | np.ndarray) else [delays]
     out: list[DelayValue] = []
     for i, delay in enumerate(given):
         if callable(delay):
-            out.append((delay, _takes_state(delay, f"delays[{i}]")))
+            out.append((delay, _delay_takes_state(delay, f"delays[{i}]")))
         else:
             out.append(float(as_numbers(f"delays[{i}]", delay)))
     return out
@@ -129,7 +129,7 @@ def solve_dde(
     >>> [round(float(value), 9) for value in solution([0.5, 2.0])[:, 0]]
     [0.5, -0.5]
     """
-    start, end = _span(t_span)
+    start, end = _dde_span(t_span)
     if callable(history):
         past = history
         first = past(start) if initial is None else initial
@@ -142,8 +142,8 @@ def solve_dde(
             return constant
 
     options: OptionValues = {
-        "rtol": _tolerance("rtol", rtol),
-        "atol": _tolerance("atol", atol),
+        "rtol": _dde_tolerance("rtol", rtol),
+        "atol": _dde_tolerance("atol", atol),
         "max_steps": max_steps,
         "initial_step": initial_step,
         "max_step": max_step,
@@ -151,26 +151,26 @@ def solve_dde(
     }
     beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
     try:
-        return core.solve_dde(rhs, _delays(delays), past, dimension, beginning, (start, end), options)
+        return core.solve_dde(rhs, _dde_delays(delays), past, dimension, beginning, (start, end), options)
     except InvalidInput as refused:
         if refused.field != "span":
             raise
         raise refused.at("t_span") from None
 
 
-def _span(t_span: Any) -> tuple[float, float]:
+def _dde_span(t_span: Any) -> tuple[float, float]:
     try:
         start, end = t_span
     except (TypeError, ValueError):
         raise InvalidInput(
             "t_span",
-            written(t_span),
+            quoted_value(t_span),
             "the two times (start, end) are needed",
             "Give both, the start first.",
         ) from None
     return as_number("t_span[0]", start), as_number("t_span[1]", end)
 
 
-def _tolerance(name: str, value: ArrayLike) -> float | list[float]:
+def _dde_tolerance(name: str, value: ArrayLike) -> float | list[float]:
     numbers = as_numbers(name, value)
     return float(numbers) if numbers.ndim == 0 else numbers.tolist()

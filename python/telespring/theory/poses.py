@@ -123,7 +123,7 @@ def pose_stability(
     >>> poses.worst_abscissa > 0, poses.axes_are_independent, poses.complete
     (True, False, True)
     """
-    places = _places(positions)
+    places = _pose_positions(positions)
     abscissa, uncoupled, complete = core.pose_stability(dyad, arms, stiffness, delay, places, agent_stiffness)
     return PoseStability(places, abscissa, uncoupled, core.cross_inertia(dyad, arms, places), complete)
 
@@ -153,7 +153,7 @@ def cross_inertia(dyad: Dyad, arms: tuple[ArmKeys, ArmKeys], positions: ArrayLik
     >>> cross_inertia(ts.hman(), (None, {"kind": "lumped", "mass": 0.5}), [[0.0, 0.1]])
     array([[0., 0.]])
     """
-    return core.cross_inertia(dyad, arms, _places(positions))
+    return core.cross_inertia(dyad, arms, _pose_positions(positions))
 
 
 def pose_system(
@@ -191,11 +191,11 @@ def pose_system(
     >>> system.roots_at_zero  # free handles: both axes have a rigid-body mode
     2
     """
-    (place,) = _places(np.asarray(position)[np.newaxis])
+    (place,) = _pose_positions(np.asarray(position)[np.newaxis])
     return core.pose_system(dyad, arms, stiffness, delay, place, agent_stiffness)
 
 
-def _places(positions: ArrayLike) -> FloatArray:
+def _pose_positions(positions: ArrayLike) -> FloatArray:
     places = as_numbers("positions", positions)
     if places.ndim != 2 or places.shape[1] != 2 or not len(places):
         raise InvalidInput(

@@ -40,7 +40,7 @@ __all__ = [
 Convention: TypeAlias = Literal["exact", "paper"]
 
 
-def _over_plane(s: ArrayLike, compute: Callable[[ComplexArray], ComplexArray]) -> ComplexArray:
+def _evaluate_over_s_plane(s: ArrayLike, compute: Callable[[ComplexArray], ComplexArray]) -> ComplexArray:
     try:
         given = np.asarray(s)
         if given.dtype.kind not in "biufc":
@@ -109,7 +109,7 @@ def transfer_matrix(
     True
     """
     of = (dyad, stiffness, delay, axis)
-    return _over_plane(s, lambda points: core.transfer_matrix(of, points, convention))
+    return _evaluate_over_s_plane(s, lambda points: core.transfer_matrix(of, points, convention))
 
 
 def mobility_matrix(
@@ -154,7 +154,7 @@ def mobility_matrix(
     True
     """
     of = (dyad, stiffness, delay, axis)
-    return _over_plane(s, lambda points: core.mobility_matrix(of, points))
+    return _evaluate_over_s_plane(s, lambda points: core.mobility_matrix(of, points))
 
 
 def frequency_response(

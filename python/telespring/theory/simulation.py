@@ -167,10 +167,10 @@ def simulate_array(
         dyad,
         stiffness,
         delay,
-        _rows("forces", forces),
+        _forces_or_history_by_robot("forces", forces),
         duration,
         rate,
-        None if history is None else _rows("history", history),
+        None if history is None else _forces_or_history_by_robot("history", history),
         velocities,
     )
     time = np.arange(position.shape[2]) / rate
@@ -188,7 +188,7 @@ def simulate_array(
     )
 
 
-def _rows(name: str, values: Sequence[Sequence[Any]]) -> list[list[Any]]:
+def _forces_or_history_by_robot(name: str, values: Sequence[Sequence[Any]]) -> list[list[Any]]:
     try:
         return [list(robot) for robot in values]
     except TypeError:

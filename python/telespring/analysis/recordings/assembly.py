@@ -64,8 +64,8 @@ def assemble_dataset(
     """
     import xarray as xr
 
-    _check_same_quantities(trials)
-    trials, period = _resample_to_one_grid(trials)
+    _check_same_recorded_quantities(trials)
+    trials, period = _resample_recorded_trials(trials)
     conditions = list(dict.fromkeys(trial.entry.condition for trial in trials))
     groups = [
         sorted(
@@ -95,7 +95,7 @@ def assemble_dataset(
         for name, unit in QUANTITIES.items()
         if name in series
     }
-    variables["target"] = _target(trials, series.get("target"), task, time)
+    variables["target"] = _recorded_target(trials, series.get("target"), task, time)
     variables["status"] = (per_trial, status.astype(str))
     if np.any((status == "completed") & (samples < len(time))):
         variables["samples"] = (per_trial, samples)
@@ -130,7 +130,7 @@ def assemble_dataset(
     )
 
 
-def _check_same_quantities(trials: list[RecordedTrial]) -> None:
+def _check_same_recorded_quantities(trials: list[RecordedTrial]) -> None:
     first = trials[0]
     for trial in trials[1:]:
         for quantity in {*first.series} ^ {*trial.series}:
@@ -143,7 +143,7 @@ def _check_same_quantities(trials: list[RecordedTrial]) -> None:
             )
 
 
-def _resample_to_one_grid(trials: list[RecordedTrial]) -> tuple[list[RecordedTrial], float | None]:
+def _resample_recorded_trials(trials: list[RecordedTrial]) -> tuple[list[RecordedTrial], float | None]:
     """Resample trials by linear interpolation, unless they share their times; also return the period, s."""
     longest = max((trial.time for trial in trials), key=len)
     step = float(np.median(np.diff(longest)))
@@ -174,7 +174,7 @@ def _resample_to_one_grid(trials: list[RecordedTrial]) -> tuple[list[RecordedTri
     return resampled, period
 
 
-def _target(
+def _recorded_target(
     trials: list[RecordedTrial],
     targets: FloatArray | None,
     task: Task | Mapping[str, Any] | None,

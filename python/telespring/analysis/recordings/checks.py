@@ -30,13 +30,13 @@ _LARGEST_STEP = 0.5
 _LARGEST_DELAY = 10.0
 
 
-def refuse(where: str, value: str, allowed: str, remedy: str = _LAYOUT_HELP) -> NoReturn:
-    """Refuse a recorded file or one of its values."""
-    raise InvalidInput(where, value, allowed, remedy)
+def refuse(field: str, value: str, allowed: str, remedy: str = _LAYOUT_HELP) -> NoReturn:
+    """Refuse a file of recorded trials, or one of its values."""
+    raise InvalidInput(field, value, allowed, remedy)
 
 
 def check_required_columns(file: str, columns: Sequence[str], required: Sequence[str]) -> None:
-    """Refuse a file that lacks a column; name the most similar one that it has."""
+    """Refuse a recorded file that lacks a column; name the most similar one that it has."""
     for name in required:
         if name not in columns:
             # without the unit
@@ -62,13 +62,13 @@ def check_index_columns(file: str, columns: Sequence[str]) -> None:
             )
 
 
-def parse_status(text: str, where: str) -> str:
-    """Parse how a trial ended; an unknown word would silently exclude the trial from all tests."""
+def parse_trial_status(text: str, field: str) -> str:
+    """Parse the status in the list of trials; an unknown word would silently exclude it from all tests."""
     status = " ".join(text.casefold().replace("_", " ").split())
     if status and status not in STATUSES:
         similar = difflib.get_close_matches(status, STATUSES, n=1, cutoff=0.7)
         refuse(
-            where,
+            field,
             text,
             f"one of {', '.join(STATUSES)} is needed; empty means completed",
             f"Write {similar[0]}."
@@ -78,20 +78,20 @@ def parse_status(text: str, where: str) -> str:
     return status or "completed"
 
 
-def parse_stiffness(text: str, where: str) -> float | None:
-    """Parse the stiffness of a condition, N/m; empty (None) in the unconnected mode."""
-    stiffness = None if text == "" else parse_number(text, where)
+def parse_condition_stiffness(text: str, field: str) -> float | None:
+    """Parse the stiffness in the list of trials, N/m; empty (None) in the unconnected mode."""
+    stiffness = None if text == "" else parse_number(text, field)
     if stiffness is not None and stiffness <= 0.0:
-        refuse(where, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode.")
+        refuse(field, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode.")
     return stiffness
 
 
-def parse_delay(text: str, where: str) -> float:
-    """Parse the one-way delay of a condition, s; empty means 0."""
-    delay = 0.0 if text == "" else parse_number(text, where)
+def parse_condition_delay(text: str, field: str) -> float:
+    """Parse the one-way delay in the list of trials, s; empty means 0."""
+    delay = 0.0 if text == "" else parse_number(text, field)
     if not 0.0 <= delay <= _LARGEST_DELAY:
         refuse(
-            where,
+            field,
             text,
             f"a one-way delay from 0 to {_LARGEST_DELAY:g} s is needed",
             "Write it in s; 167 ms is 0.167.",
@@ -99,25 +99,25 @@ def parse_delay(text: str, where: str) -> float:
     return delay
 
 
-def parse_number(text: str, where: str) -> float:
+def parse_number(text: str, field: str) -> float:
     """Parse a finite number of the list of trials."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        refuse(where, text or "empty", "a number is needed")
+        refuse(field, text or "empty", "a number is needed")
     return value
 
 
-def parse_whole_number(text: str, where: str, remedy: str) -> int:
+def parse_whole_number(text: str, field: str, remedy: str) -> int:
     """Parse a whole number of 0 or more of the list of trials."""
     if not text.isdecimal():
-        refuse(where, text or "empty", "a whole number of 0 or more is needed", remedy)
+        refuse(field, text or "empty", "a whole number of 0 or more is needed", remedy)
     return int(text)
 
 
-def check_numeric_columns(file: str, table: pd.DataFrame, columns: Sequence[str]) -> None:
+def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str]) -> None:
     """Refuse a trial without samples, or with a field that is not a finite number."""
     import pandas as pd
 
@@ -142,7 +142,7 @@ def check_numeric_columns(file: str, table: pd.DataFrame, columns: Sequence[str]
             )
 
 
-def check_times(file: str, time: FloatArray) -> None:
+def check_recorded_times(file: str, time: FloatArray) -> None:
     """Refuse sample times that do not increase, seem to be in ms, start late or leave a long gap."""
     if len(time) < 2:
         refuse(file, f"{len(time)} samples", "at least two are needed")
@@ -180,8 +180,8 @@ def check_times(file: str, time: FloatArray) -> None:
         )
 
 
-def check_metres(file: str, quantity: str, values: FloatArray) -> None:
-    """Refuse positions that seem to be in mm."""
+def check_recorded_metres(file: str, quantity: str, values: FloatArray) -> None:
+    """Refuse recorded positions that seem to be in mm."""
     typical = float(np.median(np.abs(values)))
     if typical > _LARGEST_POSITION:
         refuse(

@@ -23,12 +23,12 @@ QUANTITIES = {"position": "m", "velocity": "m_per_s", "coupling_force": "N", "ag
 SI = {"m": "m", "m_per_s": "m/s", "N": "N", "s": "s"}
 
 
-def columns_of(quantity: str) -> tuple[str, ...]:
-    """Name the four columns of a quantity: robot 1 on x and y, then robot 2.
+def recorded_columns(quantity: str) -> tuple[str, ...]:
+    """Name the four columns of a quantity in a recorded trial: robot 1 on x and y, then robot 2.
 
     Examples
     --------
-    >>> columns_of("position")[:2]
+    >>> recorded_columns("position")[:2]
     ('position_robot1_x_m', 'position_robot1_y_m')
     """
     unit = QUANTITIES[quantity]

@@ -13,7 +13,7 @@ import numpy as np
 from telespring._types import FloatArray
 from telespring.analysis.recordings import checks
 from telespring.analysis.recordings.assembly import RecordedTrial, TrialEntry, assemble_dataset
-from telespring.analysis.recordings.layout import INDEX, QUANTITIES, STUDY, TARGET, TIME, columns_of
+from telespring.analysis.recordings.layout import INDEX, QUANTITIES, STUDY, TARGET, TIME, recorded_columns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,17 +60,17 @@ def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] |
     """
     place = Path(path)
     index = place / INDEX if place.is_dir() else place
-    trials = [_read_trial(index.parent, entry) for entry in _read_index(index)]
+    trials = [_read_recorded_trial(index.parent, entry) for entry in _read_list_of_trials(index)]
     study = index.parent / STUDY
     return assemble_dataset(trials, task, study.read_text(encoding="utf-8") if study.is_file() else None)
 
 
-def _read_index(path: Path) -> list[TrialEntry]:
+def _read_list_of_trials(path: Path) -> list[TrialEntry]:
     """Read the list of trials; no trial and no file may be listed twice."""
-    table = _read_csv(path, path.name, text=True)
+    table = _read_recorded_csv(path, path.name, text=True)
     checks.check_index_columns(path.name, list(table.columns))
     entries = [
-        _parse_entry(
+        _parse_trial_entry(
             {str(column): str(text).strip() for column, text in row.items()}, f"{path.name}, line {line}"
         )
         for line, row in enumerate(table.to_dict("records"), start=2)
@@ -95,57 +95,57 @@ def _read_index(path: Path) -> list[TrialEntry]:
     return entries
 
 
-def _parse_entry(row: Mapping[str, str], where: str) -> TrialEntry:
+def _parse_trial_entry(row: Mapping[str, str], field: str) -> TrialEntry:
     """Parse one line of the list of trials."""
     ended_at: float | None = None
     if "ended_at_s" in row:
         text = row["ended_at_s"]
-        ended_at = checks.parse_number(text, f"{where}: ended_at_s") if text else math.nan
+        ended_at = checks.parse_number(text, f"{field}: ended_at_s") if text else math.nan
     no_seed = f"Remove the column seed from {INDEX}: trials of people have no seed."
     return TrialEntry(
         file=row["file"],
-        stiffness=checks.parse_stiffness(row["stiffness_N_per_m"], f"{where}: stiffness_N_per_m"),
-        delay=checks.parse_delay(row["delay_s"], f"{where}: delay_s"),
+        stiffness=checks.parse_condition_stiffness(row["stiffness_N_per_m"], f"{field}: stiffness_N_per_m"),
+        delay=checks.parse_condition_delay(row["delay_s"], f"{field}: delay_s"),
         number=checks.parse_whole_number(
-            row["trial"], f"{where}: trial", "Number the trials of a condition."
+            row["trial"], f"{field}: trial", "Number the trials of a condition."
         ),
-        status=checks.parse_status(row.get("status", ""), f"{where}: status"),
+        status=checks.parse_trial_status(row.get("status", ""), f"{field}: status"),
         ended_at=ended_at,
-        seed=checks.parse_whole_number(row["seed"], f"{where}: seed", no_seed) if "seed" in row else None,
-        discard=checks.parse_number(row["discard_s"], f"{where}: discard_s") if "discard_s" in row else None,
+        seed=checks.parse_whole_number(row["seed"], f"{field}: seed", no_seed) if "seed" in row else None,
+        discard=checks.parse_number(row["discard_s"], f"{field}: discard_s") if "discard_s" in row else None,
     )
 
 
-def _read_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
+def _read_recorded_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
     """Read the samples of one trial from its file."""
-    table = _read_csv(folder / entry.file, entry.file)
+    table = _read_recorded_csv(folder / entry.file, entry.file)
     present = list(table.columns)
     quantities = [
         quantity
         for quantity in QUANTITIES
         if quantity == "position" or any(column.startswith(f"{quantity}_") for column in present)
     ]
-    columns = [TIME, *(column for quantity in quantities for column in columns_of(quantity))]
+    columns = [TIME, *(column for quantity in quantities for column in recorded_columns(quantity))]
     has_target = any(column.startswith("target_") for column in present)
     columns += TARGET if has_target else ()
     checks.check_required_columns(entry.file, present, columns)
-    checks.check_numeric_columns(entry.file, table, columns)
+    checks.check_recorded_samples(entry.file, table, columns)
     time = np.asarray(table[TIME], dtype=float)
-    checks.check_times(entry.file, time)
+    checks.check_recorded_times(entry.file, time)
     series: dict[str, FloatArray] = {
-        quantity: np.asarray(table[list(columns_of(quantity))], dtype=float).reshape(-1, 2, 2)
+        quantity: np.asarray(table[list(recorded_columns(quantity))], dtype=float).reshape(-1, 2, 2)
         for quantity in quantities
     }
     if has_target:
         series["target"] = np.asarray(table[list(TARGET)], dtype=float)
     if entry.status == "completed":
         for quantity in series.keys() & {"position", "target"}:
-            checks.check_metres(entry.file, quantity, series[quantity])
+            checks.check_recorded_metres(entry.file, quantity, series[quantity])
     return RecordedTrial(entry, time, series)
 
 
-def _read_csv(path: Path, name: str, *, text: bool = False) -> pd.DataFrame:
-    """Read a CSV file with its numbers exact, or all as text."""
+def _read_recorded_csv(path: Path, name: str, *, text: bool = False) -> pd.DataFrame:
+    """Read a CSV file of recorded trials with its numbers exact, or all as text."""
     import pandas as pd
 
     try:

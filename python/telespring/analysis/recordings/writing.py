@@ -11,7 +11,15 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.analysis.recordings.layout import AXES, INDEX, QUANTITIES, STUDY, TARGET, TIME, columns_of
+from telespring.analysis.recordings.layout import (
+    AXES,
+    INDEX,
+    QUANTITIES,
+    STUDY,
+    TARGET,
+    TIME,
+    recorded_columns,
+)
 from telespring.analysis.trials import trial_statuses
 from telespring.model import Study
 from telespring.study.conditions import condition_label
@@ -70,7 +78,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "Choose another folder, or remove that file.",
         )
     status = trial_statuses(dataset)
-    columns = _columns(dataset)
+    columns = _trial_file_columns(dataset)
     has_position = dataset["position"].notnull().all(["robot", "axis"])
     rows: list[dict[str, Any]] = []
     for i, j in np.argwhere(status != "absent").tolist():
@@ -101,14 +109,14 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     return write_whole(index, pd.DataFrame(rows).to_csv(index=False, lineterminator="\n"))
 
 
-def _columns(dataset: xr.Dataset) -> xr.Dataset:
+def _trial_file_columns(dataset: xr.Dataset) -> xr.Dataset:
     """Flatten robots and axes into the columns of a trial's file, over (condition, trial, time)."""
     import xarray as xr
 
     columns = {name: dataset["target"].isel(axis=axis, drop=True) for axis, name in enumerate(TARGET)}
     for quantity in QUANTITIES:
         if quantity in dataset.variables and set(_PER_SAMPLE) == set(dataset[quantity].dims):
-            for place, name in enumerate(columns_of(quantity)):
+            for place, name in enumerate(recorded_columns(quantity)):
                 robot, axis = divmod(place, len(AXES))
                 columns[name] = dataset[quantity].isel(robot=robot, axis=axis, drop=True)
     return xr.Dataset(columns, coords={"time": dataset["time"]})

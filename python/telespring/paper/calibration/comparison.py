@@ -40,7 +40,7 @@ class Score:
     p_value: float | None
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON, errors in mm."""
+        """Agreement of simulated with published cells for JSON, errors in mm."""
         return {
             "cells": self.cells,
             "rms_error": finite_or_none(1e3 * self.rms_error),
@@ -78,7 +78,7 @@ class Prediction:
 
 
 def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction:
-    """Summarise errors (condition, trial, robot), m, as Table I does: means, deviations and arrows.
+    """Summarise simulated errors (condition, trial, robot), m, as Table I does: means, deviations and arrows.
 
     An arrow is from the rank-sum test at p < 0.05 against TE2 in the first condition without a stiffness.
     """

@@ -10,7 +10,7 @@ from telespring._types import FloatArray
 from telespring.paper.calibration.fit import optimum
 from telespring.paper.calibration.likelihood import Likelihood, threshold
 from telespring.paper.calibration.surrogate import Surrogate
-from telespring.paper.calibration.unknowns import NAMES, VARIANTS, free_of
+from telespring.paper.calibration.unknowns import NAMES, VARIANTS, free_unknowns
 
 __all__ = ["Sizes", "explore"]
 
@@ -26,38 +26,31 @@ Laboratory = Callable[[FloatArray], FloatArray]
 def explore(laboratory: Laboratory, likelihood: Likelihood, sizes: Sizes) -> Surrogate:
     """Run the laboratory at a design of points and build the surrogate through them.
 
-    A quarter of the points has no arm mass on top: there both variants are the same model.
-
-    Parameters
-    ----------
-    laboratory
-        Runs many points, all with the same random numbers, so that the surrogate is smooth.
-    likelihood
-        Decides where further points are spent: where it is high, and around both optima.
-    sizes
-        Number of points of each kind.
+    A quarter of the points has no arm mass on top: there both variants are the same model. The laboratory
+    runs all points with the same random numbers, so that the surrogate is smooth. Further points are spent
+    where the likelihood is high, and around both optima.
     """
     even, plausible, near = sizes
-    points = _spread(even, 1)
+    points = _sobol_design_points(even, 1)
     surrogate = Surrogate(points, laboratory(points))
-    candidates = _spread(16 * max(plausible, 64), 2)
+    candidates = _sobol_design_points(16 * max(plausible, 64), 2)
     deviance = likelihood.deviance(surrogate(candidates))
     inside = candidates[deviance <= deviance.min() + threshold(len(likelihood.mean), len(NAMES))]
     if len(inside) < plausible:
         inside = candidates[np.argsort(deviance, kind="stable")[:plausible]]
-    surrogate = _add_points(surrogate, inside[:plausible], laboratory)
+    surrogate = _add_design_points(surrogate, inside[:plausible], laboratory)
     for number, variant in enumerate(VARIANTS):
-        free = free_of(variant)
+        free = free_unknowns(variant)
         best, _ = optimum(surrogate, likelihood, free)
-        around = best + 2 * _NEIGHBOURHOOD * (_spread(near, 3 + number, every=0) - 0.5)
+        around = best + 2 * _NEIGHBOURHOOD * (_sobol_design_points(near, 3 + number, every=0) - 0.5)
         around = np.clip(around, 0.0, 1.0)
         fixed = [i for i in range(len(NAMES)) if i not in free]
         around[:, fixed] = best[fixed]
-        surrogate = _add_points(surrogate, around, laboratory)
+        surrogate = _add_design_points(surrogate, around, laboratory)
     return surrogate
 
 
-def _spread(count: int, seed: int, every: int = 4) -> FloatArray:
+def _sobol_design_points(count: int, seed: int, every: int = 4) -> FloatArray:
     """Sobol's points over the unit cube, one in `every` of them moved to no arm mass."""
     from scipy.stats import qmc
 
@@ -68,7 +61,7 @@ def _spread(count: int, seed: int, every: int = 4) -> FloatArray:
     return np.asarray(points)
 
 
-def _add_points(surrogate: Surrogate, points: FloatArray, laboratory: Laboratory) -> Surrogate:
+def _add_design_points(surrogate: Surrogate, points: FloatArray, laboratory: Laboratory) -> Surrogate:
     # a repeated point, as bounds cause, would make the interpolation singular
     both = np.concatenate([surrogate.points, points])
     _, first = np.unique(np.round(both, 9), axis=0, return_index=True)

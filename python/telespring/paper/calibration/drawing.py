@@ -50,7 +50,7 @@ def draw_cells(calibration: Calibration) -> Figure:
 
 
 def draw_profiles(calibration: Calibration) -> Figure:
-    """Draw the profile likelihoods of all unknowns for both variants."""
+    """Draw the profile likelihoods of all unknowns of the calibration for both variants."""
     from telespring.show import figures
 
     return figures.profiles_figure(

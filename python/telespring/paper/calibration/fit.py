@@ -13,7 +13,7 @@ from telespring._types import FloatArray
 from telespring.paper.calibration.likelihood import Likelihood, threshold
 from telespring.paper.calibration.minimise import minimise
 from telespring.paper.calibration.surrogate import Surrogate
-from telespring.paper.calibration.unknowns import HIGH, NAMES, UNKNOWNS, Variant, free_of
+from telespring.paper.calibration.unknowns import HIGH, NAMES, UNKNOWNS, Variant, free_unknowns
 
 __all__ = ["Fit", "PairMap", "Profile", "fit", "optimum"]
 
@@ -38,7 +38,7 @@ class Profile:
     open_above: bool
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON."""
+        """Profile of one unknown for JSON."""
         return {
             "values": self.values.tolist(),
             "deviance_rise": self.rise.tolist(),
@@ -96,7 +96,7 @@ class Fit:
     correction: float
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON, SI units."""
+        """Fitted unknowns, their profiles and correlations for JSON, SI units."""
         unknowns = {unknown.name: unknown for unknown in UNKNOWNS}
         return {
             "variant": self.variant,
@@ -120,7 +120,7 @@ class Fit:
 
 
 def optimum(surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...]) -> tuple[FloatArray, float]:
-    """Compute the most likely point, in units of the upper bounds, and its deviance."""
+    """Compute the most likely unknowns, in units of their upper bounds, and their deviance."""
     points, values = minimise(
         lambda points: likelihood.deviance(surrogate(points)),
         np.zeros((1, len(NAMES))),
@@ -133,8 +133,8 @@ def optimum(surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...])
 
 
 def fit(surrogate: Surrogate, likelihood: Likelihood, variant: Variant, confirm: Confirm) -> Fit:
-    """Fit one variant on the surrogate, which `confirm`, a run of the laboratory, corrects at the optimum."""
-    free = free_of(variant)
+    """Fit one variant's unknowns on the surrogate; `confirm`, a laboratory run, corrects the optimum."""
+    free = free_unknowns(variant)
     point, value = optimum(surrogate, likelihood, free)
     correction = float("nan")
     for _ in range(_CONFIRMATIONS):
@@ -148,27 +148,27 @@ def fit(surrogate: Surrogate, likelihood: Likelihood, variant: Variant, confirm:
         if np.max(np.abs(point - before)) < 0.005:
             break
     limit = threshold(len(likelihood.mean), len(free))
-    profiles = _profiles(surrogate, likelihood, free, point, value, limit)
+    profiles = _profile_likelihoods(surrogate, likelihood, free, point, value, limit)
     return Fit(
         variant=variant,
         values={NAMES[i]: float(point[i] * HIGH[i]) for i in free},
         point=point,
         profiles=profiles,
-        pairs=_pairs(surrogate, likelihood, free, point, value),
+        pairs=_pair_deviance_maps(surrogate, likelihood, free, point, value),
         threshold=limit,
-        correlation=_correlation(surrogate, likelihood, free, point),
+        correlation=_correlation_of_unknowns(surrogate, likelihood, free, point),
         deviance=value,
-        misfit=_misfit(likelihood, surrogate(point)),
+        misfit=_misfit_of_cells(likelihood, surrogate(point)),
         correction=correction,
     )
 
 
-def _misfit(likelihood: Likelihood, simulated: FloatArray) -> tuple[float, float]:
+def _misfit_of_cells(likelihood: Likelihood, simulated: FloatArray) -> tuple[float, float]:
     common, difference = likelihood.components(simulated)
     return float(np.sqrt(np.mean(common**2))), float(np.sqrt(np.mean(difference**2)))
 
 
-def _profiles(
+def _profile_likelihoods(
     surrogate: Surrogate,
     likelihood: Likelihood,
     free: tuple[int, ...],
@@ -190,7 +190,7 @@ def _profiles(
             rounds=8,
         )
         rise = np.maximum(deviance - value, 0.0)
-        low, high = _interval(grid, rise, float(point[i]), limit)
+        low, high = _profile_interval(grid, rise, float(point[i]), limit)
         profiles[NAMES[i]] = Profile(
             name=NAMES[i],
             values=grid * HIGH[i],
@@ -202,7 +202,7 @@ def _profiles(
     return profiles
 
 
-def _interval(grid: FloatArray, rise: FloatArray, best: float, limit: float) -> tuple[float, float]:
+def _profile_interval(grid: FloatArray, rise: FloatArray, best: float, limit: float) -> tuple[float, float]:
     """Outermost values inside the limit, by linear interpolation between points of the grid."""
     inside = np.flatnonzero(rise <= limit)
     first, last = int(inside[0]), int(inside[-1])
@@ -214,7 +214,7 @@ def _interval(grid: FloatArray, rise: FloatArray, best: float, limit: float) -> 
     return low, high
 
 
-def _pairs(
+def _pair_deviance_maps(
     surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray, value: float
 ) -> tuple[PairMap, ...]:
     grid = np.linspace(0.0, 1.0, _PAIR_POINTS)
@@ -236,7 +236,7 @@ def _pairs(
     return tuple(maps)
 
 
-def _correlation(
+def _correlation_of_unknowns(
     surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray
 ) -> FloatArray:
     """Correlation from the inverse of J' V⁻¹ J, with J by central differences, one-sided at a bound."""

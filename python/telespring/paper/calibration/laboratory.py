@@ -65,22 +65,11 @@ class RigSimulator:
         trials: int,
         unknowns: FloatArray | None = None,
     ) -> FloatArray:
-        """Run trials of some conditions and compute their tracking errors.
+        """Run trials; return tracking errors (condition, trial, robot), m, NaN after an early end.
 
-        Parameters
-        ----------
-        conditions
-            Stiffness (N/m; None unconnected) and one-way delay (s), by the condition's number.
-        trials
-            Of each condition. The random numbers of a trial depend on the condition's number and its own,
-            not on the unknowns.
-        unknowns
-            SI units; by default the study is run as it is.
-
-        Returns
-        -------
-        ndarray
-            Tracking errors (condition, trial, robot), m; NaN where a trial ended early.
+        Conditions are stiffness (N/m; None unconnected) and one-way delay (s) by their numbers. The random
+        numbers of a trial depend on the condition's number and its own, not on the unknowns (SI units),
+        without which the study is run as it is.
         """
         study = self.study if unknowns is None else self.at(unknowns)
         experiment = study.experiment

@@ -15,7 +15,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 from telespring.paper.calibration.likelihood import Likelihood
-from telespring.paper.calibration.surrogate import cap
+from telespring.paper.calibration.surrogate import cap_errors
 from telespring.paper.calibration.unknowns import HIGH, NAMES, UNKNOWNS
 
 __all__ = ["LeastSquares", "least_squares"]
@@ -51,7 +51,7 @@ class LeastSquares:
     rms_of_fit: float
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON; SI units, errors in mm."""
+        """Least-squares optimum for JSON; SI units, errors in mm."""
         return {
             "unknowns": {
                 unknown.name: {
@@ -71,28 +71,21 @@ def least_squares(
 ) -> LeastSquares:
     """Descend from the optimum of the chosen likelihood to the nearest minimum of the sum of squares.
 
-    Gauss-Newton within bounds and within a box that shrinks after a step that does not improve.
-
-    Parameters
-    ----------
-    few, many
-        Run the laboratory with a trial or two of each condition, for the descent, and with as many as the
-        predictions have, to correct the result of a descent and continue from it.
-    likelihood
-        Has the published means.
-    start
-        In units of the upper bounds.
+    Gauss-Newton within bounds and within a box that shrinks after a step that does not improve. `few` runs
+    the laboratory with a trial or two of each condition, for the descent; `many` with as many as the
+    predictions have, to correct the result of a descent and continue from it. Points are in units of the
+    upper bounds.
     """
 
     def residuals(errors: FloatArray) -> FloatArray:
-        return np.asarray((cap(errors) - likelihood.mean).ravel())
+        return np.asarray((cap_errors(errors) - likelihood.mean).ravel())
 
     best, least = start, residuals(many(start))
     of_fit = float(np.sqrt(np.mean(least**2)))
     point, correction = start, least - residuals(few(start))
     for _ in range(_CONFIRMATIONS):
         offset = correction
-        point = _descend(lambda at: residuals(few(at)) + offset, point)  # noqa: B023 - called in this turn
+        point = _descend_sum_of_squares(lambda at: residuals(few(at)) + offset, point)  # noqa: B023 - called in this turn
         confirmed = residuals(many(point))
         if confirmed @ confirmed < least @ least:
             best, least = point, confirmed
@@ -107,21 +100,21 @@ def least_squares(
     )
 
 
-def _descend(residuals: Callable[[FloatArray], FloatArray], start: FloatArray) -> FloatArray:
+def _descend_sum_of_squares(residuals: Callable[[FloatArray], FloatArray], start: FloatArray) -> FloatArray:
     from scipy.optimize import lsq_linear
 
-    point, here, size = start, residuals(start), _FIRST_STEP
+    point, residual, size = start, residuals(start), _FIRST_STEP
     jacobian: FloatArray | None = None
     for _ in range(_STEPS):
         if jacobian is None:
-            jacobian = _jacobian(residuals, point, here)
+            jacobian = _jacobian_of_residuals(residuals, point, residual)
         low, high = np.maximum(-point, -size), np.minimum(1.0 - point, size)
         # on a bound the box would have no width
-        step = lsq_linear(jacobian, -here, bounds=(low - 1e-12, high + 1e-12)).x
+        step = lsq_linear(jacobian, -residual, bounds=(low - 1e-12, high + 1e-12)).x
         candidate = np.clip(point + step, 0.0, 1.0)
-        there = residuals(candidate)
-        if there @ there < here @ here:
-            point, here, jacobian, size = candidate, there, None, min(2 * size, _FIRST_STEP)
+        candidate_residual = residuals(candidate)
+        if candidate_residual @ candidate_residual < residual @ residual:
+            point, residual, jacobian, size = candidate, candidate_residual, None, min(2 * size, _FIRST_STEP)
         else:
             size /= 4
         if size < _SMALLEST_STEP or np.max(np.abs(step)) < _SMALLEST_STEP:
@@ -129,12 +122,12 @@ def _descend(residuals: Callable[[FloatArray], FloatArray], start: FloatArray) -
     return point
 
 
-def _jacobian(
-    residuals: Callable[[FloatArray], FloatArray], point: FloatArray, here: FloatArray
+def _jacobian_of_residuals(
+    residuals: Callable[[FloatArray], FloatArray], point: FloatArray, residual: FloatArray
 ) -> FloatArray:
     columns = []
     for i in range(len(point)):
-        aside = point.copy()
-        aside[i] += _DIFFERENCE if point[i] + _DIFFERENCE <= 1.0 else -_DIFFERENCE
-        columns.append((residuals(aside) - here) / (aside[i] - point[i]))
+        neighbour = point.copy()
+        neighbour[i] += _DIFFERENCE if point[i] + _DIFFERENCE <= 1.0 else -_DIFFERENCE
+        columns.append((residuals(neighbour) - residual) / (neighbour[i] - point[i]))
     return np.array(columns).T

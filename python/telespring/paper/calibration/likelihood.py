@@ -47,7 +47,7 @@ class Likelihood:
 
     @classmethod
     def of(cls, rows: Sequence[PublishedRow]) -> Likelihood:
-        """Build the likelihood from the means and standard deviations of rows of the table."""
+        """Build the likelihood from the means and standard deviations of published rows."""
         deviation = np.array([row.standard_deviation for row in rows])
         # of (TE1 + TE2)/2 and of (TE2 - TE1)/2
         variance = 2 * float(np.max(np.sum(deviation**2, axis=1) / 4 / TRIALS))

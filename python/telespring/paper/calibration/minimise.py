@@ -30,16 +30,9 @@ def minimise(
     """Minimise by sampling the cube evenly, then repeatedly in smaller boxes around the best point so far.
 
     It needs no derivative and does not stop at a bound or in the first valley. The samples are Sobol's, so
-    the same call returns the same result.
-
-    Parameters
-    ----------
-    objective
-        Maps points (slice, sample, unknown) to values (slice, sample).
-    start
-        One point per slice (slice, unknown); unknowns whose index is not in `free` keep these values.
-    first, further, rounds
-        Number of samples over the whole cube, of samples in a later round, and of later rounds.
+    the same call returns the same result. The objective maps points (slice, sample, unknown) to values
+    (slice, sample); `start` has one point per slice, whose unknowns that are not in `free` keep these values.
+    `first` samples are over the whole cube, `further` ones in each of the later `rounds`.
     """
     from scipy.stats import qmc
 

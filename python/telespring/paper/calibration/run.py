@@ -109,7 +109,7 @@ class Calibration:
         )
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON: tracking errors in mm, everything else in SI units."""
+        """Whole calibration for JSON: tracking errors in mm, everything else in SI units."""
         return {
             "fitted_conditions": [self.published[i].label for i in self.fitted],
             "held_out_conditions": [self.published[i].label for i in self.held_out],
@@ -147,7 +147,7 @@ class Calibration:
                 "median_of_worst_cell": 1e3 * self.surrogate.median,
                 "largest_error": 1e3 * self.surrogate.largest,
             },
-            "cells": self._cells(),
+            "cells": self._cells_json(),
             "held_out": {
                 name: {cells: score.numbers() for cells, score in scores.items()}
                 for name, scores in self.scores.items()
@@ -155,7 +155,7 @@ class Calibration:
             "arrows": {name: self._arrow_counts(prediction) for name, prediction in self.predictions.items()},
         }
 
-    def _cells(self) -> list[dict[str, Any]]:
+    def _cells_json(self) -> list[dict[str, Any]]:
         """List every condition with its published and simulated errors, mm."""
         cells = []
         for i, row in enumerate(self.published):
@@ -244,11 +244,11 @@ def calibrate(
 
     def design_run(points: FloatArray) -> FloatArray:
         return np.array(
-            [_mean(rig.errors(fitted_conditions, design_trials, point * HIGH)) for point in points]
+            [_trial_means(rig.errors(fitted_conditions, design_trials, point * HIGH)) for point in points]
         ).reshape(len(points), len(fitted), 2)
 
     def confirm(point: FloatArray) -> FloatArray:
-        return _mean(rig.errors(fitted_conditions, trials, point * HIGH))
+        return _trial_means(rig.errors(fitted_conditions, trials, point * HIGH))
 
     report("design of the calibration")
     surrogate = explore(design_run, likelihood, sizes)
@@ -265,7 +265,7 @@ def calibrate(
     for name, fitted_variant in fits.items():
         predictions[name] = predict(rig.errors(conditions, trials, fitted_variant.point * HIGH), table)
     alternative_prediction = predict(rig.errors(conditions, trials, alternative.point * HIGH), table)
-    scores = _scores(table, list(held_out), {**predictions, "least squares": alternative_prediction})
+    scores = _score_held_out(table, list(held_out), {**predictions, "least squares": alternative_prediction})
     return Calibration(
         published=table,
         fitted=fitted,
@@ -280,7 +280,7 @@ def calibrate(
     )
 
 
-def _scores(
+def _score_held_out(
     table: tuple[PublishedRow, ...], rows: list[int], predictions: dict[str, Prediction]
 ) -> dict[str, dict[str, Score]]:
     measured = np.array([table[i].mean for i in rows])
@@ -296,8 +296,8 @@ def _scores(
     }
 
 
-def _mean(errors: FloatArray) -> FloatArray:
-    """Average over trials; one that ended early makes its condition's mean NaN."""
+def _trial_means(errors: FloatArray) -> FloatArray:
+    """Average simulated errors over trials; one that ended early makes its condition's mean NaN."""
     return np.asarray(errors.mean(axis=1))
 
 

@@ -39,11 +39,11 @@ class Surrogate:
     @property
     def capped(self) -> FloatArray:
         """Errors as they are interpolated, m."""
-        return cap(self.errors)
+        return cap_errors(self.errors)
 
     @cached_property
     def _interpolant(self) -> object:
-        return _through(self.points, np.log(self.capped))
+        return _interpolant_through(self.points, np.log(self.capped))
 
     def __call__(self, points: FloatArray) -> FloatArray:
         """Interpolate the errors at points (..., unknown): (..., condition, robot), m."""
@@ -54,7 +54,7 @@ class Surrogate:
     def through(self, point: FloatArray, errors: FloatArray) -> Surrogate:
         """Shift the surrogate so that it passes through these errors (condition, robot) at one point."""
         plain = Surrogate(self.points, self.errors)
-        return Surrogate(self.points, self.errors, np.log(cap(errors)) - np.log(plain(point)))
+        return Surrogate(self.points, self.errors, np.log(cap_errors(errors)) - np.log(plain(point)))
 
     def cross_validated(self) -> FloatArray:
         """Error of the surrogate at every point, m, when built without the eighth that the point is in."""
@@ -63,18 +63,18 @@ class Surrogate:
         fold = np.arange(len(self.points)) % _FOLDS
         for number in range(_FOLDS):
             left_out = fold == number
-            interpolant = _through(self.points[~left_out], values[~left_out])
+            interpolant = _interpolant_through(self.points[~left_out], values[~left_out])
             logarithm = interpolant(self.points[left_out])
             predicted[left_out] = np.exp(logarithm.reshape(predicted[left_out].shape))
         return np.asarray(predicted - self.capped)
 
 
-def cap(errors: FloatArray) -> FloatArray:
+def cap_errors(errors: FloatArray) -> FloatArray:
     """Limit errors to `CAP`; those of trials that diverged become `CAP`."""
     return np.minimum(np.where(np.isfinite(errors), errors, CAP), CAP)
 
 
-def _through(points: FloatArray, values: FloatArray):  # type: ignore[no-untyped-def]
+def _interpolant_through(points: FloatArray, values: FloatArray):  # type: ignore[no-untyped-def]
     from scipy.interpolate import RBFInterpolator
 
     return RBFInterpolator(points, values.reshape(len(points), -1), kernel="cubic", degree=2)

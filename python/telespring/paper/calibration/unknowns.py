@@ -9,7 +9,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 
-__all__ = ["HIGH", "NAMES", "UNKNOWNS", "VARIANTS", "Unknown", "Variant", "free_of"]
+__all__ = ["HIGH", "NAMES", "UNKNOWNS", "VARIANTS", "Unknown", "Variant", "free_unknowns"]
 
 Variant: TypeAlias = Literal["inside", "on top"]
 
@@ -38,7 +38,7 @@ NAMES = tuple(unknown.name for unknown in UNKNOWNS)
 HIGH: FloatArray = np.array([unknown.high for unknown in UNKNOWNS])
 
 
-def free_of(variant: Variant) -> tuple[int, ...]:
+def free_unknowns(variant: Variant) -> tuple[int, ...]:
     """Return the indices of the unknowns that the motion depends on.
 
     With the arm's inertia inside Table III the moving mass is that of Table III, whatever part is the arm's.

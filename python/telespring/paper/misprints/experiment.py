@@ -7,10 +7,15 @@ from telespring.paper import published
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.theory.spectrum import spectral_abscissa
 
-__all__ = ["figure_5h", "figure_5j", "numbers_of_the_robots", "reference_delay"]
+__all__ = [
+    "misprint_of_figure_5h",
+    "misprint_of_figure_5j",
+    "misprint_of_reference_delay",
+    "misprint_of_robot_numbers",
+]
 
 
-def numbers_of_the_robots(axes: list[DyadAxis]) -> Misprint:
+def misprint_of_robot_numbers(axes: list[DyadAxis]) -> Misprint:
     """Show that exchanging the robots' numbers changes neither K nor Δ."""
     swapped = [DyadAxis(a.masses[1], a.dampings[1], a.masses[0], a.dampings[0]) for a in axes]
     k = min(axis.critical_stiffness() for axis in axes)
@@ -38,7 +43,7 @@ def numbers_of_the_robots(axes: list[DyadAxis]) -> Misprint:
     )
 
 
-def reference_delay(axes: list[DyadAxis]) -> Misprint:
+def misprint_of_reference_delay(axes: list[DyadAxis]) -> Misprint:
     """Compare the delays from K, rounded and unrounded, with those printed and used."""
     table = published.TABLE_III
     k = min(axis.critical_stiffness() for axis in axes)
@@ -64,7 +69,7 @@ def reference_delay(axes: list[DyadAxis]) -> Misprint:
     )
 
 
-def figure_5h(axes: list[DyadAxis], reference: float) -> Misprint:
+def misprint_of_figure_5h(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show which axis is marginal at 2K and Δ."""
     return Misprint(
         key="figure-5h",
@@ -81,7 +86,7 @@ def figure_5h(axes: list[DyadAxis], reference: float) -> Misprint:
     )
 
 
-def figure_5j(axes: list[DyadAxis], reference: float) -> Misprint:
+def misprint_of_figure_5j(axes: list[DyadAxis], reference: float) -> Misprint:
     """Show that one axis is still stable at 4K and 0.5Δ."""
     delay = 0.5 * min(float(axis.maximum_delay(2 * reference)) for axis in axes)
     dyad = hman()

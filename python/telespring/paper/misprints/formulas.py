@@ -13,17 +13,17 @@ from telespring.theory.criteria import critical_stiffness
 from telespring.theory.response import open_loop
 
 __all__ = [
-    "conjugate_polynomial",
-    "diagonal_of_equation_2",
-    "equation_16",
-    "letters_of_section_3",
-    "loop_of_figure_3",
-    "sign_in_equation_9",
-    "table_2",
+    "misprint_in_conjugate_polynomial",
+    "misprint_in_equation_2",
+    "misprint_in_equation_9",
+    "misprint_in_equation_16",
+    "misprint_in_letters_of_section_3",
+    "misprint_in_loop_of_figure_3",
+    "misprint_in_table_2",
 ]
 
 
-def diagonal_of_equation_2(axis: DyadAxis, k: float) -> Misprint:
+def misprint_in_equation_2(axis: DyadAxis, k: float) -> Misprint:
     """Compare the printed and the corrected diagonal of Eq. 2 with Eq. 1, solved at one frequency."""
     m1, b1, m2, b2 = axis.parameters
     frequency, delay = 10.0, 0.1
@@ -49,7 +49,7 @@ def diagonal_of_equation_2(axis: DyadAxis, k: float) -> Misprint:
     )
 
 
-def sign_in_equation_9(base: DyadAxis) -> Misprint:
+def misprint_in_equation_9(base: DyadAxis) -> Misprint:
     """Show that the sign in Eq. 9 vanishes for two identical robots at 2K."""
     # Two identical robots at twice the critical stiffness have B = 0 exactly; here without rounding.
     exact = DyadAxis(1.0, 2.0, 1.0, 2.0)
@@ -91,7 +91,7 @@ def sign_in_equation_9(base: DyadAxis) -> Misprint:
     )
 
 
-def loop_of_figure_3(base: DyadAxis) -> Misprint:
+def misprint_in_loop_of_figure_3(base: DyadAxis) -> Misprint:
     """Evaluate the printed loop of the caption and the correct one at 2K."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
@@ -116,7 +116,7 @@ def loop_of_figure_3(base: DyadAxis) -> Misprint:
     )
 
 
-def letters_of_section_3(base: DyadAxis) -> Misprint:
+def misprint_in_letters_of_section_3(base: DyadAxis) -> Misprint:
     """Evaluate S with its arguments as printed and as meant."""
     damping, mass = base.dampings[0], base.masses[0]
     stiffness = base.critical_stiffness()
@@ -136,7 +136,7 @@ def letters_of_section_3(base: DyadAxis) -> Misprint:
     )
 
 
-def conjugate_polynomial(axis: DyadAxis, k: float) -> Misprint:
+def misprint_in_conjugate_polynomial(axis: DyadAxis, k: float) -> Misprint:
     """Evaluate ā by its definition, and with and without the factor s²."""
     m1, b1, m2, b2 = axis.parameters
     s, z = 5j, np.exp(-1j)
@@ -162,7 +162,7 @@ def conjugate_polynomial(axis: DyadAxis, k: float) -> Misprint:
     )
 
 
-def equation_16(base: DyadAxis) -> Misprint:
+def misprint_in_equation_16(base: DyadAxis) -> Misprint:
     """Compare both prefactors of Eq. 16 with a root of Eq. 8."""
     k = 2 * base.critical_stiffness()
     mass, damping = base.masses[0], base.dampings[0]
@@ -184,7 +184,7 @@ def equation_16(base: DyadAxis) -> Misprint:
     )
 
 
-def table_2(base: DyadAxis) -> Misprint:
+def misprint_in_table_2(base: DyadAxis) -> Misprint:
     """Evaluate η₂ where Table II has its sign change, and where it really changes."""
     mass, damping = base.masses[0], base.dampings[0]
     true = (math.sqrt(2) - 1) * damping**2 / (2 * mass)

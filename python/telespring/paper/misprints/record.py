@@ -43,7 +43,7 @@ class Misprint:
     evidence: tuple[Evidence, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data for `study.json`."""
+        """Misprint with its evidence for `study.json`."""
         return {
             "key": self.key,
             "where": self.where,

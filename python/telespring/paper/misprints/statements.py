@@ -15,30 +15,30 @@ from telespring.theory.spectrum import characteristic_roots, spectral_abscissa
 
 __all__ = [
     "RETURNING",
-    "constant_delay_only",
-    "equation_5_is_not_sufficient",
     "held_partner_growth",
-    "less_or_equal",
-    "rigid_body_root",
-    "stability_returns",
+    "wrong_statement_on_equation_5",
+    "wrong_statement_on_maximum_delay",
+    "wrong_statement_on_returning_stability",
+    "wrong_statement_on_rigid_body_root",
+    "wrong_statement_on_varying_delay",
 ]
 
 
-def _example_of(key: str) -> tuple[tuple[float, float, float, float], float]:
+def _misprint_example(key: str) -> tuple[tuple[float, float, float, float], float]:
     """Parameters m1, b1, m2, b2 and stiffness of the example that the references give for a misprint."""
     example = next(m["example"] for m in read_reference("du2025")["misprint"] if m["report"] == key)
     return (example["m1"], example["b1"], example["m2"], example["b2"]), example["k"]
 
 
 #: Masses (kg), dampings (N·s/m) and stiffness (N/m) of a dyad that is stable again at a longer delay.
-RETURNING = _example_of("equation-4")
+RETURNING = _misprint_example("equation-4")
 
 
-def _dyad(m1: float, b1: float, m2: float, b2: float) -> Dyad:
+def _misprint_example_dyad(m1: float, b1: float, m2: float, b2: float) -> Dyad:
     return Dyad(Robot([m1], [b1]), Robot([m2], [b2]))
 
 
-def rigid_body_root(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
+def wrong_statement_on_rigid_body_root(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
     """Show that s = 0 is a root, and a simple one."""
     m1, b1, m2, b2 = axis.parameters
     delay = 0.5 * float(axis.maximum_delay(k))
@@ -73,7 +73,7 @@ def rigid_body_root(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
     )
 
 
-def equation_5_is_not_sufficient() -> Misprint:
+def wrong_statement_on_equation_5() -> Misprint:
     """Show a dyad that is unstable at a stiffness that Eq. 5 allows."""
     m1, b1, m2, b2 = 1.0, 1.0, 1.0, 10.0
     axis = DyadAxis(m1, b1, m2, b2)
@@ -105,7 +105,7 @@ def equation_5_is_not_sufficient() -> Misprint:
             Evidence("a longer delay", delay, "s"),
             Evidence(
                 "largest real part of a root at that delay",
-                float(spectral_abscissa(_dyad(m1, b1, m2, b2), k, delay)),
+                float(spectral_abscissa(_misprint_example_dyad(m1, b1, m2, b2), k, delay)),
                 "1/s",
             ),
             Evidence("damping ratio above which Eq. 5 fails, equal masses", 1 + math.sqrt(2), "1"),
@@ -113,14 +113,14 @@ def equation_5_is_not_sufficient() -> Misprint:
     )
 
 
-def stability_returns() -> Misprint:
+def wrong_statement_on_returning_stability() -> Misprint:
     """Show a dyad that is stable again at a longer delay."""
     parameters, k = RETURNING
     axis = DyadAxis(*parameters)
     intervals = axis.stable_delays(k, 3.0)
     (_, lost), (back, lost_again) = intervals[0], intervals[1]
     between, again = 0.5 * (lost + back), 0.5 * (back + lost_again)
-    dyad = _dyad(*parameters)
+    dyad = _misprint_example_dyad(*parameters)
     return Misprint(
         key="equation-4",
         where="Section II below Eq. 3, Eqs. 4 and 6",
@@ -150,7 +150,7 @@ def stability_returns() -> Misprint:
     )
 
 
-def less_or_equal(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
+def wrong_statement_on_maximum_delay(dyad: Dyad, axis: DyadAxis, k: float) -> Misprint:
     """Show that a pair of roots lies on the imaginary axis at the maximum delay itself."""
     delay = float(axis.maximum_delay(k))
     roots = characteristic_roots(dyad, k, delay, count=2, axis=axis.index)
@@ -188,7 +188,7 @@ def held_partner_growth(mass: float, damping: float, stiffness: float) -> tuple[
     return hold, 1 + 2 * math.exp(-decay * hold)
 
 
-def constant_delay_only(base: DyadAxis) -> Misprint:
+def wrong_statement_on_varying_delay(base: DyadAxis) -> Misprint:
     """Show the growth under a varying delay at a stiffness that every constant delay allows."""
     mass, damping = base.masses[0], base.dampings[0]
     k = base.critical_stiffness()

@@ -46,26 +46,26 @@ def draw_regression(robots: Sequence[tuple[str, Identification]]) -> Figure:
         [
             RegressionPanel(
                 label=f"{name}, axis {axis.axis}",
-                time=found.signals.time,
-                measured=found.signals.force[axis.signals_index],
+                time=robot.signals.time,
+                measured=robot.signals.force[axis.signals_index],
                 estimated=axis.estimated_force,
                 residual=axis.residual,
-                velocity=found.signals.velocity[axis.signals_index],
-                acceleration=found.signals.acceleration[axis.signals_index],
+                velocity=robot.signals.velocity[axis.signals_index],
+                acceleration=robot.signals.acceleration[axis.signals_index],
                 mass=(axis.mass.value, *axis.mass.interval),
                 damping=(axis.damping.value, *axis.damping.interval),
             )
-            for name, found in robots
-            for axis in found.axes
+            for name, robot in robots
+            for axis in robot.axes
         ]
     )
 
 
-def draw_residuals(found: Identification) -> Figure:
+def draw_residuals(identification: Identification) -> Figure:
     """Draw the residuals of an identification, axis by axis."""
-    time = found.signals.time
+    time = identification.signals.time
     panels = []
-    for axis in found.axes:
+    for axis in identification.axes:
         lags = np.arange(min(_LAGS, axis.residual.size // 4))
         centred = axis.residual - axis.residual.mean()
         total = float((centred**2).sum()) or 1.0
@@ -74,7 +74,7 @@ def draw_residuals(found: Identification) -> Figure:
             ResidualPanel(
                 axis=axis.axis,
                 time=time,
-                velocity=found.signals.velocity[axis.signals_index],
+                velocity=identification.signals.velocity[axis.signals_index],
                 residual=axis.residual,
                 used=axis.weights >= 0.5 if robust else np.ones(axis.residual.size, dtype=bool),
                 lags=np.asarray(lags * (time[1] - time[0]), dtype=float),

@@ -20,7 +20,7 @@ _COLUMNS = 4
 
 
 def draw_trajectories(trials: Trials) -> Figure:
-    """Draw the trajectories of all trials, Fig. 7; see `telespring.show.figures.trajectory_figure`.
+    """Draw the trajectories of all trials, Fig. 7, from the trials themselves.
 
     The discarded part of a completed trial is not drawn; a trial that ended early is drawn whole.
     """
@@ -64,13 +64,7 @@ def draw_trajectories(trials: Trials) -> Figure:
 
 
 def draw_errors(numbers: Mapping[str, Any]) -> Figure:
-    """Draw the tracking errors of all conditions, Fig. 8; see `telespring.show.figures.error_figure`.
-
-    Parameters
-    ----------
-    numbers
-        The analysis from `telespring.analysis.analyse_trials`.
-    """
+    """Draw the tracking errors of all conditions, Fig. 8, from the analysis that `analyse_trials` returns."""
     from telespring.show.figures.trials import ErrorGroup, error_figure
 
     groups = []

@@ -15,10 +15,10 @@ from telespring.show.figures.style import (
     COLOURS,
     DASHES,
     FULL_WIDTH,
+    figure_style,
     legend_line,
     legend_mark,
     panel_label,
-    styled,
 )
 
 __all__ = ["ArmsPanel", "arms_figure"]
@@ -48,16 +48,8 @@ class ArmsPanel:
 
 
 def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
-    """Draw the stable region with arms, and the boundary with free handles, axis by axis.
-
-    Parameters
-    ----------
-    panels
-        One per axis, side by side.
-    longest
-        Largest one-way delay drawn, s.
-    """
-    with styled():
+    """Draw the stable region with arms, and the boundary with free handles, axis by axis to `longest` s."""
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):

@@ -16,10 +16,10 @@ from telespring.show.figures.style import (
     DASHES,
     FULL_WIDTH,
     GREY,
+    figure_style,
     legend_line,
     legend_mark,
     panel_label,
-    styled,
 )
 
 __all__ = [
@@ -95,24 +95,13 @@ def cells_figure(
     null: tuple[float, float],
     highest: float = 0.062,
 ) -> Figure:
-    """Draw simulated beside published errors of every condition.
+    """Draw simulated beside published errors of every condition, for up to three laboratories.
 
-    Parameters
-    ----------
-    labels
-        Names of the conditions.
-    published
-        What was measured.
-    simulated
-        Up to three laboratories.
-    fitted
-        Places of the conditions that the fit has seen; they stand on a shaded ground.
-    null
-        Error of both robots that is predicted where nothing changes from the unconnected mode, m.
-    highest
-        Largest error drawn, m; what lies above is marked at the edge with its value.
+    Conditions that the fit has seen (`fitted`, their places) stand on a shaded ground. `null` is the error of
+    both robots, m, that is predicted where nothing changes from the unconnected mode. What lies above
+    `highest`, m, is marked at the edge with its value.
     """
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 4.8), layout="constrained")
         rows = figure.subplots(2, 1, sharex=True)
         at = np.arange(len(labels), dtype=float)
@@ -183,16 +172,11 @@ def cells_figure(
 
 
 def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Figure:
-    """Draw the profile of the deviance along each unknown, the others refitted.
+    """Draw the profile of the deviance along each unknown of the calibration, the others refitted.
 
-    Parameters
-    ----------
-    panels
-        One per unknown.
-    names
-        Of the curves, up to two: the same name looks the same in every panel.
+    The same of up to two names looks the same in every panel.
     """
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 2.5), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         looks = dict(zip(names, _VARIANTS, strict=False))
@@ -225,17 +209,9 @@ def profiles_figure(panels: Sequence[ProfilePanel], names: Sequence[str]) -> Fig
 
 
 def pairs_figure(panels: Sequence[PairPanel], *, columns: int = 3) -> Figure:
-    """Draw the deviance over pairs of unknowns: ridges show which ones trade off.
-
-    Parameters
-    ----------
-    panels
-        Pairs of unknowns.
-    columns
-        Panels in a row.
-    """
+    """Draw the deviance over pairs of unknowns: ridges show which ones trade off."""
     count = -(-len(panels) // columns)
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 2.05 * count + 0.4), layout="constrained")
         grid = figure.subplots(count, columns, squeeze=False)
         shading = None

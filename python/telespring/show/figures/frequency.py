@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import DASHES, FULL_WIDTH, GREY, SERIES, panel_label, styled
+from telespring.show.figures.style import DASHES, FULL_WIDTH, GREY, SERIES, figure_style, panel_label
 
 __all__ = ["FrequencyCurve", "FrequencyFamily", "frequency_figure"]
 
@@ -34,16 +34,8 @@ class FrequencyFamily:
 
 
 def frequency_figure(frequency: NDArray[np.float64], families: Sequence[FrequencyFamily]) -> Figure:
-    """Draw magnitude above phase, a column per varied parameter.
-
-    Parameters
-    ----------
-    frequency
-        rad/s, shared by all curves.
-    families
-        One per column, each with up to four curves.
-    """
-    with styled():
+    """Draw magnitude above phase over frequency (rad/s), a column per varied parameter of up to 4 curves."""
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.9), layout="constrained")
         grid = figure.subplots(2, len(families), sharex=True, sharey="row", squeeze=False)
         for column, family in enumerate(families):

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from telespring._types import FloatArray
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, panel_label
 from telespring.show.quantities import format_interval
 
 __all__ = [
@@ -72,7 +72,7 @@ def excitation_figure(movements: Sequence[ExcitationPanel]) -> Figure:
         ("position", "Position, mm", COLOURS["vermilion"], (0.0, (5.0, 1.6)), 1e3),
         ("acceleration", "Acceleration, m/s²", COLOURS["green"], (0.0, (5.0, 1.4, 1.2, 1.4)), 1.0),
     )
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         grid = figure.subplots(3, len(movements), sharex="col", sharey="row", squeeze=False)
         letters = iter("abcdefghijklmnopqrstuvwxyz")
@@ -91,7 +91,7 @@ def excitation_figure(movements: Sequence[ExcitationPanel]) -> Figure:
 
 def regression_figure(panels: Sequence[RegressionPanel]) -> Figure:
     """Draw forces in time, and as a plane over velocity and acceleration, row by row (Fig. 10)."""
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(panels)), layout="constrained")
         grid = figure.add_gridspec(len(panels), 2, width_ratios=(1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
@@ -113,11 +113,11 @@ def regression_figure(panels: Sequence[RegressionPanel]) -> Figure:
                 left.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.16), borderaxespad=0.0)
             if i == len(panels) - 1:
                 left.set_xlabel("Time, s")
-            _plane(figure.add_subplot(grid[i, 1], projection="3d"), panel, next(letters))
+            _draw_regression_plane(figure.add_subplot(grid[i, 1], projection="3d"), panel, next(letters))
     return figure
 
 
-def _plane(axes: Any, panel: RegressionPanel, letter: str) -> None:
+def _draw_regression_plane(axes: Any, panel: RegressionPanel, letter: str) -> None:
     """Draw the plane m a + b v, and the samples without friction and offset."""
     velocity, acceleration = panel.velocity, panel.acceleration
     (m, *mass), (b, *damping) = panel.mass, panel.damping
@@ -142,7 +142,7 @@ def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:
 
     Samples that the robust fit left out are crossed.
     """
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 0.4 + 1.75 * len(panels)), layout="constrained")
         grid = figure.subplots(len(panels), 3, squeeze=False, width_ratios=(1.5, 1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")

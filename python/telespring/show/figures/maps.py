@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, legend_line, panel_label, styled
+from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, figure_style, legend_line, panel_label
 
 __all__ = ["STABLE", "MapAxis", "MapColumn", "draw_stable_region", "region_map", "tier_map"]
 
@@ -67,24 +67,14 @@ def tier_map(
 ) -> Figure:
     """Draw what each tier allows, with the exact boundary of every axis and the paper's.
 
-    Parameters
-    ----------
-    axes_shown
-        The axes' boundaries.
-    any_network, any_constant
-        Stiffness that the two delay-free verdicts allow, N/m.
-    bounded
-        Stiffness (N/m) and longest one-way age of a sample (s) on the limit of the varying-delay
-        verdict; None where that verdict is not available.
-    conditions
-        Stiffness and delay of the paper's experiment, marked by crosses.
-    extent
-        Largest stiffness (N/m) and delay (s) drawn.
-    stable_for
-        What the shaded region holds for, as the legend says it.
+    `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
+    `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
+    (s); None where that verdict is not available. Crosses mark the conditions of the paper's experiment.
+    `extent` is the largest stiffness (N/m) and delay (s) drawn. The legend says by `stable_for` what the
+    region holds for.
     """
     widest, longest = extent
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
         axes = figure.subplots()
         stiffness = axes_shown[0].stiffness
@@ -155,17 +145,11 @@ def region_map(
 ) -> Figure:
     """Draw the stable region of single axes, and what the paper wrongly calls stable.
 
-    Parameters
-    ----------
-    panels
-        Per panel its title, its columns at evenly spaced stiffness, and the delay (s) up to which
-        the paper's formulas call each column stable.
-    longest
-        Per panel the largest delay drawn, s.
-    marks
-        Per panel a stiffness and delay to mark, or None.
+    A panel has a title, columns at evenly spaced stiffness, and the delay (s) up to which the paper's
+    formulas call each column stable; further the largest delay drawn (s), and a stiffness and delay to mark,
+    or None.
     """
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.3), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for i, (axes, (title, columns, printed)) in enumerate(zip(grid, panels, strict=True)):

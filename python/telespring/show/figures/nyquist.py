@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, panel_label, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, panel_label
 
 __all__ = ["NyquistPanel", "nyquist_figure"]
 
@@ -44,15 +44,9 @@ class NyquistPanel:
 
 
 def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
-    """Draw a grid of Nyquist loci, a row per stiffness and a column per delay.
-
-    Parameters
-    ----------
-    panels
-        Rows of panels.
-    """
+    """Draw a grid of Nyquist loci, a row per stiffness and a column per delay."""
     rows, columns = len(panels), len(panels[0])
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, FULL_WIDTH * rows / columns * 0.98), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         extent = 1.12 * max(1.0, max(float(np.abs(panel.locus).max()) for row in panels for panel in row))
@@ -60,7 +54,7 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
         for row, row_panels in enumerate(panels):
             for column, panel in enumerate(row_panels):
                 axes = grid[row, column]
-                _draw(axes, panel, extent)
+                _draw_nyquist_locus(axes, panel, extent)
                 panel_label(axes, next(letters), panel.setting)
                 axes.label_outer()
         figure.supxlabel("Real part of L(jω), 1", fontsize=7.5)
@@ -68,7 +62,7 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, panel: NyquistPanel, extent: float) -> None:
+def _draw_nyquist_locus(axes: Axes, panel: NyquistPanel, extent: float) -> None:
     colour = _VERDICT_COLOURS[panel.verdict]
     around = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
     axes.plot(around.real, around.imag, color=GREY, linewidth=0.6, linestyle=(0, (1.0, 1.5)))
@@ -77,7 +71,7 @@ def _draw(axes: Axes, panel: NyquistPanel, extent: float) -> None:
     locus = panel.locus
     axes.plot(locus.real, -locus.imag, color=colour, linewidth=0.8, linestyle=(0, (2.5, 1.5)), alpha=0.75)
     axes.plot(locus.real, locus.imag, color=colour)
-    _arrow(axes, locus, colour)
+    _draw_nyquist_arrow(axes, locus, colour)
     axes.plot([-1.0], [0.0], marker="+", color=COLOURS["black"], markersize=7.0, markeredgewidth=1.2)
     axes.set_title(panel.note, loc="right", pad=3.0, fontsize=7.0, color="#303030")
     axes.set(xlim=(-extent, extent), ylim=(-extent, extent), aspect="equal")
@@ -85,7 +79,7 @@ def _draw(axes: Axes, panel: NyquistPanel, extent: float) -> None:
     axes.set_yticks([-1, 0, 1])
 
 
-def _arrow(axes: Axes, locus: NDArray[np.complex128], colour: str) -> None:
+def _draw_nyquist_arrow(axes: Axes, locus: NDArray[np.complex128], colour: str) -> None:
     """Draw an arrow towards higher frequency, a third of the way along the locus."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(locus)))])
     at = int(np.searchsorted(length, 0.33 * length[-1]))

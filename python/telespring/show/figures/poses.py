@@ -15,10 +15,10 @@ from telespring.show.figures.style import (
     DASHES,
     FULL_WIDTH,
     GREY,
+    figure_style,
     legend_line,
     legend_mark,
     panel_label,
-    styled,
 )
 
 __all__ = ["PoseRange", "poses_figure"]
@@ -55,17 +55,10 @@ def poses_figure(
 ) -> Figure:
     """Draw the coupling of the axes along the path, and the abscissa of each condition over the poses.
 
-    Parameters
-    ----------
-    conditions
-        From top to bottom.
-    places
-        Positions of both handles, m, shape (pose, 2).
-    cross_inertia
-        Of robot 1 and 2 in each pose, arm included, over the diagonal; shape (pose, 2).
+    `places` (m) and `cross_inertia` (of robot 1 and 2, arm included, over the diagonal) have shape (pose, 2).
     """
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 2.3 + 0.16 * max(len(conditions), 4)), layout="constrained")
         path, ranges = figure.subplots(1, 2, width_ratios=(1.0, 1.7))
         x, y = 1e3 * places.T

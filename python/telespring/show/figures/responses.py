@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, legend_line, panel_label, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, figure_style, legend_line, panel_label
 
 __all__ = ["ResponsePanel", "response_figure"]
 
@@ -44,18 +44,10 @@ class ResponsePanel:
 
 
 def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[ResponsePanel]]) -> Figure:
-    """Draw the grid of responses, a row per stiffness and a column per delay.
-
-    Parameters
-    ----------
-    axis_names
-        Names of the robots' axes.
-    panels
-        Rows of panels.
-    """
+    """Draw the grid of responses in time, a row per stiffness and a column per delay."""
     rows, columns = len(panels), len(panels[0])
     longest = max(float(panel.time[-1]) for row in panels for panel in row)
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 1.5 * rows + 0.5), layout="constrained")
         grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
         for row, row_panels in enumerate(panels):

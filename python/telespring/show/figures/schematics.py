@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyBboxPatch, Polygon, Rectangle
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style
 
 if TYPE_CHECKING:
     from telespring._types import FloatArray
@@ -60,8 +60,8 @@ class DrawnSide:
 
 def dyad_schematic() -> Figure:
     """Draw Fig. 1: two masses with dampers, coupled by a spring through delayed positions."""
-    with styled():
-        figure, axes = _canvas(10.0, 3.5)
+    with figure_style():
+        figure, axes = _schematic_canvas(10.0, 3.5)
         axes.plot([0.15, 9.85], [0.75, 0.75], color=_INK, linewidth=1.0)
         for x in np.arange(0.2, 9.8, 0.3):
             axes.plot([x, x - 0.12], [0.75, 0.6], color=GREY, linewidth=0.6)
@@ -74,11 +74,11 @@ def dyad_schematic() -> Figure:
             axes.text(left + 0.8, 1.5, f"$m_{number}$", ha="center", va="center", fontsize=11, zorder=4)
             for wheel in (left + 0.35, left + 1.25):
                 axes.add_patch(Circle((wheel, 0.8), 0.05, facecolor="white", edgecolor=_INK, linewidth=0.6))
-        _damper(axes, (0.15, 1.5), (2.1, 1.5))
-        _damper(axes, (9.85, 1.5), (7.9, 1.5))
+        _draw_damper_cylinder(axes, (0.15, 1.5), (2.1, 1.5))
+        _draw_damper_cylinder(axes, (9.85, 1.5), (7.9, 1.5))
         axes.text(1.1, 1.85, "$b_1$", ha="center", fontsize=9)
         axes.text(8.9, 1.85, "$b_2$", ha="center", fontsize=9)
-        _spring(axes, (3.7, 1.5), (6.3, 1.5), turns=7)
+        _draw_spring_zigzag(axes, (3.7, 1.5), (6.3, 1.5), turns=7)
         axes.text(5.0, 1.76, "$k$", ha="center", fontsize=10, color=_SPRING)
         axes.text(
             5.0,
@@ -89,13 +89,13 @@ def dyad_schematic() -> Figure:
             color=_SPRING,
         )
         for x, number, tip in ((2.9, 1, 2.95), (7.1, 2, 7.65)):
-            _arrow(axes, (tip - 0.8, 2.4), (tip, 2.4), _FORCE)
+            _draw_schematic_arrow(axes, (tip - 0.8, 2.4), (tip, 2.4), _FORCE)
             axes.text(tip - 0.4, 2.52, f"$f_{number}(t)$", ha="center", fontsize=8.5, color=_FORCE)
             axes.plot([x, x], [0.32, 0.56], color=_INK, linewidth=0.7)
-            _arrow(axes, (x, 0.44), (x + 0.75, 0.44), _INK)
+            _draw_schematic_arrow(axes, (x, 0.44), (x + 0.75, 0.44), _INK)
             axes.text(x + 0.85, 0.44, f"$x_{number}(t)$", va="center", fontsize=8.5)
-        _arrow(axes, (3.75, 2.4), (4.5, 2.4), _SPRING)
-        _arrow(axes, (5.5, 2.4), (6.25, 2.4), _SPRING)
+        _draw_schematic_arrow(axes, (3.75, 2.4), (4.5, 2.4), _SPRING)
+        _draw_schematic_arrow(axes, (5.5, 2.4), (6.25, 2.4), _SPRING)
         axes.text(4.0, 2.58, r"$k\,(x_2(t-\delta)-x_1(t))$", ha="left", fontsize=7.5, color=_SPRING)
         axes.text(6.2, 2.98, r"$k\,(x_1(t-\delta)-x_2(t))$", ha="right", fontsize=7.5, color=_SPRING)
         axes.plot([5.9, 5.9], [2.48, 2.92], color=_SPRING, linewidth=0.5, linestyle=(0, (1, 1.5)))
@@ -104,8 +104,8 @@ def dyad_schematic() -> Figure:
 
 def loop_schematic() -> Figure:
     """Draw Fig. 2: the control loop with both robots and both delays."""
-    with styled():
-        figure, axes = _canvas(10.0, 4.75)
+    with figure_style():
+        figure, axes = _schematic_canvas(10.0, 4.75)
         rows = ((3.4, 1, 2, 1.0, _FIRST), (1.2, 2, 1, -1.0, _SECOND))
         for y, own, partner, sense, colour in rows:
 
@@ -127,22 +127,22 @@ def loop_schematic() -> Figure:
                 )
             )
             axes.text(at(7.85), y + 0.56, f"robot {own}", ha="right" if sense > 0 else "left", color=colour)
-            _arrow(axes, (at(0.95), y), (at(2.22), y))
-            _sum(axes, (at(2.4), y))
-            _arrow(axes, (at(2.58), y), (at(3.1), y))
-            _box(axes, (at(3.45), y), 0.7, 0.62, "$k$", _SPRING)
-            _arrow(axes, (at(3.8), y), (at(4.32), y))
-            _sum(axes, (at(4.5), y))
-            _arrow(axes, (at(4.68), y), (at(5.15), y))
-            _box(axes, (at(6.05), y), 1.8, 0.8, rf"$\dfrac{{1}}{{m_{own}s^2+b_{own}s}}$", colour)
+            _draw_schematic_arrow(axes, (at(0.95), y), (at(2.22), y))
+            _draw_summing_point(axes, (at(2.4), y))
+            _draw_schematic_arrow(axes, (at(2.58), y), (at(3.1), y))
+            _draw_block(axes, (at(3.45), y), 0.7, 0.62, "$k$", _SPRING)
+            _draw_schematic_arrow(axes, (at(3.8), y), (at(4.32), y))
+            _draw_summing_point(axes, (at(4.5), y))
+            _draw_schematic_arrow(axes, (at(4.68), y), (at(5.15), y))
+            _draw_block(axes, (at(6.05), y), 1.8, 0.8, rf"$\dfrac{{1}}{{m_{own}s^2+b_{own}s}}$", colour)
             axes.plot([at(6.95), at(9.05)], [y, y], color=_INK, linewidth=0.9)
             axes.plot([at(7.5)], [y], "o", color=_INK, markersize=2.6)
             axes.plot([at(7.5), at(7.5), at(2.4)], [y, y - 0.62, y - 0.62], color=_INK, linewidth=0.9)
-            _arrow(axes, (at(2.4), y - 0.62), (at(2.4), y - 0.18))
+            _draw_schematic_arrow(axes, (at(2.4), y - 0.62), (at(2.4), y - 0.18))
             axes.text(at(2.4) + 0.1, y - 0.34, "−", fontsize=8, va="center")
             axes.text(at(2.16), y + 0.17, "+", fontsize=7, ha="center")
             axes.text(at(4.26), y + 0.17, "+", fontsize=7, ha="center")
-            _arrow(axes, (at(4.5), y + 1.05), (at(4.5), y + 0.18), _FORCE)
+            _draw_schematic_arrow(axes, (at(4.5), y + 1.05), (at(4.5), y + 0.18), _FORCE)
             axes.text(at(4.5) + 0.12, y + 0.9, f"$F_{own}(s)$", color=_FORCE, fontsize=8.5, va="center")
             axes.text(at(8.4), y + 0.12, f"$X_{own}(s)$", ha="center", fontsize=8.5)
             axes.text(
@@ -154,8 +154,8 @@ def loop_schematic() -> Figure:
         ):
             middle = (start + end) / 2
             step = 0.36 if end < start else -0.36
-            _arrow(axes, (x, start), (x, middle + step))
-            _box(axes, (x, middle), 1.15, 0.66, r"$e^{-\delta s}$", COLOURS["orange"])
+            _draw_schematic_arrow(axes, (x, start), (x, middle + step))
+            _draw_block(axes, (x, middle), 1.15, 0.66, r"$e^{-\delta s}$", COLOURS["orange"])
             axes.plot([x, x], [middle - step, end], color=_INK, linewidth=0.9)
             axes.text(
                 x + (-0.68 if x > 5 else 0.68), middle, words, ha="right" if x > 5 else "left", va="center"
@@ -167,26 +167,18 @@ def loop_schematic() -> Figure:
 
 
 def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -> Figure:
-    """Draw Fig. 6: both robots from above, with arms, agents, target and virtual spring.
-
-    Parameters
-    ----------
-    path
-        The target's places in their order, m, of shape (point, 2).
-    sides
-        Of robots 1 and 2.
-    """
-    with styled():
-        figure, axes = _canvas(10.0, 6.1)
+    """Draw Fig. 6: both robots from above, with arms, agents, target (its path in m) and virtual spring."""
+    with figure_style():
+        figure, axes = _schematic_canvas(10.0, 6.1)
         axes.text(0.15, 5.85, r"$\mathbf{(a)}$ what each arm follows", va="center")
         axes.text(0.15, 3.72, r"$\mathbf{(b)}$ the robots from above", va="center")
         for centre, side, colour in ((2.5, sides[0], _FIRST), (7.5, sides[1], _SECOND)):
-            drawn, half = _into_its_place(path, (centre, 4.75))
+            drawn, half = _scale_laboratory_path(path, (centre, 4.75))
             axes.plot(*drawn.T, color=GREY, linewidth=0.7, linestyle=(0, (3, 1.6)))
             # Where the figure of eight is well away from its crossing.
             x, y = drawn[round(0.0875 * (len(drawn) - 1))].tolist()
             if side.spots:
-                _cloud(axes, (x, y), side.spots, colour)
+                _draw_target_spots(axes, (x, y), side.spots, colour)
                 words, beside = rf"$\mathbf{{p}}^*_i(t),\ i=1\ldots {side.spots}$", 0.62
             else:
                 axes.plot(x, y, "o", color=colour, markersize=6)
@@ -203,31 +195,33 @@ def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -
             )
         handles = {}
         for centre, number, colour in ((2.1, 1, _FIRST), (7.9, 2, _SECOND)):
-            handles[number] = _robot_with_arm(axes, centre, number, colour, sides[number - 1])
+            handles[number] = _draw_planar_robot(axes, centre, number, colour, sides[number - 1])
         first, second = handles[1], handles[2]
         y = first[1]
-        _spring(axes, first, (4.3, y), turns=5)
-        _spring(axes, (5.7, y), second, turns=5)
-        _box(axes, (5.0, y), 1.4, 0.78, "network\n$e^{-\\delta s}$ each way", COLOURS["orange"], size=6.5)
+        _draw_spring_zigzag(axes, first, (4.3, y), turns=5)
+        _draw_spring_zigzag(axes, (5.7, y), second, turns=5)
+        _draw_block(
+            axes, (5.0, y), 1.4, 0.78, "network\n$e^{-\\delta s}$ each way", COLOURS["orange"], size=6.5
+        )
         axes.text(3.7, y + 0.25, r"$\mathbf{k}$", ha="center", color=_SPRING, fontsize=9)
         axes.text(6.3, y + 0.25, r"$\mathbf{k}$", ha="center", color=_SPRING, fontsize=9)
-        _arrow(axes, (3.35, y - 0.52), (4.65, y - 0.52), _FIRST)
+        _draw_schematic_arrow(axes, (3.35, y - 0.52), (4.65, y - 0.52), _FIRST)
         axes.text(4.0, y - 0.74, r"$\mathbf{p}_1(t)$", ha="center", color=_FIRST, fontsize=7.5)
-        _arrow(axes, (5.35, y - 0.52), (6.65, y - 0.52), _FIRST)
+        _draw_schematic_arrow(axes, (5.35, y - 0.52), (6.65, y - 0.52), _FIRST)
         axes.text(6.0, y - 0.74, r"$\mathbf{p}_1(t-\delta)$", ha="center", color=_FIRST, fontsize=7.5)
-        _arrow(axes, (6.65, y - 1.0), (5.35, y - 1.0), _SECOND)
+        _draw_schematic_arrow(axes, (6.65, y - 1.0), (5.35, y - 1.0), _SECOND)
         axes.text(6.0, y - 1.24, r"$\mathbf{p}_2(t)$", ha="center", color=_SECOND, fontsize=7.5)
-        _arrow(axes, (4.65, y - 1.0), (3.35, y - 1.0), _SECOND)
+        _draw_schematic_arrow(axes, (4.65, y - 1.0), (3.35, y - 1.0), _SECOND)
         axes.text(4.0, y - 1.24, r"$\mathbf{p}_2(t-\delta)$", ha="center", color=_SECOND, fontsize=7.5)
         origin = (4.72, 0.35)
-        _arrow(axes, origin, (5.25, 0.35), _INK)
-        _arrow(axes, origin, (4.72, 0.88), _INK)
+        _draw_schematic_arrow(axes, origin, (5.25, 0.35), _INK)
+        _draw_schematic_arrow(axes, origin, (4.72, 0.88), _INK)
         axes.text(5.33, 0.35, "x", va="center")
         axes.text(4.72, 0.97, "y", ha="center")
     return figure
 
 
-def _canvas(width: float, height: float) -> tuple[Figure, Axes]:
+def _schematic_canvas(width: float, height: float) -> tuple[Figure, Axes]:
     """Return empty axes that span the given width and height in units of length."""
     figure = Figure(figsize=(FULL_WIDTH, FULL_WIDTH * height / width))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -236,7 +230,7 @@ def _canvas(width: float, height: float) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _arrow(axes: Axes, start: _Point, end: _Point, colour: str = _INK) -> None:
+def _draw_schematic_arrow(axes: Axes, start: _Point, end: _Point, colour: str = _INK) -> None:
     axes.annotate(
         "",
         xy=end,
@@ -252,7 +246,7 @@ def _arrow(axes: Axes, start: _Point, end: _Point, colour: str = _INK) -> None:
     )
 
 
-def _box(
+def _draw_block(
     axes: Axes, centre: _Point, width: float, height: float, text: str, colour: str, size: float = 9
 ) -> None:
     axes.add_patch(
@@ -269,12 +263,12 @@ def _box(
     axes.text(*centre, text, ha="center", va="center", fontsize=size, zorder=4)
 
 
-def _sum(axes: Axes, centre: _Point) -> None:
+def _draw_summing_point(axes: Axes, centre: _Point) -> None:
     axes.add_patch(Circle(centre, 0.18, facecolor="white", edgecolor=_INK, linewidth=0.9, zorder=3))
     axes.text(*centre, "Σ", ha="center", va="center", fontsize=7, zorder=4)
 
 
-def _spring(axes: Axes, start: _Point, end: _Point, turns: int) -> None:
+def _draw_spring_zigzag(axes: Axes, start: _Point, end: _Point, turns: int) -> None:
     """Draw a zigzag with a straight piece at both ends."""
     along = np.concatenate([[0.0], np.linspace(0.15, 0.85, 4 * turns + 1), [1.0]])
     across = np.concatenate([[0.0], 0.13 * np.sin(np.pi / 2 * np.arange(4 * turns + 1)), [0.0]])
@@ -285,7 +279,7 @@ def _spring(axes: Axes, start: _Point, end: _Point, turns: int) -> None:
     axes.plot(*points.T, color=_SPRING, linewidth=1.1, solid_joinstyle="round")
 
 
-def _damper(axes: Axes, wall: _Point, mass: _Point) -> None:
+def _draw_damper_cylinder(axes: Axes, wall: _Point, mass: _Point) -> None:
     """Draw a cylinder on the wall and a piston on the mass."""
     sense = 1.0 if mass[0] > wall[0] else -1.0
     middle, y = (wall[0] + mass[0]) / 2, wall[1]
@@ -300,14 +294,14 @@ def _damper(axes: Axes, wall: _Point, mass: _Point) -> None:
     axes.plot([middle + 0.05 * sense, mass[0]], [y, y], color=_INK, linewidth=0.9)
 
 
-def _into_its_place(path: FloatArray, centre: _Point) -> tuple[FloatArray, float]:
+def _scale_laboratory_path(path: FloatArray, centre: _Point) -> tuple[FloatArray, float]:
     """Scale a path into its place, and return half its width there too."""
     low, high = path.min(axis=0), path.max(axis=0)
     scale = 0.8 / max(float((high - low).max()) / 2.0, 1e-9)
     return np.asarray(centre) + scale * (path - (low + high) / 2.0), scale * float(high[0] - low[0]) / 2.0
 
 
-def _cloud(axes: Axes, centre: _Point, count: int, colour: str) -> None:
+def _draw_target_spots(axes: Axes, centre: _Point, count: int, colour: str) -> None:
     """Draw spots around the target, each with its own velocity, the same in every study."""
     random = np.random.default_rng(4)
     # More would be one blot.
@@ -324,7 +318,7 @@ def _cloud(axes: Axes, centre: _Point, count: int, colour: str) -> None:
         )
 
 
-def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str, side: DrawnSide) -> _Point:
+def _draw_planar_robot(axes: Axes, centre: float, number: int, colour: str, side: DrawnSide) -> _Point:
     """Draw an H-shaped planar robot from above, and return the place of its handle."""
     low, high, half = 1.15, 3.35, 1.15
     handle = (centre + (0.35 if number == 1 else -0.35), 2.35)
@@ -351,13 +345,13 @@ def _robot_with_arm(axes: Axes, centre: float, number: int, colour: str, side: D
     axes.add_patch(Circle(handle, 0.13, facecolor=colour, edgecolor="white", linewidth=0.8, zorder=6))
     axes.text(handle[0], handle[1] + 0.24, rf"$\mathbf{{p}}_{number}$", ha="center", color=colour, fontsize=9)
     if side.links in ("drawn", "dashed"):
-        _two_links(axes, centre, number, colour, handle, side)
+        _draw_two_links(axes, centre, number, colour, handle, side)
     else:
-        _push(axes, number, colour, handle, block=side.links == "block")
+        _draw_agent_force(axes, number, colour, handle, block=side.links == "block")
     return handle
 
 
-def _push(axes: Axes, number: int, colour: str, handle: _Point, *, block: bool) -> None:
+def _draw_agent_force(axes: Axes, number: int, colour: str, handle: _Point, *, block: bool) -> None:
     """Draw the agent's force on the handle, through a block of the arm's mass where it has one."""
     start = (handle[0] - (0.9 if number == 1 else -0.9), handle[1] - 1.55)
     towards = np.array(handle) - np.array(start)
@@ -367,10 +361,10 @@ def _push(axes: Axes, number: int, colour: str, handle: _Point, *, block: bool) 
     label = np.array(start) + 0.2 * towards
     if block:
         axes.plot(*np.array([middle, near]).T, color=colour, linewidth=2.0, zorder=4)
-        _box(axes, (float(middle[0]), float(middle[1])), 0.72, 0.36, "arm", colour, size=7)
-        _arrow(axes, start, tuple((middle - 0.21 / forward[1] * forward).tolist()), _FORCE)
+        _draw_block(axes, (float(middle[0]), float(middle[1])), 0.72, 0.36, "arm", colour, size=7)
+        _draw_schematic_arrow(axes, start, tuple((middle - 0.21 / forward[1] * forward).tolist()), _FORCE)
     else:
-        _arrow(axes, start, tuple(near.tolist()), _FORCE)
+        _draw_schematic_arrow(axes, start, tuple(near.tolist()), _FORCE)
     axes.text(
         float(label[0]) + (-0.12 if number == 1 else 0.12),
         float(label[1]) + 0.05,
@@ -381,7 +375,9 @@ def _push(axes: Axes, number: int, colour: str, handle: _Point, *, block: bool) 
     )
 
 
-def _two_links(axes: Axes, centre: float, number: int, colour: str, handle: _Point, side: DrawnSide) -> None:
+def _draw_two_links(
+    axes: Axes, centre: float, number: int, colour: str, handle: _Point, side: DrawnSide
+) -> None:
     """Draw a two-link arm with its shoulder on the ground and its end in the handle."""
     simulated = side.links == "drawn"
     shoulder = np.array([centre + (-0.75 if number == 1 else 0.75), 0.35])

@@ -20,10 +20,10 @@ __all__ = [
     "FULL_WIDTH",
     "GREY",
     "SERIES",
+    "figure_style",
     "legend_line",
     "legend_mark",
     "panel_label",
-    "styled",
     "to_svg",
 ]
 
@@ -86,8 +86,8 @@ _STYLE = {
 
 
 @contextmanager
-def styled(**overrides: object) -> Iterator[None]:
-    """Draw and save with this look, whatever the user's own settings are."""
+def figure_style(**overrides: object) -> Iterator[None]:
+    """Draw and save with the look of all figures, whatever the user's own settings are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         # Any: the type of rcParams names every key that exists, a plain dict does not have it.
@@ -102,45 +102,33 @@ def panel_label(axes: Axes, label: str, text: str = "") -> None:
 
 
 def legend_line(label: str, colour: str, linestyle: LineStyleType = "solid", **style: Any) -> Line2D:
-    """Return a line for a legend."""
+    """Return a line for the legend of a figure."""
     return Line2D([], [], color=colour, linestyle=linestyle, label=label, **style)
 
 
 def legend_mark(label: str, colour: str, marker: str, **style: Any) -> Line2D:
-    """Return a marker for a legend."""
+    """Return a marker for the legend of a figure."""
     return Line2D([], [], color=colour, linestyle="none", marker=marker, label=label, **style)
 
 
 def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
-    """Render a figure as one `<svg>` element that can stand inside a page.
+    """Render a figure as one `<svg>` element that can stand inside a page and loads nothing from elsewhere.
 
-    The same figure gives the same text every time: no date, no random identifiers.
-
-    Parameters
-    ----------
-    figure
-        What to draw.
-    name
-        A word that is unique in the page; every identifier inside begins with it.
-    title, description
-        For readers who cannot see the figure.
-
-    Returns
-    -------
-    str
-        `<svg role="img" ...>` to `</svg>`, which loads nothing from elsewhere.
+    The same figure gives the same text every time: no date, no random identifiers. Every identifier inside
+    begins with `name`, a word that is unique in the page. Title and description are for readers who cannot
+    see it.
     """
     buffer = io.StringIO()
-    with styled(**{"svg.hashsalt": name}):
+    with figure_style(**{"svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     root = ET.fromstring(buffer.getvalue())
     for metadata in root.findall("{*}metadata"):
         root.remove(metadata)
     for element in root.iter():
         # A page knows SVG's namespaces; as attributes they would be its only addresses.
-        element.tag = _local_name(element.tag)
+        element.tag = _svg_local_name(element.tag)
         element.attrib = {
-            _local_name(key): _with_prefix(_local_name(key), value, f"{name}-")
+            _svg_local_name(key): _svg_id_with_prefix(_svg_local_name(key), value, f"{name}-")
             for key, value in element.attrib.items()
         }
     size = {key: value for key, value in root.attrib.items() if key not in ("width", "height")}
@@ -152,11 +140,11 @@ def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
     return ET.tostring(root, encoding="unicode").strip()
 
 
-def _local_name(name: str) -> str:
+def _svg_local_name(name: str) -> str:
     return name.rpartition("}")[2]
 
 
-def _with_prefix(key: str, value: str, prefix: str) -> str:
+def _svg_id_with_prefix(key: str, value: str, prefix: str) -> str:
     """Prefix an identifier or a reference to one: without it, the figures of a page would share names."""
     if key == "id":
         return prefix + value

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, legend_line, styled
+from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, legend_line
 
 __all__ = ["ErrorGroup", "TrialPanel", "error_figure", "trajectory_figure"]
 
@@ -82,14 +82,8 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
     """Draw the paths of both robots in the plane, all trials of a condition over each other (Fig. 7).
 
     Every condition shows robot 1 on the left and robot 2 on the right, with the target; all panels share one
-    scale, and a note marks motions that leave the panel.
-
-    Parameters
-    ----------
-    unconnected
-        The unconnected mode, in a column of its own; None if there is none.
-    grid
-        Rows of panels, a row per stiffness and a column per delay; None where there is no condition.
+    scale, and a note marks motions that leave the panel. The unconnected mode has a column of its own; the
+    grid has a row per stiffness and a column per delay, and None where there is no condition.
     """
     columns = max([len(row) for row in grid], default=0) + (unconnected is not None)
     placed: dict[tuple[int, int], TrialPanel] = {}
@@ -99,14 +93,14 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
         for column, panel in enumerate(panels):
             if panel is not None:
                 placed[row, column + (unconnected is not None)] = panel
-    extent = _half_extent(list(placed.values()))
+    extent = _trajectory_half_extent(list(placed.values()))
     # All panels have the aspect ratio of their content, so their places are computed, in inch.
     cell = min(2.4, (FULL_WIDTH - _LEFT - _RIGHT) / max(1, columns))
     width = 0.5 * (cell - _BESIDE)
     height = min(3.0, width * extent[1] / extent[0])
     rows = max(1, len(grid))
     total = _TOP + rows * (height + _ABOVE) + _BOTTOM
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, total), dpi=_DOTS)
         for (row, column), panel in placed.items():
             bottom = _BOTTOM + (rows - 1 - row) * (height + _ABOVE)
@@ -114,7 +108,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
                 left = _LEFT + column * cell + robot * (width + 0.4 * _BESIDE)
                 place = (left / FULL_WIDTH, bottom / total, width / FULL_WIDTH, height / total)
                 axes = figure.add_axes(place)
-                _draw_paths(axes, panel, robot, extent)
+                _draw_trajectories(axes, panel, robot, extent)
                 axes.tick_params(
                     labelbottom=(row + 1, column) not in placed,
                     labelleft=robot == 0 and (row, column - 1) not in placed,
@@ -124,7 +118,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
                 if robot == 0:
                     axes.set_title(panel.title, loc="left", pad=2.5, fontsize=6.6)
                 elif panel.note:
-                    _annotate(axes, 0.985, panel.note, "top", "#A03000")
+                    _annotate_trajectory_panel(axes, 0.985, panel.note, "top", "#A03000")
         handles = [
             *(
                 legend_line(f"robot {robot + 1} ({side} of each pair)", _ROBOTS[robot])
@@ -137,7 +131,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
     return figure
 
 
-def _half_extent(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
+def _trajectory_half_extent(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
     """Choose half the width and height that all panels show, mm."""
     target = 1e3 * np.max([np.nanmax(np.abs(panel.target), axis=0) for panel in panels], axis=0)
     target = np.maximum(target, 0.25 * target.max())
@@ -151,7 +145,7 @@ def _half_extent(panels: Sequence[TrialPanel]) -> NDArray[np.float64]:
     return np.asarray(1.08 * np.minimum(moved, _WIDEST * target))
 
 
-def _draw_paths(axes: Axes, panel: TrialPanel, robot: int, extent: NDArray[np.float64]) -> None:
+def _draw_trajectories(axes: Axes, panel: TrialPanel, robot: int, extent: NDArray[np.float64]) -> None:
     stride = max(1, math.ceil(panel.position.shape[1] / _POINTS))
     shown = 1e3 * panel.position[:, ::stride, robot]
     lines = [path[np.isfinite(path).all(axis=-1)] for path in shown]
@@ -175,10 +169,10 @@ def _draw_paths(axes: Axes, panel: TrialPanel, robot: int, extent: NDArray[np.fl
     axes.locator_params(axis="y", nbins=5)
     axes.tick_params(labelsize=5.4, pad=1.5, length=1.5)
     if any(np.any(np.abs(path) > 1.1 * extent) for path in lines):
-        _annotate(axes, 0.015, "leaves the panel", "bottom", "#303030")
+        _annotate_trajectory_panel(axes, 0.015, "leaves the panel", "bottom", "#303030")
 
 
-def _annotate(axes: Axes, height: float, note: str, anchor: str, colour: str) -> None:
+def _annotate_trajectory_panel(axes: Axes, height: float, note: str, anchor: str, colour: str) -> None:
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
     axes.text(
         0.5,
@@ -197,24 +191,16 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
     """Draw the tracking errors of both robots in every condition as boxes (Fig. 8).
 
     A box shows median and quartiles, its whiskers reach to the last value within 1.5 box heights, and every
-    trial is a marker. An arrow above a box marks a significant difference from the baseline.
-
-    Parameters
-    ----------
-    groups
-        Conditions from left to right.
-    baseline
-        Median TE2 of the baseline, m; None if there is none.
-    baseline_name
-        Name of the baseline condition.
+    trial is a marker. An arrow above a box marks a significant difference from the baseline, whose median TE2
+    is `baseline`, m, and None where there is no baseline.
     """
     values = [1e3 * np.concatenate(group.errors) for group in groups]
     finite = np.concatenate(values)
     finite = finite[np.isfinite(finite)]
-    with styled():
+    with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.1), layout="constrained")
         axes = figure.subplots()
-        places = _group_places(groups)
+        places = _error_box_places(groups)
         logarithmic = len(finite) > 0 and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite)
         if logarithmic:
             axes.set_yscale("log")
@@ -223,7 +209,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
             axes.yaxis.set_minor_locator(NullLocator())
         for place, group in zip(places, groups, strict=True):
             for robot in range(2):
-                _draw_box(axes, place + (robot - 0.5) * 0.44, group, robot)
+                _draw_error_box(axes, place + (robot - 0.5) * 0.44, group, robot)
             if group.ended_early:
                 axes.annotate(
                     f"{group.ended_early} ended\nearly",
@@ -242,7 +228,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
         axes.set_xlim(places[0] - 0.7, places[-1] + 0.7)
         axes.grid(axis="y", color="#E4E4E4", linewidth=0.5)
         axes.set_axisbelow(True)
-        _draw_brackets(axes, places, groups)
+        _draw_significance_brackets(axes, places, groups)
         low, high = axes.get_ylim()
         # Room for the arrows above the highest box.
         axes.set_ylim(low, high * (high / low) ** 0.06 if logarithmic else high + 0.06 * (high - low))
@@ -274,7 +260,7 @@ def error_figure(groups: Sequence[ErrorGroup], baseline: float | None, baseline_
     return figure
 
 
-def _group_places(groups: Sequence[ErrorGroup]) -> list[float]:
+def _error_box_places(groups: Sequence[ErrorGroup]) -> list[float]:
     places, place = [], 0.0
     for i, group in enumerate(groups):
         if i:
@@ -283,7 +269,7 @@ def _group_places(groups: Sequence[ErrorGroup]) -> list[float]:
     return places
 
 
-def _draw_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
+def _draw_error_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
     errors = 1e3 * group.errors[robot]
     errors = errors[np.isfinite(errors)]
     if len(errors) == 0:
@@ -327,7 +313,7 @@ def _draw_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
         )
 
 
-def _draw_brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
+def _draw_significance_brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
     for family in dict.fromkeys(group.family for group in groups if group.family):
         inside = [place for place, group in zip(places, groups, strict=True) if group.family == family]
         transform = axes.get_xaxis_transform()

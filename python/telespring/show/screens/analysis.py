@@ -27,19 +27,14 @@ def analysis_screen(
 ) -> RenderableType:
     """Lay out an analysis for the terminal: Table I with lag and forces, and the results of the tests.
 
-    Parameters
-    ----------
-    numbers
-        From `telespring.analysis.analyse_trials`.
-    title
-        What was analysed.
-    resampled_to
-        Period of the grid to which the trials were resampled, s; None if they were not.
+    `resampled_to` is the period of the grid to which the trials were resampled, s; None if they were not.
     """
-    return Group(Text(title, style="bold"), _table(numbers), *_statements(numbers, resampled_to))
+    return Group(
+        Text(title, style="bold"), _table_1_screen(numbers), *_test_result_lines(numbers, resampled_to)
+    )
 
 
-def _table(numbers: Mapping[str, Any]) -> Table:
+def _table_1_screen(numbers: Mapping[str, Any]) -> Table:
     # Narrow enough for 80 columns.
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("Condition", no_wrap=True)
@@ -51,7 +46,7 @@ def _table(numbers: Mapping[str, Any]) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("trials", justify="right", no_wrap=True)
     for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
-        cells = [_tracking_error_cell(row, robot) for robot in (1, 2)]
+        cells = [_table_1_cell(row, robot) for robot in (1, 2)]
         for name, _, factor, decimals in columns:
             means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
             shown = [
@@ -64,7 +59,7 @@ def _table(numbers: Mapping[str, Any]) -> Table:
     return table
 
 
-def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
+def _table_1_cell(row: Mapping[str, Any], robot: int) -> Text:
     """Show mean ± standard deviation, an arrow for a difference from the baseline, * if Holm keeps it."""
     mean, sd = row[f"te{robot}_mean"], row[f"te{robot}_sd"]
     if mean is None:
@@ -76,7 +71,7 @@ def _tracking_error_cell(row: Mapping[str, Any], robot: int) -> Text:
     return Text(f"{text} {arrow or ' '}{'*' if arrow and arrow_holm else ' '}")
 
 
-def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
+def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -> Iterator[Text]:
     analysed = numbers["analysed"]
     has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
     forces = "; forces are root mean squares" if has_forces else ""
@@ -90,7 +85,7 @@ def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Itera
         yield Text(
             f"The trials had different sample times and were resampled every {1e3 * resampled_to:.4g} ms."
         )
-    yield from _comparisons_with_baseline(numbers)
+    yield from _baseline_comparison_lines(numbers)
     for test in numbers["kruskal_wallis"]:
         if test["over"] == "all conditions" and test["h"] is not None:
             yield Text(
@@ -108,7 +103,7 @@ def _statements(numbers: Mapping[str, Any], resampled_to: float | None) -> Itera
         )
 
 
-def _comparisons_with_baseline(numbers: Mapping[str, Any]) -> Iterator[Text]:
+def _baseline_comparison_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     baseline = numbers["baseline"]["condition"]
     if baseline is None:
         yield Text(

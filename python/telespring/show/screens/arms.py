@@ -8,12 +8,12 @@ from telespring.show.quantities import format_pair, format_position, format_time
 
 __all__ = [
     "PATH_SECTIONS",
+    "describe_arm_operators",
+    "describe_arm_pace",
+    "describe_arm_poses",
     "describe_arm_stability",
-    "describe_operators",
-    "describe_pace",
-    "describe_poses",
-    "describe_unavailable",
-    "describe_verdict",
+    "describe_arm_verdict",
+    "describe_unavailable_arms",
 ]
 
 PATH_SECTIONS = {
@@ -23,8 +23,8 @@ PATH_SECTIONS = {
 }
 
 
-def describe_verdict(condition: ConditionStability) -> str:
-    """Describe the verdict on one condition, short enough for a column of a table."""
+def describe_arm_verdict(condition: ConditionStability) -> str:
+    """Describe the verdict on one condition in arms, short enough for a column of a table."""
     if condition.worst_position is None:
         axes = " and ".join(condition.unstable_axes or ())
         return "stable" if condition.stable else f"unstable on {axes}"
@@ -32,8 +32,8 @@ def describe_verdict(condition: ConditionStability) -> str:
     return f"{verdict}, worst at {format_position(condition.worst_position)}"
 
 
-def describe_pace(condition: ConditionStability) -> str:
-    """Describe how fast the slowest motion decays, or the worst one grows."""
+def describe_arm_pace(condition: ConditionStability) -> str:
+    """Describe how fast the slowest motion in arms decays, or the worst one grows."""
     rate = condition.spectral_abscissa
     if rate == 0.0:
         return "neither growing nor decaying"
@@ -41,8 +41,8 @@ def describe_pace(condition: ConditionStability) -> str:
     return f"{how} by a factor of e every {format_time(1.0 / abs(rate), 3)}"
 
 
-def describe_poses(poses: PoseSample) -> str:
-    """Describe where the poses lie, and whether the axes are independent there."""
+def describe_arm_poses(poses: PoseSample) -> str:
+    """Describe where the poses of the arms lie, and whether the axes are independent there."""
     one, two = (f"{100.0 * largest:.2g} %" for largest in poses.cross_inertia.max(axis=0))
     how = "nearly" if poses.axes_are_independent else "not"
     return (
@@ -51,7 +51,7 @@ def describe_poses(poses: PoseSample) -> str:
     )
 
 
-def describe_operators(operators: EquivalentOperators) -> str:
+def describe_arm_operators(operators: EquivalentOperators) -> str:
     """Describe the arms and agents that hold the handles."""
     agents = f"agents with {format_pair(operators.agent_stiffness, 'N/m')}"
     if any(operators.agent_damping):
@@ -60,8 +60,8 @@ def describe_operators(operators: EquivalentOperators) -> str:
     return f"{one} arms, {agents}" if one == two else f"a {one} and a {two} arm, {agents}"
 
 
-def describe_unavailable(arms: ArmStability) -> str | None:
-    """Describe why there is no verdict; None where there is one."""
+def describe_unavailable_arms(arms: ArmStability) -> str | None:
+    """Describe why there is no verdict in arms; None where there is one."""
     if arms.unavailable == "agent program":
         programs = [f"agent {number} is the program {name}" for number, name in arms.programs.items()]
         whose = "whose stiffness is" if len(programs) == 1 else "whose stiffnesses are"
@@ -75,8 +75,8 @@ def describe_unavailable(arms: ArmStability) -> str | None:
 
 
 def describe_arm_stability(arms: ArmStability) -> str:
-    """Describe what the verdicts hold for, or why there are none."""
+    """Describe what the verdicts in arms hold for, or why there are none."""
     if arms.operators is None:
-        return f"not known, {describe_unavailable(arms)}."
-    text = f"{describe_operators(arms.operators)}; continuous controllers, constant delay."
-    return text if arms.poses is None else f"{text} {describe_poses(arms.poses)}."
+        return f"not known, {describe_unavailable_arms(arms)}."
+    text = f"{describe_arm_operators(arms.operators)}; continuous controllers, constant delay."
+    return text if arms.poses is None else f"{text} {describe_arm_poses(arms.poses)}."

@@ -12,11 +12,11 @@ from rich.text import Text
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.show.quantities import format_number, format_probability, format_stiffness, format_time
 from telespring.show.screens.arms import (
+    describe_arm_operators,
+    describe_arm_pace,
+    describe_arm_poses,
     describe_arm_stability,
-    describe_operators,
-    describe_pace,
-    describe_poses,
-    describe_verdict,
+    describe_arm_verdict,
 )
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
@@ -38,20 +38,20 @@ _INTERVALS = 6
 def decision_screen(decision: Decision, title: str) -> RenderableType:
     """Lay a decision out for the terminal: headline, verdicts, margins, delay budget and what to change."""
     return Group(
-        _headline(decision, title),
-        *_warnings(decision),
-        _verdict_table(decision),
-        *_verdict_notes(decision),
-        _margin_table(decision),
-        _delay_budget(decision),
-        *_decay(decision),
-        *_uncertainty(decision),
-        *_arms(decision),
-        _changes(decision),
+        _decision_headline(decision, title),
+        *_decision_warnings(decision),
+        _decision_verdict_table(decision),
+        *_decision_verdict_notes(decision),
+        _decision_margin_table(decision),
+        _describe_delay_budget(decision),
+        *_describe_decay_rate(decision),
+        *_describe_decision_uncertainty(decision),
+        *_describe_decision_in_arms(decision),
+        _suggested_change_lines(decision),
     )
 
 
-def _warnings(decision: Decision) -> list[RenderableType]:
+def _decision_warnings(decision: Decision) -> list[RenderableType]:
     lines = [Text.assemble(("Warning: ", "bold yellow"), note) for note in robot_notes(decision)]
     return [Padding(Group(*lines), (0, 0, 1, 0))] if lines else []
 
@@ -62,29 +62,29 @@ def _given_delay(delay: tuple[float, float]) -> str:
     return f"{forward} each way" if delay[0] == delay[1] else f"{forward} forward and {backward} backward"
 
 
-def _at_constant_delay(decision: Decision) -> str:
+def _describe_constant_delay(decision: Decision) -> str:
     if not decision.buffered:
         return "at this constant delay"
     delay = _given_delay(decision.constant_delay).removesuffix(" each way")
     return f"at a constant delay of {delay} (behind a playout buffer)"
 
 
-def _headline(decision: Decision, title: str) -> Text:
+def _decision_headline(decision: Decision, title: str) -> Text:
     question = f"{title}: {format_number(decision.stiffness, 6)} N/m over {_given_delay(decision.delay)}\n"
-    where = _at_constant_delay(decision)
+    where = _describe_constant_delay(decision)
     if decision.stable:
         # A verdict axis by axis does not cover axes that are not independent.
         word = "STABLE AXIS BY AXIS ONLY" if decision.axes_independent is False else "STABLE"
         style = "bold green" if word == "STABLE" else "bold yellow"
-        return Text.assemble((question, "bold"), (word, style), f" {where}. {_margins(decision)}\n")
+        return Text.assemble((question, "bold"), (word, style), f" {where}. {_decision_margins(decision)}\n")
     names = [axis.name for axis in decision.axes if not axis.stable]
     unstable = f"{'axis' if len(names) == 1 else 'axes'} {', '.join(names)}"
     return Text.assemble(
-        (question, "bold"), ("UNSTABLE", "bold red"), f" on {unstable} {where}{_growth(decision)}.\n"
+        (question, "bold"), ("UNSTABLE", "bold red"), f" on {unstable} {where}{_decision_growth(decision)}.\n"
     )
 
 
-def _growth(decision: Decision) -> str:
+def _decision_growth(decision: Decision) -> str:
     """Describe how an unstable dyad leaves its rest, where the growth of the worst operators is known."""
     worst = decision.worst_axis
     if decision.continuous_stable:
@@ -100,9 +100,9 @@ def _growth(decision: Decision) -> str:
     return f"{why}: it oscillates without decay (axis {worst.name})"
 
 
-def _margins(decision: Decision) -> str:
+def _decision_margins(decision: Decision) -> str:
     """Describe how far delay and stiffness may go from a stable point."""
-    sentences = [_delay_margin(decision)]
+    sentences = [_describe_delay_margin(decision)]
     if decision.sampled_stable is not None:
         sentences = [
             f"With continuous controllers: {_lower_first(sentence)}" for sentence in sentences if sentence
@@ -121,7 +121,7 @@ def _lower_first(sentence: str) -> str:
     return sentence[:1].lower() + sentence[1:]
 
 
-def _delay_margin(decision: Decision) -> str:
+def _describe_delay_margin(decision: Decision) -> str:
     delay = decision.mean_delay
     end, end_axis = min((axis.maximum_delay, axis.name) for axis in decision.axes)
     if math.isinf(end):
@@ -152,7 +152,7 @@ def _delay_margin(decision: Decision) -> str:
     return (middle + _lower_first(sentence) if middle else sentence) + "."
 
 
-def _table(title: str = "") -> Table:
+def _empty_decision_table(title: str = "") -> Table:
     # One space between columns, so that 80 of them hold the rules.
     return Table(
         title=title or None,
@@ -164,8 +164,8 @@ def _table(title: str = "") -> Table:
     )
 
 
-def _verdict_table(decision: Decision) -> Table:
-    table = _table("How stiff can the spring be?")
+def _decision_verdict_table(decision: Decision) -> Table:
+    table = _empty_decision_table("How stiff can the spring be?")
     table.add_column("network", no_wrap=True)
     table.add_column("rule", ratio=1, overflow="fold")
     table.add_column("k, N/m", justify="right", no_wrap=True)
@@ -182,7 +182,7 @@ def _verdict_table(decision: Decision) -> Table:
         table.add_row(
             verdict.tier,
             formula,
-            _allowed(verdict.stiffness_bound, verdict.attained),
+            _allowed_stiffness(verdict.stiffness_bound, verdict.attained),
             "–" if verdict.worst_axis is None else names[verdict.worst_axis],
             _yes_or_no(verdict.satisfied),
             _APPLIES[verdict.assumption],
@@ -191,7 +191,7 @@ def _verdict_table(decision: Decision) -> Table:
     table.add_row(
         "paper",
         TIERS["paper"].formula,
-        _allowed(paper.critical_stiffness, attained=True),
+        _allowed_stiffness(paper.critical_stiffness, attained=True),
         names[paper.critical_axis],
         _yes_or_no(paper.stable),
         _APPLIES[verdicts.tier("constant delay").assumption],
@@ -199,7 +199,7 @@ def _verdict_table(decision: Decision) -> Table:
     return table
 
 
-def _allowed(bound: float, attained: bool) -> str:
+def _allowed_stiffness(bound: float, attained: bool) -> str:
     """Write the stiffnesses that a bound allows."""
     if math.isinf(bound):
         return "no limit"
@@ -213,20 +213,20 @@ def _yes_or_no(is_so: bool) -> Text:
     return Text("yes", style="green") if is_so else Text("no", style="red")
 
 
-def _verdict_notes(decision: Decision) -> list[Text]:
+def _decision_verdict_notes(decision: Decision) -> list[Text]:
     notes = []
     allowed = decision.verdicts.stiffness_allowed
     if allowed is not None:
-        stiffness = _allowed(allowed.stiffness, allowed.attained)
-        what = {"no limit": "any stiffness", "none": "no stiffness"}.get(
+        stiffness = _allowed_stiffness(allowed.stiffness, allowed.attained)
+        allowed_text = {"no limit": "any stiffness", "none": "no stiffness"}.get(
             stiffness, f"a stiffness {stiffness} N/m"
         )
-        notes.append(Text(f"This network as it is allows {what} ({allowed.tier})."))
+        notes.append(Text(f"This network as it is allows {allowed_text} ({allowed.tier})."))
     if not decision.verdicts.paper.agrees:
         notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
     if decision.sampled_stable is not None:
         state = "stable" if decision.sampled_stable else "UNSTABLE"
-        notes.append(Text(f"With sampled controllers, {_at_constant_delay(decision)}: {state}."))
+        notes.append(Text(f"With sampled controllers, {_describe_constant_delay(decision)}: {state}."))
     if decision.over_operator_ranges:
         notes.append(
             Text(
@@ -237,8 +237,8 @@ def _verdict_notes(decision: Decision) -> list[Text]:
     return notes
 
 
-def _margin_table(decision: Decision) -> Padding:
-    table = _table("Margins by axis: critical stiffness kₘ, maximum delay δₘ")
+def _decision_margin_table(decision: Decision) -> Padding:
+    table = _empty_decision_table("Margins by axis: critical stiffness kₘ, maximum delay δₘ")
     table.add_column("\naxis")
     for name in ("kₘ exact\nN/m", "kₘ paper\nN/m", "δₘ exact\n", "δₘ paper\n", "slowest root\n1/s"):
         table.add_column(name, justify="right", no_wrap=True)
@@ -252,45 +252,45 @@ def _margin_table(decision: Decision) -> Padding:
             format_time(axis.maximum_delay, rounding="down"),
             "–" if math.isnan(printed) else format_time(printed, rounding="down"),
             format_number(axis.spectral_abscissa),
-            _stable_delays(axis),
+            _format_stable_delays(axis),
         )
     return Padding(table, (1, 0, 0, 0))
 
 
-def _stable_delays(axis: AxisDecision) -> str:
+def _format_stable_delays(axis: AxisDecision) -> str:
     intervals = [
         f"{format_time(start, rounding='up')} to {format_time(end, rounding='down')}"
         for start, end in axis.stable_delays[:_INTERVALS]
     ]
-    left = len(axis.stable_delays) - len(intervals)
-    return "\n".join(intervals + ([f"… {left} more"] if left else [])) or "none"
+    omitted = len(axis.stable_delays) - len(intervals)
+    return "\n".join(intervals + ([f"… {omitted} more"] if omitted else [])) or "none"
 
 
-def _delay_budget(decision: Decision) -> Padding:
+def _describe_delay_budget(decision: Decision) -> Padding:
     forward, backward = decision.verdicts.delay_budget
     if forward == backward:
-        lines = [_budget_line("each way", forward)]
+        lines = [_delay_budget_line("each way", forward)]
     else:
-        lines = [_budget_line("forward", forward), _budget_line("backward", backward)]
+        lines = [_delay_budget_line("forward", forward), _delay_budget_line("backward", backward)]
     return Padding(
         Text.assemble(("Age of the oldest sample in use, ", "bold"), "; ".join(lines)), (1, 0, 0, 0)
     )
 
 
-def _budget_line(direction: str, budget: DelayBudget) -> str:
+def _delay_budget_line(direction: str, budget: DelayBudget) -> str:
     names = ("network", "jitter", "gap", "sampling", "computing")
     parts = [(name, getattr(budget, name)) for name in names]
     terms = " + ".join(f"{format_time(seconds, 6)} {name}" for name, seconds in parts if seconds > 0.0)
     return f"{direction}: {f'{terms} = ' if terms else ''}{format_time(budget.total, 6)}"
 
 
-def _limits(decision: Decision) -> list[str]:
-    """Name what the margins that follow leave out."""
+def _describe_margin_limits(decision: Decision) -> list[str]:
+    """Name what the margins on the screen that follow leave out."""
     limits = ["continuous controllers"] if decision.sampled_stable is not None else []
     return limits + (["operators in the middle of their ranges"] if decision.over_operator_ranges else [])
 
 
-def _decay(decision: Decision) -> list[Padding]:
+def _describe_decay_rate(decision: Decision) -> list[Padding]:
     if decision.decay_rate is None:
         return []
     ranges = []
@@ -298,25 +298,25 @@ def _decay(decision: Decision) -> list[Padding]:
         start = f"{format_number(low, rounding='up')}"
         ranges.append(f"above {start} N/m" if math.isinf(high) else f"{start} to {format_stiffness(high)}")
     stiffness = " or ".join(ranges) or "none"
-    if limits := _limits(decision):
+    if limits := _describe_margin_limits(decision):
         stiffness += f" ({', '.join(limits)})"
     title = f"Stiffness at which every motion decays at {format_number(decision.decay_rate)} 1/s or faster: "
     return [Padding(Text.assemble((title, "bold"), stiffness), (1, 0, 0, 0))]
 
 
-def _uncertainty(decision: Decision) -> list[RenderableType]:
+def _describe_decision_uncertainty(decision: Decision) -> list[RenderableType]:
     """Show how well the margins are known where the robots have errors."""
     known = decision.uncertainty
     if known is None:
         return []
     stable = known.stable
     probability = format_probability(stable.value, stable.standard_error, stable.draws)
-    limits = "".join(f", {limit}" for limit in _limits(decision))
+    limits = "".join(f", {limit}" for limit in _describe_margin_limits(decision))
     sentence = Text.assemble(
         ("Given the errors of the robots, ", "bold"),
         f"this constant delay is stable with probability {probability}{limits}.",
     )
-    table = _table()
+    table = _empty_decision_table()
     for name in ("axis", "kₘ, 95 %", "δₘ, 95 %"):
         table.add_column(name, justify="left" if name == "axis" else "right", no_wrap=True)
     for axis in known.axes:
@@ -331,7 +331,7 @@ def _uncertainty(decision: Decision) -> list[RenderableType]:
     return [Padding(sentence, (1, 0, 0, 0)), table]
 
 
-def _arms(decision: Decision) -> list[Padding]:
+def _describe_decision_in_arms(decision: Decision) -> list[Padding]:
     """Show how the arms and agents that the study file names change the answer."""
     arms = decision.arms
     if arms is None:
@@ -341,30 +341,30 @@ def _arms(decision: Decision) -> list[Padding]:
         return [Padding(Text(f"{held}. In these arms: {describe_arm_stability(arms)}"), (1, 0, 0, 0))]
     (condition,) = arms.conditions
     verdict = ("stable", "bold green") if condition.stable else ("unstable", "bold red")
-    where, how = "", describe_pace(condition)
+    places, pace = "", describe_arm_pace(condition)
     if condition.worst_position is not None:
-        how = f"{describe_verdict(condition).partition(', ')[2]}, {how}"
+        pace = f"{describe_arm_verdict(condition).partition(', ')[2]}, {pace}"
     if condition.unstable_poses and arms.poses is not None:
-        where = f" in {condition.unstable_poses} of {len(arms.poses.positions)} poses"
+        places = f" in {condition.unstable_poses} of {len(arms.poses.positions)} poses"
     elif condition.unstable_axes:
-        where = f" on {' and '.join(condition.unstable_axes)}"
+        places = f" on {' and '.join(condition.unstable_axes)}"
     controllers = "" if decision.sampled_stable is None else " with continuous controllers"
-    held_by = f"{held} ({describe_operators(arms.operators)}). In these arms: "
-    lines = [Text.assemble(held_by, verdict, f"{where}{controllers} ({how}).")]
+    held_by = f"{held} ({describe_arm_operators(arms.operators)}). In these arms: "
+    lines = [Text.assemble(held_by, verdict, f"{places}{controllers} ({pace}).")]
     if arms.poses is not None:
-        lines.append(Text(f"{describe_poses(arms.poses)}."))
+        lines.append(Text(f"{describe_arm_poses(arms.poses)}."))
     return [Padding(Group(*lines), (1, 0, 0, 0))]
 
 
-def _changes(decision: Decision) -> Padding:
+def _suggested_change_lines(decision: Decision) -> Padding:
     if decision.stable:
-        title, lines = "To be safe beyond this constant delay: ", _towards_more(decision)
+        title, lines = "To be safe beyond this constant delay: ", _suggest_stronger_guarantees(decision)
     else:
-        title, lines = "To be stable at a constant delay, one of: ", _towards_stability(decision)
+        title, lines = "To be stable at a constant delay, one of: ", _suggest_stabilising_changes(decision)
     return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))
 
 
-def _towards_stability(decision: Decision) -> list[str]:
+def _suggest_stabilising_changes(decision: Decision) -> list[str]:
     softer = (
         f"stiffness below {format_stiffness(decision.stiffness_limit)}"
         if decision.stiffness_limit > 0.0
@@ -389,7 +389,7 @@ def _towards_stability(decision: Decision) -> list[str]:
     return [softer, nearer, damped]
 
 
-def _towards_more(decision: Decision) -> list[str]:
+def _suggest_stronger_guarantees(decision: Decision) -> list[str]:
     strongest = decision.verdicts.tier("any network")
     if strongest.stiffness_bound is not None and strongest.satisfied:
         return ["nothing to change"]
@@ -407,7 +407,7 @@ def _towards_more(decision: Decision) -> list[str]:
         if verdict.satisfied:
             lines.append(f"a playout buffer, to be stable {promise}")
         elif bound > 0.0:
-            lines.append(f"stiffness {_allowed(bound, verdict.attained)} N/m {promise}{buffer}")
+            lines.append(f"stiffness {_allowed_stiffness(bound, verdict.attained)} N/m {promise}{buffer}")
         else:
             lines.append(f"no stiffness is low enough {promise}{buffer}")
     return lines or ["nothing to change"]

@@ -28,18 +28,18 @@ def identification_screen(identification: Identification, title: str) -> Rendera
     """Lay out an identified robot for the terminal, under the name of its log."""
     source = "automatic" if identification.cutoff_rule == CUTOFF_RULE else "as given"
     return Group(
-        _estimate_table(identification, title),
+        _identified_estimate_table(identification, title),
         Text(
             f"{identification.samples[0]} samples at {identification.rate:.5g} Hz; "
             f"{identification.samples[1]} used after filtering at {identification.cutoff:.4g} Hz ({source})."
         ),
-        _method_statement(identification),
-        *_independence_statement(identification),
+        _identification_method_statement(identification),
+        *_axis_independence_statement(identification),
         *(Text.assemble(("Warning: ", "bold yellow"), warning) for warning in identification.warnings),
     )
 
 
-def _estimate_table(identification: Identification, title: str) -> Table:
+def _identified_estimate_table(identification: Identification, title: str) -> Table:
     table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", title=title)
     table.add_column("axis", no_wrap=True, min_width=4)
     for heading in ("parameter", "estimate", "95 % interval", "condition", "R²"):
@@ -54,7 +54,7 @@ def _estimate_table(identification: Identification, title: str) -> Table:
     return table
 
 
-def _method_statement(identification: Identification) -> Text:
+def _identification_method_statement(identification: Identification) -> Text:
     iterations = identification.iterations
     return Text(
         {
@@ -68,7 +68,7 @@ def _method_statement(identification: Identification) -> Text:
     )
 
 
-def _independence_statement(identification: Identification) -> list[Text]:
+def _axis_independence_statement(identification: Identification) -> list[Text]:
     """State whether several axes are independent."""
     if len(identification.axes) == 1:
         return []

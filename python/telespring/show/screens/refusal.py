@@ -10,7 +10,7 @@ __all__ = ["refusal_screen"]
 
 def refusal_screen(console: Console, refused: InvalidInput) -> None:
     """Print why an input was refused: field, value, allowed values and remedy."""
-    if refused.is_missing:
+    if not refused.value:
         console.print(Text.assemble(("Refused: ", "bold red"), refused.statement))
     else:
         console.print(

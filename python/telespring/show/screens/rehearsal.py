@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.text import Text
 
 from telespring.rehearsal.preflight import JitterWarning, LossWarning, PreflightWarning
-from telespring.show.screens.arms import describe_arm_stability, describe_verdict
+from telespring.show.screens.arms import describe_arm_stability, describe_arm_verdict
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from telespring.rehearsal.summary import ConditionSummary, RehearsalSummary
 
 __all__ = [
-    "conditions_screen",
-    "outcome_screen",
     "preflight_screen",
     "preflight_sentence",
-    "progress_bar",
-    "resume_sentence",
+    "rehearsal_outcome_screen",
+    "rehearsal_progress_bar",
+    "rehearsal_resume_sentence",
+    "rehearsed_conditions_screen",
 ]
 
 
@@ -63,7 +63,7 @@ def preflight_screen(console: Console, warnings: Iterable[PreflightWarning]) -> 
 
 
 @contextmanager
-def progress_bar(console: Console) -> Iterator[Callable[[int, int], None]]:
+def rehearsal_progress_bar(console: Console) -> Iterator[Callable[[int, int], None]]:
     """Show a bar of finished trials; the block calls what it receives with their number and that of all."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -80,14 +80,14 @@ def progress_bar(console: Console) -> Iterator[Callable[[int, int], None]]:
         yield lambda finished, trials: bar.update(task, completed=finished, total=trials)
 
 
-def resume_sentence(finished: int, trials: int) -> str:
+def rehearsal_resume_sentence(finished: int, trials: int) -> str:
     """State what an interrupted rehearsal has kept."""
     if not finished:
         return "No trial is finished yet."
     return f"{finished} of {trials} trials are kept; run the same command again to resume."
 
 
-def outcome_screen(
+def rehearsal_outcome_screen(
     console: Console, outcome: RehearsalOutcome, summary: RehearsalSummary, seconds: float
 ) -> None:
     """Print the size of a rehearsal, how long it took (s), and how many trials ended early."""
@@ -105,7 +105,7 @@ def outcome_screen(
         console.print(f"  {ended} of {outcome.trials} ended early: {status}", markup=False)
 
 
-def conditions_screen(console: Console, summary: RehearsalSummary, stability: ArmStability) -> None:
+def rehearsed_conditions_screen(console: Console, summary: RehearsalSummary, stability: ArmStability) -> None:
     """Print for each condition whether it is stable in the study's arms, and how its trials ended."""
     from rich.table import Table
 
@@ -121,18 +121,18 @@ def conditions_screen(console: Console, summary: RehearsalSummary, stability: Ar
             statement = "unknown"
             if stability.unavailable is None:
                 verdict = next(verdicts)
-                statement, style = describe_verdict(verdict), "" if verdict.stable else "red"
+                statement, style = describe_arm_verdict(verdict), "" if verdict.stable else "red"
         table.add_row(
             condition.label,
             Text(statement, style=style),
             str(condition.completed),
-            _early_ends(condition) or "–",
+            _format_early_ends(condition) or "–",
         )
     console.print(table)
     console.print(f"In arms: {describe_arm_stability(stability)}", markup=False)
 
 
-def _early_ends(condition: ConditionSummary) -> str:
+def _format_early_ends(condition: ConditionSummary) -> str:
     reasons = []
     for ends in condition.early_ends:
         arm = f" of arm {ends.arm}" if ends.arm else ""

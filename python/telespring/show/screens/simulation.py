@@ -49,7 +49,7 @@ def simulation_summary(
         if largest > _RUNAWAY:
             yield f"  axis {escape(axis.name)}: unstable, the robots run away from each other"
             continue
-        text = f"  axis {escape(axis.name)}: ends at {_mm(apart[-1])}, peak {_mm(largest)}"
+        text = f"  axis {escape(axis.name)}: ends at {_distance_mm(apart[-1])}, peak {_distance_mm(largest)}"
         rest = None
         one, other = forces[0][axis.index], forces[1][axis.index]
         if one != 0.0 and one == -other and axis.ground_stiffness == (0.0, 0.0):
@@ -58,9 +58,9 @@ def simulation_summary(
             text += ", unstable: it does not come to rest"
         elif rest is not None:
             overshoot = max(0.0, 100.0 * (largest / abs(rest) - 1.0))
-            text += f"; rests at {_mm(rest)}, overshoot {format_number(overshoot, 3)} %"
+            text += f"; rests at {_distance_mm(rest)}, overshoot {format_number(overshoot, 3)} %"
         yield text
 
 
-def _mm(length: float) -> str:
+def _distance_mm(length: float) -> str:
     return f"{format_number(length, shift=3)} mm"

@@ -21,7 +21,7 @@ from telespring.show.quantities import format_pair
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ArmsBoundary", "BoundaryOfAxis", "boundary_in_arms", "draw"]
+__all__ = ["ArmsBoundary", "BoundaryOfAxis", "boundary_in_arms", "draw_arms_boundary"]
 
 Intervals = tuple[tuple[float, float], ...]
 
@@ -72,7 +72,7 @@ class ArmsBoundary:
     conditions: tuple[tuple[float, float], ...]
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON, in SI units; None where there is no bound."""
+        """Boundary in arms for JSON, in SI units; None where there is no bound."""
         return {
             "agent_stiffness": list(self.agent_stiffness),
             "horizon": self.horizon,
@@ -97,8 +97,8 @@ class ArmsBoundary:
                 {
                     "stiffness": stiffness,
                     "delay": delay,
-                    "free": _verdict(free),
-                    "in_arms": _verdict(held),
+                    "free": _verdict_word(free),
+                    "in_arms": _verdict_word(held),
                     "unstable_axes_free": free,
                     "unstable_axes_in_arms": held,
                 }
@@ -121,17 +121,18 @@ class ArmsBoundary:
             )
             for stiffness, windows in zip(self.stiffnesses, axis.unstable_held, strict=True):
                 if windows:
-                    where = "unstable at one-way delays in " + " and ".join(
-                        _window(window, self.horizon) for window in windows
+                    stability = "unstable at one-way delays in " + " and ".join(
+                        _format_unstable_window(window, self.horizon) for window in windows
                     )
                 elif stiffness < held.critical_stiffness():
-                    where = "stable at every constant delay"
+                    stability = "stable at every constant delay"
                 else:
-                    where = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
-                sentences.append(f"Axis {free.name} in arms at {stiffness:.4g} N/m: {where}.")
+                    stability = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
+                sentences.append(f"Axis {free.name} in arms at {stiffness:.4g} N/m: {stability}.")
         sentences += [
             f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
-            f"{_verdict(free)}{_on(free)} with free handles, {_verdict(held)}{_on(held)} in arms."
+            f"{_verdict_word(free)}{_on_unstable_axes(free)} with free handles, "
+            f"{_verdict_word(held)}{_on_unstable_axes(held)} in arms."
             for (stiffness, delay), free, held in self._unstable_axes()
             if free or held
         ]
@@ -195,7 +196,7 @@ def boundary_in_arms(
     [(), ()]
     """
     axes = []
-    dyad_in_arms = _held(dyad, agent_stiffness, arms)
+    dyad_in_arms = _with_arms(dyad, agent_stiffness, arms)
     for name in dyad.axes:
         free, held = dyad[name], dyad_in_arms[name]
         stable_held = tuple(tuple(held.stable_delays(k, horizon)) for k in stiffnesses)
@@ -205,7 +206,7 @@ def boundary_in_arms(
                 held=held,
                 stable_free=tuple(tuple(free.stable_delays(k, horizon)) for k in stiffnesses),
                 stable_held=stable_held,
-                unstable_held=tuple(_between(stable, horizon) for stable in stable_held),
+                unstable_held=tuple(_unstable_delays(stable, horizon) for stable in stable_held),
             )
         )
     return ArmsBoundary(
@@ -213,20 +214,13 @@ def boundary_in_arms(
     )
 
 
-def draw(
+def draw_arms_boundary(
     boundary: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
 ) -> Figure:
     """Draw both boundaries over stiffness and delay with the conditions, one panel per axis.
 
-    Parameters
-    ----------
-    boundary
-        Result of `boundary_in_arms`.
-    widest, longest
-        Largest stiffness (N/m) and one-way delay (s) drawn; by default 165 N/m and 0.6 s, or as much as the
-        conditions need.
-    points
-        Number of stiffnesses at which the boundary is computed.
+    By default up to 165 N/m and 0.6 s, or as much as the conditions need; `points` is the number of
+    stiffnesses.
     """
     from telespring.show import figures
 
@@ -245,7 +239,9 @@ def draw(
     return figures.arms_figure(panels, longest=longest)
 
 
-def _held(dyad: Dyad, agent_stiffness: tuple[float, float], arms: tuple[Operator, Operator] | None) -> Dyad:
+def _with_arms(
+    dyad: Dyad, agent_stiffness: tuple[float, float], arms: tuple[Operator, Operator] | None
+) -> Dyad:
     """Add springs and arms to the dyad's own operators."""
     axes = np.ones(len(dyad.axes))
     first, second = (
@@ -261,20 +257,20 @@ def _held(dyad: Dyad, agent_stiffness: tuple[float, float], arms: tuple[Operator
     return Dyad(*dyad.robots, (first, second), dyad.coupling_damping)
 
 
-def _between(stable: Intervals, horizon: float) -> Intervals:
+def _unstable_delays(stable: Intervals, horizon: float) -> Intervals:
     starts = (0.0, *(end for _, end in stable))
     ends = (*(start for start, _ in stable), horizon)
     return tuple((start, end) for start, end in zip(starts, ends, strict=True) if end > start)
 
 
-def _verdict(unstable: list[str]) -> str:
+def _verdict_word(unstable: list[str]) -> str:
     return "unstable" if unstable else "stable"
 
 
-def _on(unstable: list[str]) -> str:
+def _on_unstable_axes(unstable: list[str]) -> str:
     return f" on {' and '.join(unstable)}" if unstable else ""
 
 
-def _window(window: tuple[float, float], horizon: float) -> str:
+def _format_unstable_window(window: tuple[float, float], horizon: float) -> str:
     start, end = (1e3 * delay for delay in window)
     return f"({start:.0f}, {end:.0f}) ms" if window[1] < horizon else f"({start:.0f} ms, beyond the horizon)"

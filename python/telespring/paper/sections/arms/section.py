@@ -9,9 +9,14 @@ from telespring.model import Operator
 from telespring.paper.published import EXPERIMENT_STIFFNESSES
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
-from telespring.paper.sections.arms.boundary import boundary_in_arms, draw
+from telespring.paper.sections.arms.boundary import boundary_in_arms, draw_arms_boundary
 from telespring.show import figures
-from telespring.show.screens.arms import PATH_SECTIONS, describe_pace, describe_poses, describe_unavailable
+from telespring.show.screens.arms import (
+    PATH_SECTIONS,
+    describe_arm_pace,
+    describe_arm_poses,
+    describe_unavailable_arms,
+)
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ConditionStability, PoseSample
@@ -30,19 +35,19 @@ def find_arms(scene: Scene) -> Findings:
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
     stability = arm_stability(scene.study, connected, scene.modules)
     if stability.operators is None:
-        reason = f"Not known: {describe_unavailable(stability)}."
+        reason = f"Not known: {describe_unavailable_arms(stability)}."
         return Findings(numbers={"arms": {"known": False, "statements": [reason], "conditions": []}})
     numbers = {
         "known": True,
         "depends_on_pose": stability.poses is not None,
-        **_operators(stability.operators),
+        **_arm_operator_numbers(stability.operators),
     }
     if stability.poses is None:
         # For the paper's robots also its two largest stiffnesses as printed, rounded.
         printed = EXPERIMENT_STIFFNESSES[-2:] if scene.of_the_paper else ()
-        more, drawing = _boundary(stability.operators, connected, printed)
+        more, drawing = _boundary_findings(stability.operators, connected, printed)
     else:
-        more, drawing = _along_the_path(stability, stability.operators, stability.poses)
+        more, drawing = _path_findings(stability, stability.operators, stability.poses)
     return Findings(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
 
 
@@ -55,7 +60,7 @@ SECTION = Section(
 )
 
 
-def _operators(operators: EquivalentOperators) -> dict[str, Any]:
+def _arm_operator_numbers(operators: EquivalentOperators) -> dict[str, Any]:
     return {
         "agent_stiffness": list(operators.agent_stiffness),
         "agent_damping": list(operators.agent_damping),
@@ -65,7 +70,7 @@ def _operators(operators: EquivalentOperators) -> dict[str, Any]:
     }
 
 
-def _boundary(
+def _boundary_findings(
     operators: EquivalentOperators, connected: list[Condition], printed: tuple[float, ...]
 ) -> tuple[dict[str, Any], str]:
     """Compute the boundary over stiffness and delay for arms that do not depend on the pose."""
@@ -79,7 +84,7 @@ def _boundary(
         horizon=max(1.0, *(1.1 * delay for _, delay in connected), 0.0),
     )
     drawing = figures.to_svg(
-        draw(boundary),
+        draw_arms_boundary(boundary),
         "arms",
         "Stability over stiffness and delay with the handles in arms",
         "One panel per axis. Shaded: stable while arms and agents hold both handles. Dashed: the boundary "
@@ -88,7 +93,7 @@ def _boundary(
     return boundary.numbers(), drawing
 
 
-def _along_the_path(
+def _path_findings(
     stability: ArmStability, operators: EquivalentOperators, poses: PoseSample
 ) -> tuple[dict[str, Any], str]:
     """Compute how stable the conditions are in the poses along the target's path."""
@@ -96,15 +101,15 @@ def _along_the_path(
     conditions = []
     for condition in stability.conditions:
         delay = 0.5 * sum(condition.delay)
-        lost = [axis.name for axis in free if not axis.is_stable(condition.stiffness, delay)]
+        unstable = [axis.name for axis in free if not axis.is_stable(condition.stiffness, delay)]
         assert condition.worst_position is not None
         conditions.append(
             {
                 "stiffness": condition.stiffness,
                 "delay": delay,
-                "free": "unstable" if lost else "stable",
+                "free": "unstable" if unstable else "stable",
                 "in_arms": "stable" if condition.stable else "unstable",
-                "unstable_axes_free": lost,
+                "unstable_axes_free": unstable,
                 "unstable_axes_in_arms": None,
                 "spectral_abscissa": condition.spectral_abscissa,
                 "least_abscissa": condition.least_abscissa,
@@ -114,7 +119,7 @@ def _along_the_path(
                 "complete": condition.complete,
             }
         )
-    statements = _statements(stability.conditions, poses)
+    statements = _statements_on_poses(stability.conditions, poses)
     drawing = figures.to_svg(
         figures.poses_figure(
             [
@@ -146,17 +151,17 @@ def _along_the_path(
     return numbers, drawing
 
 
-def _statements(conditions: tuple[ConditionStability, ...], poses: PoseSample) -> list[str]:
-    sentences = [f"{describe_poses(poses)}."]
+def _statements_on_poses(conditions: tuple[ConditionStability, ...], poses: PoseSample) -> list[str]:
+    sentences = [f"{describe_arm_poses(poses)}."]
     for condition in conditions:
-        where = f"Condition {condition.stiffness:.0f} N/m, {500.0 * sum(condition.delay):.0f} ms"
+        name = f"Condition {condition.stiffness:.0f} N/m, {500.0 * sum(condition.delay):.0f} ms"
         if not condition.stable:
             sentences.append(
-                f"{where}: unstable in {condition.unstable_poses} of {len(poses.positions)} poses, "
-                f"{describe_pace(condition)} in the worst."
+                f"{name}: unstable in {condition.unstable_poses} of {len(poses.positions)} poses, "
+                f"{describe_arm_pace(condition)} in the worst."
             )
         if not condition.complete:
-            sentences.append(f"{where}: it is not confirmed in every pose that no root was missed.")
+            sentences.append(f"{name}: it is not confirmed in every pose that no root was missed.")
     if conditions and all(condition.stable for condition in conditions):
         sentences.append("Every condition is stable in every pose.")
     return sentences

@@ -12,13 +12,13 @@ __all__ = ["SECTION", "find_calibration"]
 def find_calibration(scene: Scene) -> Findings:
     """Fit and predict, for the paper's own experiment only: no table of another is published."""
     from telespring.paper.calibration import calibrate, draw_cells, draw_pairs, draw_profiles
-    from telespring.paper.sections.calibration.statements import statements
+    from telespring.paper.sections.calibration.statements import calibration_statements
 
     if scene.study.experiment is None or not scene.of_the_papers_experiment:
         return Findings()
     calibration = calibrate(scene.study)
     return Findings(
-        numbers={"calibration": {**calibration.numbers(), "statements": statements(calibration)}},
+        numbers={"calibration": {**calibration.numbers(), "statements": calibration_statements(calibration)}},
         drawings={
             "calibration": figures.to_svg(
                 draw_cells(calibration),

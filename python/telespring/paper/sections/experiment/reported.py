@@ -24,17 +24,17 @@ def compare_reported_tests(analysed: Mapping[str, Any]) -> list[dict[str, Any]]:
             connected = [label for label in labels if label.startswith(statement["conditions"])]
             is_same_test = len(labels) == len(connected) + statement["with_baseline"]
             if result["robot"] == 2 and connected and is_same_test:
-                rows.append(_row("Kruskal-Wallis", statement, result))
+                rows.append(_reported_test_row("Kruskal-Wallis", statement, result))
     for statement in printed["rank_sum"]:
         rows += [
-            _row("Wilcoxon rank-sum", statement, result)
+            _reported_test_row("Wilcoxon rank-sum", statement, result)
             for result in analysed["wilcoxon"][statement["family"]]["comparisons"]
             if {result["first"], result["second"]} == {statement["first"], statement["second"]}
         ]
     return rows
 
 
-def _row(test: str, statement: Mapping[str, Any], result: Mapping[str, Any]) -> dict[str, Any]:
+def _reported_test_row(test: str, statement: Mapping[str, Any], result: Mapping[str, Any]) -> dict[str, Any]:
     significant, level = statement["significant"], statement["level"]
     return {
         "statement": statement["statement"],

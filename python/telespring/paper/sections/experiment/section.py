@@ -32,7 +32,7 @@ def find_experiment(scene: Scene) -> Findings:
             # otherwise the page would stand beside another study's trials
             remove_rehearsal(scene.rehearsal)
         return Findings()
-    trials = Trials.from_dataset(_rehearsed(scene))
+    trials = Trials.from_dataset(_rehearse_experiment(scene))
     analysed = compare_conditions(trials)
     rows = analysed["table1"]
     drawings = {
@@ -46,12 +46,12 @@ def find_experiment(scene: Scene) -> Findings:
             draw_errors(analysed),
             "tracking",
             "Tracking error of both robots by condition",
-            " ".join(_mean_errors(row) for row in rows),
+            " ".join(_mean_tracking_errors(row) for row in rows),
         ),
     }
     published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
     for row in rows:
-        row["printed"] = _printed(published.get(row["condition"]))
+        row["printed"] = _printed_table_1_row(published.get(row["condition"]))
     return Findings(
         numbers={
             "table1": rows,
@@ -70,7 +70,7 @@ def find_experiment(scene: Scene) -> Findings:
                 "reported": compare_reported_tests(analysed) if published else [],
                 "printed_baseline_median": BASELINE_MEDIAN if published else None,
                 **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
-                "conditions": [_without_trials(condition) for condition in analysed["conditions"]],
+                "conditions": [_condition_without_trials(condition) for condition in analysed["conditions"]],
             },
         },
         drawings=drawings,
@@ -92,7 +92,7 @@ SECTION = Section(
 )
 
 
-def _rehearsed(scene: Scene) -> xarray.Dataset:
+def _rehearse_experiment(scene: Scene) -> xarray.Dataset:
     """Run the protocol, or resume it, in the scene's folder."""
     import xarray
 
@@ -104,7 +104,7 @@ def _rehearsed(scene: Scene) -> xarray.Dataset:
         return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
-def _printed(row: PublishedRow | None) -> dict[str, Any] | None:
+def _printed_table_1_row(row: PublishedRow | None) -> dict[str, Any] | None:
     """Table I's row, in mm as it prints them."""
     if row is None:
         return None
@@ -117,7 +117,7 @@ def _printed(row: PublishedRow | None) -> dict[str, Any] | None:
     return printed
 
 
-def _without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
+def _condition_without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
     """Remove the values of single trials, which the dataset has."""
     measures = {
         name: {
@@ -129,7 +129,7 @@ def _without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
     return {**condition, "measures": measures}
 
 
-def _mean_errors(row: Mapping[str, Any]) -> str:
+def _mean_tracking_errors(row: Mapping[str, Any]) -> str:
     means: Sequence[float | None] = (row["te1_mean"], row["te2_mean"])
     errors = " and ".join("none" if mean is None else f"{mean:.1f} mm" for mean in means)
     return f"{row['condition']}: {errors}."

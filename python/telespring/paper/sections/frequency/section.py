@@ -36,7 +36,7 @@ def find_frequency(scene: Scene) -> Findings:
             # The motion of robot 1 per motion of robot 2 is k e^(−δs)/P.
             curve = partner_response(pair, value["k"], value["δ"], frequency)
             magnitude = np.asarray(curve.magnitude)
-            crossing = _gain_crossing(axis, value["k"], value["δ"])
+            crossing = _partner_gain_crossing(axis, value["k"], value["δ"])
             label = f"{FACTOR_LABELS[factor]}{names[symbol]}" if factor else "0"
             curves.append(
                 figures.FrequencyCurve(
@@ -93,7 +93,7 @@ SECTION = Section(
 )
 
 
-def _gain_crossing(axis: DyadAxis, stiffness: float, delay: float) -> tuple[float, float] | None:
+def _partner_gain_crossing(axis: DyadAxis, stiffness: float, delay: float) -> tuple[float, float] | None:
     """Frequency (rad/s) and phase (degree) where the magnitude falls through 1, if it does."""
     crossings = axis.crossings(stiffness)
     if not crossings:

@@ -63,7 +63,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
     """Identify a study's bare robots, the paper's by default, from noisy logs of the simulated rig."""
     source = Study.paper() if study is None else study
     dyad = source.dyad
-    movement, designed = paper_excitation(), _designed()
+    movement, designed = paper_excitation(), _designed_excitation()
     log = simulate_log(source, movement)
     random = np.random.default_rng(seed)
     measured = {at: log.measured(random, at=at) for at in ("handle", "joints")}
@@ -71,7 +71,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
 
     def estimate(at: str, method: Any) -> tuple[Identification, Identification]:
         one, other = (
-            _estimate(log, measured[at], robot, list(dyad.axes), method, coulomb=bool(friction.any()))
+            _identify_robot(log, measured[at], robot, list(dyad.axes), method, coulomb=bool(friction.any()))
             for robot in (0, 1)
         )
         return one, other
@@ -92,8 +92,8 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
             "cutoff": robots[0].cutoff,
             "condition_number": movement.condition_number(),
             "condition_number_designed": designed.condition_number(),
-            "paper": _movement(movement),
-            "designed": _movement(designed),
+            "paper": _excitation_numbers(movement),
+            "designed": _excitation_numbers(designed),
         },
         "noise": vars(SensorNoise()),
         "arm": ARM if len(dyad.axes) == 2 else None,
@@ -114,10 +114,10 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
             for robot, identified in enumerate(pair, start=1)
             for axis in identified.to_json()["axes"]
         ],
-        "reweightings": _reweightings(robots[0]),
+        "reweightings": _reweighting_numbers(robots[0]),
         "axes_independent": [identified.independent for identified in robots],
         "seed": seed,
-        "verdict": _verdict(robots, reference_of([dyad[name] for name in dyad.axes])),
+        "verdict": _margins_as_identified(robots, reference_of([dyad[name] for name in dyad.axes])),
     }
     return IdentificationStudy(
         numbers=numbers, movements=(("the paper's", movement), ("designed", designed)), robots=robots
@@ -128,12 +128,12 @@ _METHOD_KEYS = ("axis", "mass", "mass_interval", "damping", "damping_interval")
 
 
 @cache
-def _designed() -> Excitation:
+def _designed_excitation() -> Excitation:
     """Design the movement, once: it does not depend on the study."""
     return design_excitation()
 
 
-def _estimate(
+def _identify_robot(
     log: SimulatedLog,
     measured: tuple[FloatArray, FloatArray],
     robot: int,
@@ -146,7 +146,7 @@ def _estimate(
     return identify(log.time, position[:, robot], force[:, robot], axes=axes, method=method, coulomb=coulomb)
 
 
-def _movement(movement: Excitation) -> dict[str, Any]:
+def _excitation_numbers(movement: Excitation) -> dict[str, Any]:
     position, velocity, acceleration = movement.extremes()
     return {
         "cosine": list(movement.cosine),
@@ -158,7 +158,7 @@ def _movement(movement: Excitation) -> dict[str, Any]:
     }
 
 
-def _reweightings(identified: Identification) -> dict[str, Any]:
+def _reweighting_numbers(identified: Identification) -> dict[str, Any]:
     """Iterate the paper's weights on the first robot's first axis."""
     signals, axis = identified.signals, identified.axes[0]
     row = axis.signals_index
@@ -182,7 +182,9 @@ def _reweightings(identified: Identification) -> dict[str, Any]:
     }
 
 
-def _verdict(robots: tuple[Identification, Identification], reference: Reference) -> dict[str, Any] | None:
+def _margins_as_identified(
+    robots: tuple[Identification, Identification], reference: Reference
+) -> dict[str, Any] | None:
     """Propagate the estimates' covariance to the margins at 2 K_xy and to the experiment's conditions.
 
     None if an estimate is not positive enough to be a mass or a damping.

@@ -50,21 +50,21 @@ def find_laboratory(scene: Scene) -> Findings:
     for i, friction in enumerate(scene.study.coulomb, start=1):
         if friction.any():
             rows += [
-                _row(f"robot {i}", f"Coulomb friction, {axis}", float(force), "N")
+                _laboratory_row(f"robot {i}", f"Coulomb friction, {axis}", float(force), "N")
                 for axis, force in zip(scene.study.dyad.axes, friction, strict=True)
             ]
     for i, agent in enumerate(experiment.agents, start=1):
-        rows += _rows(f"agent {i}", agent.to_dict())
+        rows += _laboratory_rows(f"agent {i}", agent.to_dict())
     for i, arm in enumerate(experiment.arms, start=1):
-        rows += _rows(f"arm {i}", arm.to_dict())
-    rows += _rows("task", experiment.task.to_dict())
+        rows += _laboratory_rows(f"arm {i}", arm.to_dict())
+    rows += _laboratory_rows("task", experiment.task.to_dict())
     if experiment.coupling_damping:
-        rows.append(_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
-    rows.append(_row("controllers", "sample period", experiment.sample_period, "s"))
+        rows.append(_laboratory_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
+    rows.append(_laboratory_row("controllers", "sample period", experiment.sample_period, "s"))
     if settings.computing_tick:
-        rows.append(_row("controllers", "a force acts", "one period after its samples", ""))
+        rows.append(_laboratory_row("controllers", "a force acts", "one period after its samples", ""))
     rows += [
-        _row(part, name, value, unit)
+        _laboratory_row(part, name, value, unit)
         for part, name, value, unit in (
             ("controllers", "lag of the actuators", settings.actuator_lag, "s"),
             ("controllers", "resolution of the encoders", settings.encoder_resolution, "m"),
@@ -74,17 +74,17 @@ def find_laboratory(scene: Scene) -> Findings:
         if value
     ]
     rows += [
-        _row("protocol", "conditions", len(experiment.conditions), "1"),
-        _row("protocol", "trials of each", experiment.trials, "1"),
-        _row("protocol", "length of a trial", experiment.duration, "s"),
-        _row("protocol", "left out at its start", experiment.discard, "s"),
-        _row("protocol", "samples recorded per second", experiment.record_rate, "Hz"),
-        _row("protocol", "order of the trials", experiment.order, ""),
-        _row("protocol", "seed", experiment.seed, "1"),
+        _laboratory_row("protocol", "conditions", len(experiment.conditions), "1"),
+        _laboratory_row("protocol", "trials of each", experiment.trials, "1"),
+        _laboratory_row("protocol", "length of a trial", experiment.duration, "s"),
+        _laboratory_row("protocol", "left out at its start", experiment.discard, "s"),
+        _laboratory_row("protocol", "samples recorded per second", experiment.record_rate, "Hz"),
+        _laboratory_row("protocol", "order of the trials", experiment.order, ""),
+        _laboratory_row("protocol", "seed", experiment.seed, "1"),
     ]
     numbers = {
         "parameters": rows,
-        "spots": _spots(experiment),
+        "spots": _target_spot_row(experiment),
         "warnings": [
             preflight_sentence(warning) for warning in preflight_warnings(scene.study, scene.modules)
         ],
@@ -94,7 +94,9 @@ def find_laboratory(scene: Scene) -> Findings:
         "task": experiment.task.kind,
         "of_the_paper": scene.of_the_papers_experiment,
     }
-    return Findings(numbers={"laboratory": numbers}, drawings={"laboratory": _drawing(scene, experiment)})
+    return Findings(
+        numbers={"laboratory": numbers}, drawings={"laboratory": _draw_figure_6(scene, experiment)}
+    )
 
 
 SECTION = Section(
@@ -107,7 +109,7 @@ SECTION = Section(
 )
 
 
-def _spots(experiment: Experiment) -> dict[str, Any] | None:
+def _target_spot_row(experiment: Experiment) -> dict[str, Any] | None:
     for agent in experiment.agents:
         if agent.spot_velocity is not None and agent.spot_lifetime is not None:
             return {
@@ -119,31 +121,33 @@ def _spots(experiment: Experiment) -> dict[str, Any] | None:
     return None
 
 
-def _rows(part: str, described: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    yield _row(part, "kind", str(described["kind"]), "")
+def _laboratory_rows(part: str, described: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    yield _laboratory_row(part, "kind", str(described["kind"]), "")
     for key, value in described.items():
         if key == "kind" or value is None:
             continue
         name, unit = _LABELS.get(key, (key.replace("_", " "), "1"))
         if isinstance(value, Mapping):
             for option, setting in value.items():
-                yield _row(part, f"{name} {option}", str(setting), "")
+                yield _laboratory_row(part, f"{name} {option}", str(setting), "")
         elif isinstance(value, list | tuple):
             places = ("x", "y") if key in {"mass", "damping", "base", "amplitude"} else ("1", "2")
             for place, entry in zip(places, value, strict=True):
-                yield _row(part, f"{name}, {place}" if place in "xy" else f"{name} {place}", entry, unit)
+                yield _laboratory_row(
+                    part, f"{name}, {place}" if place in "xy" else f"{name} {place}", entry, unit
+                )
         else:
-            yield _row(part, name, value, unit)
+            yield _laboratory_row(part, name, value, unit)
 
 
-def _row(part: str, name: str, value: Any, unit: str) -> dict[str, Any]:
+def _laboratory_row(part: str, name: str, value: Any, unit: str) -> dict[str, Any]:
     if value == math.inf:
         value = None  # no limit
     return {"part": part, "name": name, "value": value, "unit": unit}
 
 
-def _drawing(scene: Scene, experiment: Experiment) -> str:
-    sides = (_side(scene, experiment, 0), _side(scene, experiment, 1))
+def _draw_figure_6(scene: Scene, experiment: Experiment) -> str:
+    sides = (_laboratory_side(scene, experiment, 0), _laboratory_side(scene, experiment, 1))
     return figures.to_svg(
         figures.laboratory_schematic(target_path(experiment, scene.modules), sides),
         "laboratory",
@@ -157,7 +161,7 @@ def _drawing(scene: Scene, experiment: Experiment) -> str:
     )
 
 
-def _side(scene: Scene, experiment: Experiment, i: int) -> figures.DrawnSide:
+def _laboratory_side(scene: Scene, experiment: Experiment, i: int) -> figures.DrawnSide:
     """Describe robot, agent and arm on one side, for the drawing."""
     agent, arm = experiment.agents[i], experiment.arms[i]
     spots = agent.spots or 0

@@ -19,7 +19,7 @@ __all__ = ["SECTION", "find_map"]
 
 
 def find_map(scene: Scene) -> Findings:
-    """Compute the map of the study's own axes; limits are the worst over the ranges of operators, if any."""
+    """Compute the stability map of the study's axes; limits are the worst over any ranges of operators."""
     study, axes, base = scene.study, scene.axes, scene.reference
     widest, longest = MAP_WIDTH * base.stiffness, 2.4 * base.delay
     stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
@@ -74,7 +74,7 @@ def find_map(scene: Scene) -> Findings:
                     if boundary.printed is None
                     else [finite_or_none(delay) for delay in boundary.printed[::20]]
                 ),
-                "largest_difference": _largest_difference(boundary),
+                "largest_difference": _paper_boundary_error(boundary),
             }
             for boundary in boundaries
         ],
@@ -103,7 +103,7 @@ SECTION = Section(
 )
 
 
-def _largest_difference(boundary: figures.MapAxis) -> float | None:
+def _paper_boundary_error(boundary: figures.MapAxis) -> float | None:
     """Largest relative difference of the paper's boundary from the exact one, where both are finite."""
     if boundary.printed is None:
         return None

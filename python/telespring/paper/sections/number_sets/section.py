@@ -11,7 +11,7 @@ from telespring.paper.published import TABLE_II
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 
-__all__ = ["SECTION", "find_number_sets", "number_set", "roots_of_identical_robots"]
+__all__ = ["SECTION", "find_number_sets", "roots_of_identical_robots", "table_2_set"]
 
 #: At a boundary of the table η₂ and the roots vanish up to the rounding of a few terms of size one.
 _ROUNDING = 1e-13
@@ -35,7 +35,7 @@ def roots_of_identical_robots(
     return eta1 / mass**2 + 0j, (eta1 + root) / (2 * mass**2), (eta1 - root) / (2 * mass**2)
 
 
-def number_set(value: complex, size: float) -> str:
+def table_2_set(value: complex, size: float) -> str:
     """Name the smallest of the table's sets that contains a value: "0", "R+", "R-" or "C" (not real).
 
     `size` is that of the terms that the value is the sum of, which sets its rounding error.
@@ -69,7 +69,7 @@ def find_number_sets(scene: Scene) -> Findings:
             "above": above,
             "below": below,
             "stiffness": stiffness,
-            **_row(mass, damping, stiffness),
+            **_table_2_row(mass, damping, stiffness),
             "printed": dict(zip(_SETS, printed, strict=True)),
         }
         for (above, below, stiffness), printed in zip(settings, TABLE_II, strict=True)
@@ -81,7 +81,7 @@ def find_number_sets(scene: Scene) -> Findings:
                 "damping": damping,
                 "rows": rows,
                 "sign_change": {"ours": changes, "printed": printed_change},
-                "between": {"stiffness": disputed, **_row(mass, damping, disputed)},
+                "between": {"stiffness": disputed, **_table_2_row(mass, damping, disputed)},
             }
         }
     )
@@ -102,13 +102,13 @@ SECTION = Section(
 _SETS = ("eta1_set", "eta2_set", "xi1_set", "xi2_set", "xi3_set")
 
 
-def _row(mass: float, damping: float, stiffness: float) -> dict[str, Any]:
+def _table_2_row(mass: float, damping: float, stiffness: float) -> dict[str, Any]:
     eta1, eta2 = eta_equation_16(mass, damping, stiffness)
     roots = roots_of_identical_robots(mass, damping, stiffness)
     size = damping**2 + 2 * mass * stiffness
     values = (complex(eta1), complex(eta2), *roots)
     sizes = (size, size**2, *(size / mass**2,) * 3)
-    sets = {key: number_set(value, scale) for key, value, scale in zip(_SETS, values, sizes, strict=True)}
+    sets = {key: table_2_set(value, scale) for key, value, scale in zip(_SETS, values, sizes, strict=True)}
     return {
         # Dimensionless, so that robots of any size can be compared; a zero without its rounding.
         "eta1": 0.0 if sets["eta1_set"] == "0" else eta1 / damping**2,

@@ -11,15 +11,15 @@ from telespring.paper.reference import Reference
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 
-__all__ = ["SECTION", "find_reference"]
+__all__ = ["SECTION", "find_robots"]
 
 
-def find_reference(scene: Scene) -> Findings:
+def find_robots(scene: Scene) -> Findings:
     """Compute K and Δ, as Table III defines them, and the limits of every axis."""
     return Findings(
         numbers={
-            "table3": _table3(scene.identical_axis, scene.identical_reference, scene.reference),
-            "axes": [_axis_limits(axis, scene.reference) for axis in scene.axes],
+            "table3": _table_3_numbers(scene.identical_axis, scene.identical_reference, scene.reference),
+            "axes": [_table_3_axis_limits(axis, scene.reference) for axis in scene.axes],
         }
     )
 
@@ -29,17 +29,17 @@ SECTION = Section(
     anchor="robots",
     title="The robots, K and Δ",
     step="Table III",
-    find=find_reference,
+    find=find_robots,
     holds=(Place("Table III", "table3"),),
 )
 
 
-def _table3(identical_axis: DyadAxis, alike: Reference, base: Reference) -> dict[str, Any]:
+def _table_3_numbers(identical_axis: DyadAxis, identical: Reference, base: Reference) -> dict[str, Any]:
     return {
         "M": identical_axis.masses[0],
         "B": identical_axis.dampings[0],
-        "K": {"ours": alike.stiffness, "printed": TABLE_III.base_stiffness},
-        "Delta": {"ours": alike.delay, "printed": TABLE_III.base_delay},
+        "K": {"ours": identical.stiffness, "printed": TABLE_III.base_stiffness},
+        "Delta": {"ours": identical.delay, "printed": TABLE_III.base_delay},
         "K_xy": {
             "ours": base.stiffness,
             "printed": TABLE_III.reference_stiffness,
@@ -49,7 +49,7 @@ def _table3(identical_axis: DyadAxis, alike: Reference, base: Reference) -> dict
     }
 
 
-def _axis_limits(axis: DyadAxis, base: Reference) -> dict[str, Any]:
+def _table_3_axis_limits(axis: DyadAxis, base: Reference) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "critical_stiffness": finite_or_none(axis.critical_stiffness()),

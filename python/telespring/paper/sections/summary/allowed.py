@@ -26,7 +26,7 @@ def summarise(study: Study) -> dict[str, Any]:
     controllers; with sampled ones, a row gives no more than keeps the sampled dyad stable at its delay.
     """
     return {
-        "rows": [_row(study, delay) for delay in SUMMARY_DELAYS],
+        "rows": [_summary_row(study, delay) for delay in SUMMARY_DELAYS],
         "tiers": [
             {"key": tier.key, "name": name, "network": tier.network, "rule": tier.rule}
             for name, tier in TIERS.items()
@@ -36,7 +36,7 @@ def summarise(study: Study) -> dict[str, Any]:
     }
 
 
-def _row(study: Study, delay: float) -> dict[str, Any]:
+def _summary_row(study: Study, delay: float) -> dict[str, Any]:
     network = study.network
     verdict = verdicts(
         study.dyad,
@@ -63,22 +63,22 @@ def _row(study: Study, delay: float) -> dict[str, Any]:
     }
     for name, description in TIERS.items():
         if name == "paper":
-            entry = _entry(verdict.paper.critical_stiffness, names[verdict.paper.critical_axis])
+            entry = _summary_entry(verdict.paper.critical_stiffness, names[verdict.paper.critical_axis])
         else:
             tier = next(tier for tier in verdict.tiers if tier.tier == name)
             axis = None if tier.worst_axis is None else names[tier.worst_axis]
-            entry = _entry(tier.stiffness_bound, axis)
+            entry = _summary_entry(tier.stiffness_bound, axis)
             if (
                 name in _CONSTANT
                 and tier.stiffness_bound is not None
                 and sampled_bound < tier.stiffness_bound
             ):
-                entry = _entry(sampled_bound, sampled_axis, limited_by="sampling")
+                entry = _summary_entry(sampled_bound, sampled_axis, limited_by="sampling")
         row[description.key] = entry
     return row
 
 
-def _entry(stiffness: float | None, axis: str | None, limited_by: str = "rule") -> dict[str, Any]:
+def _summary_entry(stiffness: float | None, axis: str | None, limited_by: str = "rule") -> dict[str, Any]:
     unbounded = stiffness is not None and math.isinf(stiffness)
     return {
         "stiffness": None if stiffness is None else finite_or_none(stiffness),

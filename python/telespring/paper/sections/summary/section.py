@@ -6,12 +6,12 @@ from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.paper.sections.summary.allowed import summarise
 
-__all__ = ["SECTION", "find_allowed"]
+__all__ = ["SECTION", "find_summary"]
 
 
-def find_allowed(scene: Scene) -> Findings:
+def find_summary(scene: Scene) -> Findings:
     """Compute the largest stiffness for each one-way delay and each promise of the network."""
     return Findings(numbers={"summary": summarise(scene.study)})
 
 
-SECTION = Section(name="summary", anchor="summary", step="allowed stiffness", find=find_allowed)
+SECTION = Section(name="summary", anchor="summary", step="allowed stiffness", find=find_summary)
