@@ -30,11 +30,11 @@ endif
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
-study: $(STAMPS)/binding ## set everything up and analyse the paper's robots into out/study/
+study: $(STAMPS)/binding ## set everything up and reproduce the paper into out/study/
 	$(VENV)/bin/telespring reproduce
 
 # The same generated cases on every machine; `make verify` draws new ones.
-test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and prove it
+test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	PROPTEST_RNG_SEED=20251121 cargo test --workspace --locked
 	$(PYTHON_IN_VENV) -m pytest
 

@@ -587,3 +587,16 @@ def test_law_help_names_every_option_with_its_unit() -> None:
     ):
         assert option in text
     assert "N/m" in text
+
+
+def test_law_a_missing_value_is_named_with_its_unit(tmp_path: Path) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(
+        "robot1 = {mass = 1, damping = 5}\nrobot2 = {mass = 1, damping = 5}\nnetwork.delay = 0.05\n"
+    )
+    result = run("decide", str(study))
+    assert result.exit_code == 2
+    assert result.stderr.splitlines() == [
+        "Refused: Missing coupling.stiffness (N/m).",
+        "  Add a section [coupling] with stiffness = 20.0.",
+    ]

@@ -248,3 +248,11 @@ def test_law_refusals_are_value_errors_and_survive_a_process_border() -> None:
     again = pickle.loads(pickle.dumps(refused))
     assert str(again) == str(refused) == "mass[0] = -1: a mass is positive. Check the sign."
     assert (again.field, again.value, again.allowed, again.remedy) == refused.args
+
+
+def test_law_a_dyad_is_a_collection_of_its_axes(hman: ts.Dyad) -> None:
+    assert len(hman) == 2
+    assert [axis.name for axis in hman] == hman.axes
+    assert list(hman) == [hman["x"], hman["y"]]
+    assert "x" in hman
+    assert "z" not in hman

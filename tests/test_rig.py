@@ -255,3 +255,13 @@ def test_law_an_interrupt_check_ends_a_trial_by_what_it_raises() -> None:
 
     with pytest.raises(KeyError, match="enough"):
         LABORATORY.run(20.0, 0.0, 1, 1.0, 100.0, interrupt_check=interrupt_check)
+
+
+def test_law_a_laboratory_survives_pickling() -> None:
+    study = ts.Study.paper().replace(laboratory={"jitter": 0.002})
+    assert study.experiment is not None
+    laboratory = study.experiment.laboratory
+    assert pickle.loads(pickle.dumps(laboratory)) == laboratory
+    assert repr(laboratory) == "<Laboratory of two stations, controllers at 1000.0 Hz>"
+    paper = _core.Laboratory.paper()
+    assert pickle.loads(pickle.dumps(paper)) == paper != laboratory

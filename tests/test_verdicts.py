@@ -193,3 +193,16 @@ def test_ref_bad_values_are_refused_at_the_door(hman: ts.Dyad, call: Any, field:
     with pytest.raises(ts.InvalidInput) as refused:
         call(hman)
     assert refused.value.field == field
+
+
+def test_law_an_unknown_tier_is_refused_with_those_that_exist(hman: ts.Dyad) -> None:
+    with pytest.raises(ts.InvalidInput, match='"any network", "bounded varying delay"') as refused:
+        ts.verdicts(hman, 30.0, 0.1).tier("constant")  # type: ignore[arg-type]
+    assert refused.value.value == "constant"
+
+
+def test_law_a_response_of_an_axis_names_the_argument_that_chooses_it(hman: ts.Dyad) -> None:
+    with pytest.raises(
+        ts.InvalidInput, match=r"Pass the dyad, and the name of the axis as `axis`\."
+    ):
+        ts.nyquist(hman["x"], 30.0, 0.1)  # type: ignore[arg-type]

@@ -73,13 +73,13 @@ pub fn is_paper(method: Option<&str>) -> Result<bool> {
     match method.unwrap_or("exact") {
         "exact" => Ok(false),
         "paper" => Ok(true),
-        other => Err(InvalidInput::new(
-            "method",
-            format!("'{other}'"),
-            "the methods are \"exact\" and \"paper\"",
-            "Omit it for \"exact\".",
-        )),
+        other => Err(unknown_method(format!("{other:?}"))),
     }
+}
+
+/// The error for a method that is neither "exact" nor "paper", as the caller wrote it.
+pub fn unknown_method(written: String) -> InvalidInput {
+    InvalidInput::new("method", written, "the methods are \"exact\" and \"paper\"", "Omit it for \"exact\".")
 }
 
 /// The critical stiffness, N/m, exact or by Eq. 5 of the paper.

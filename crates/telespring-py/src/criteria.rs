@@ -9,7 +9,7 @@ use telespring::{InvalidInput, Result, criteria};
 
 use crate::arguments::written;
 use crate::arrays::{Numbers, over_arrays};
-use crate::axis::{self, Crossing, DyadAxis, is_paper};
+use crate::axis::{self, Crossing, DyadAxis, is_paper, unknown_method};
 use crate::errors::Outcome;
 use crate::model::Dyad;
 
@@ -166,10 +166,8 @@ fn bind<'py, const N: usize>(
 
 /// The method as text, refused by its name where it is something else.
 fn paper(method: Option<&Bound<'_, PyAny>>) -> Result<bool> {
-    match method.map(|method| method.extract::<String>().unwrap_or_else(|_| written(method))) {
-        None => Ok(false),
-        Some(text) => is_paper(Some(&text)),
-    }
+    let text = method.map(|method| method.extract::<String>().map_err(|_| unknown_method(written(method))));
+    is_paper(text.transpose()?.as_deref())
 }
 
 /// What `bind` has found to be there.

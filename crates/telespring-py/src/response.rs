@@ -2,13 +2,12 @@
 
 use num_complex::Complex64;
 use numpy::{IntoPyArray, Ix1, Ix3, PyArray3, PyArrayMethods, PyReadonlyArray1};
-use pyo3::Borrowed;
 use pyo3::prelude::*;
 use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
 use crate::arguments::{AxisChoice, DelayChoice, Number, written};
-use crate::errors::{Failure, Outcome};
+use crate::errors::Outcome;
 use crate::model::Dyad;
 use crate::records::{Array, record};
 
@@ -33,25 +32,11 @@ impl ConventionName {
     }
 }
 
-/// A dyad, not one of its axes: these functions choose the axis by an argument of its own.
-struct WholeDyad<'py>(Bound<'py, Dyad>);
-
-impl<'a, 'py> FromPyObject<'a, 'py> for WholeDyad<'py> {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        value.cast::<Dyad>().map(|dyad| Self(dyad.to_owned())).map_err(|_| {
-            let remedy = "Pass the dyad, and the name of the axis as `axis`.";
-            Failure::from(InvalidInput::new("dyad", written(&value), "a Dyad is needed", remedy)).into()
-        })
-    }
-}
-
 /// One axis of a dyad with its spring (N/m) and its delays: the arguments common to all functions here.
 #[derive(FromPyObject)]
 pub struct Loop<'py> {
     #[pyo3(item(0))]
-    dyad: WholeDyad<'py>,
+    dyad: Bound<'py, PyAny>,
     #[pyo3(item(1))]
     stiffness: Number,
     #[pyo3(item(2))]
@@ -62,7 +47,12 @@ pub struct Loop<'py> {
 
 impl Loop<'_> {
     fn check(self) -> Outcome<(DyadAxis, f64, Delay)> {
-        let axis = self.axis.of(&self.dyad.0.get().0)?;
+        // one of its axes would be a natural mistake: the criteria take it
+        let Ok(dyad) = self.dyad.cast::<Dyad>() else {
+            let remedy = "Pass the dyad, and the name of the axis as `axis`.";
+            return Err(InvalidInput::new("dyad", written(&self.dyad), "a Dyad is needed", remedy).into());
+        };
+        let axis = self.axis.of(&dyad.get().0)?;
         Ok((axis, self.stiffness.named("stiffness")?, self.delay.check()?))
     }
 }

@@ -25,7 +25,7 @@ use crate::recording::{Recording, Recordings};
 /// >>> trial = laboratory.run(71.2, 0.0836, seed=1, duration=2.0, record_rate=100.0)
 /// >>> trial.position.shape, trial.status
 /// ((201, 2, 2), 'completed')
-#[pyclass(frozen, module = "telespring")]
+#[pyclass(frozen, module = "telespring._core")]
 #[derive(Debug, Clone)]
 pub struct Laboratory {
     inner: rig::Laboratory,
