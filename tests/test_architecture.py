@@ -23,7 +23,7 @@ VIOLATIONS = {
     "a circle": (
         "analysis/statistics.py",
         "def f():\n    from telespring.analysis import results",
-        "No imports in circles",
+        "No import cycles",
     ),
     "theory in an analysis": (
         "analysis/measures.py",
@@ -33,7 +33,7 @@ VIOLATIONS = {
     "a rehearsal in a decision": (
         "decision/decide.py",
         "from telespring.rehearsal import run",
-        "A decision takes nothing from a rehearsal",
+        "A decision uses nothing of a rehearsal",
     ),
     "a drawing job": ("analysis/table.py", "import matplotlib.pyplot", "Jobs draw nothing"),
     "a figure that asks": (
@@ -41,7 +41,7 @@ VIOLATIONS = {
         "from telespring.theory import verdicts",
         "Figures take plain numbers",
     ),
-    "a parser": ("analysis/sources.py", "import tomllib", "A study is asked by its getters"),
+    "a parser": ("analysis/sources.py", "import tomllib", "A study is queried through its getters"),
 }
 
 
