@@ -242,7 +242,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     };
     if stiffness.is_some() || delay.is_some() {
         return Err(entry.reject(
-            "a protocol has either a list of conditions or lists of stiffness and delay",
+            "a protocol has either a list of conditions, or lists of stiffness and delay",
             "Remove one of them.",
         ));
     }
@@ -279,7 +279,7 @@ fn read_number_list(
     let items = entry.items("numbers")?;
     if items.is_empty() {
         return Err(entry.reject(
-            "a list of at least one number is needed",
+            "a list of at least one number is required",
             "Write conditions = [] to run the unconnected condition only.",
         ));
     }

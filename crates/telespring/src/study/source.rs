@@ -10,7 +10,7 @@ use crate::error::InvalidInput;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Source<'a> {
     text: &'a str,
-    /// False where no person has seen the text, so that its lines mean nothing.
+    /// False if no person has seen the text, so that its lines mean nothing.
     has_lines: bool,
 }
 
