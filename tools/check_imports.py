@@ -1,6 +1,6 @@
 """Report modules of the package that import the package itself instead of the room that they need.
 
-`telespring/__init__.py` imports everything, so a module that imports it creates an import cycle. import-linter
+`telespring/__init__.py` imports everything, so importing it creates a cycle. import-linter
 cannot detect this: it treats an import of the compiled `telespring._core` as one of `telespring`.
 """
 

@@ -22,7 +22,7 @@ _LABELS = {
     "spot_velocity": "Spot velocity, m/s",
 }
 _TITLES = {
-    "ideal": "the study as it is",
+    "ideal": "study, nothing fitted",
     "inside": "fit, inertia inside Table III",
     "on top": "fit, inertia on top",
 }

@@ -80,7 +80,7 @@ class RigSimulator:
         Returns
         -------
         ndarray
-            Tracking errors (condition, trial, robot), m; NaN where a trial ended early.
+            Tracking errors (condition, trial, robot), m; NaN if a trial ended early.
         """
         study = self.study if unknowns is None else self.at(unknowns)
         experiment = study.experiment

@@ -148,7 +148,7 @@ def cells_figure(
                     elinewidth=0.8,
                 )
                 for outside in np.flatnonzero(~inside):
-                    text = f"{values[outside]:.0f} ↑" if np.isfinite(values[outside]) else "ran away ↑"
+                    text = f"{values[outside]:.0f} ↑" if np.isfinite(values[outside]) else "diverged ↑"
                     axes.annotate(
                         text,
                         (at[outside] + beside, 1e3 * highest),

@@ -75,7 +75,7 @@ def tier_map(
         Stiffness that the two delay-free verdicts allow, N/m.
     bounded
         Stiffness (N/m) and longest one-way age of a sample (s) on the limit of the varying-delay
-        verdict; None where that verdict is not available.
+        verdict; None if that verdict is not available.
     conditions
         Stiffness and delay of the paper's experiment, marked by crosses.
     extent

@@ -40,7 +40,7 @@ class DrawnSide:
     agent
         What is written beside the target, on a line or two.
     spots
-        Of the cloud that the agent follows; 0 where it follows the target itself.
+        Of the cloud that the agent follows; 0 if it follows the target itself.
     arm
         What is written below the arm.
     links

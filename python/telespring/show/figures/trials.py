@@ -64,7 +64,7 @@ class ErrorGroup:
     family
         Name under which neighbouring groups are bracketed, such as a stiffness.
     errors
-        Per robot the tracking error of each trial, m; NaN where there is none.
+        Per robot the tracking error of each trial, m; NaN if there is none.
     arrows
         Per robot "↑", "↓" or "".
     ended_early
@@ -89,7 +89,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
     unconnected
         The unconnected mode, in a column of its own; None if there is none.
     grid
-        Rows of panels, a row per stiffness and a column per delay; None where there is no condition.
+        Rows of panels, a row per stiffness and a column per delay; None if there is no condition.
     """
     columns = max([len(row) for row in grid], default=0) + (unconnected is not None)
     placed: dict[tuple[int, int], TrialPanel] = {}

@@ -72,7 +72,7 @@ class ArmsBoundary:
     conditions: tuple[tuple[float, float], ...]
 
     def numbers(self) -> dict[str, Any]:
-        """Plain values for JSON, in SI units; None where there is no bound."""
+        """Plain values for JSON, in SI units; None if there is no bound."""
         return {
             "agent_stiffness": list(self.agent_stiffness),
             "horizon": self.horizon,
@@ -128,10 +128,10 @@ class ArmsBoundary:
                     where = "stable at every constant delay"
                 else:
                     where = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
-                sentences.append(f"Axis {free.name} in arms at {stiffness:.4g} N/m: {where}.")
+                sentences.append(f"Axis {free.name} with arms at {stiffness:.4g} N/m: {where}.")
         sentences += [
             f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
-            f"{_verdict(free)}{_on(free)} with free handles, {_verdict(held)}{_on(held)} in arms."
+            f"{_verdict(free)}{_on(free)} with free handles, {_verdict(held)}{_on(held)} with arms."
             for (stiffness, delay), free, held in self._unstable_axes()
             if free or held
         ]

@@ -30,7 +30,7 @@ def find_arms(scene: Scene) -> Findings:
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
     stability = arm_stability(scene.study, connected, scene.modules)
     if stability.operators is None:
-        reason = f"Not known: {describe_unavailable(stability)}."
+        reason = f"Unknown: {describe_unavailable(stability)}."
         return Findings(numbers={"arms": {"known": False, "statements": [reason], "conditions": []}})
     numbers = {
         "known": True,
@@ -49,8 +49,8 @@ def find_arms(scene: Scene) -> Findings:
 SECTION = Section(
     name="arms",
     anchor="arms",
-    title="How arms move the stability boundary",
-    step="stability in arms",
+    title="How arms shift the stability boundary",
+    step="stability with arms",
     find=find_arms,
 )
 
@@ -81,7 +81,7 @@ def _boundary(
     drawing = figures.to_svg(
         draw(boundary),
         "arms",
-        "Stability over stiffness and delay with the handles in arms",
+        "Stability over stiffness and delay with the handles held by arms",
         "One panel per axis. Shaded: stable while arms and agents hold both handles. Dashed: the boundary "
         "with free handles. Marks: the experiment's conditions. " + " ".join(boundary.statements()),
     )

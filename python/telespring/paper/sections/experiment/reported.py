@@ -14,7 +14,7 @@ def compare_reported_tests(analysed: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Set each test that Section V of the paper reports beside the same test of our trials.
 
     A row's `agrees` is whether our raw `p` is on the same side of the printed `level`. Statements on
-    conditions that were not run are left out; `p` is None where a group has no trial.
+    conditions that were not run are left out; `p` is None if a group has no trial.
     """
     printed = read_reference("du2025")["section5"]
     rows = []
