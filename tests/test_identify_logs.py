@@ -274,8 +274,8 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
         ("log.csv", b"time;position_x\n0,1;1,2\n0,2;1,3\n", "separated by semicolons"),
         ("log.csv", b"time\tposition_x\n0.1\t1.2\n0.2\t1.3\n", "separated by tabs"),
         ("log.csv", b"time,position_x\ns,m\n0.1,1.2\n0.2,1.3\n", "no numbers in the second line (s, m)"),
-        ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is needed"),
-        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is needed"),
+        ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is required"),
+        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is required"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
         ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "contains no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
@@ -470,9 +470,9 @@ def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_p
     answer = json.loads(CliRunner().invoke(cli.app, asked).stdout)
     assert answer["axes_independent"] is None
     [identified, exact] = answer["warnings"]
-    assert "Robot 2, when it was identified" in identified
+    assert "Robot 2, from its identification" in identified
     assert "volt_x" in identified
-    assert "Robot 1 carries no errors" in exact
+    assert "Robot 1 has no standard deviations" in exact
     both = json.loads(CliRunner().invoke(cli.app, [*asked, "--robot1", str(robot)]).stdout)
     assert both["axes_independent"] is True
     assert not any("no errors" in warning for warning in both["warnings"])

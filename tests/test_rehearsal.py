@@ -305,7 +305,7 @@ def test_law_the_folder_of_another_study_is_refused_and_left_alone(
     before = left_in(begun)
     for other, said in (
         (study_text(name="another"), "another study, 'short'"),
-        (study_text(duration=2.5), "the same name, 'short', with other contents"),
+        (study_text(duration=2.5), "the same name, 'short', with different contents"),
     ):
         with pytest.raises(ts.InvalidInput, match=said) as refused:
             ts.rehearse(ts.Study.from_toml(other), begun)
@@ -454,7 +454,7 @@ def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
     done = command(study, "--out", out)
     assert done.exit_code == 0
     assert "6 run in" in done.stdout
-    assert "after 3 that were kept" in done.stdout
+    assert "3 kept from before" in done.stdout
 
 
 def test_law_ctrl_c_stops_the_real_program_soon(tmp_path: Path) -> None:
@@ -494,7 +494,7 @@ def test_law_a_file_in_the_folders_place_is_told(tmp_path: Path, place: str) -> 
     (tmp_path / "file").write_text("mine")
     refused = command(written(tmp_path, study_text()), "--out", tmp_path / place)
     assert refused.exit_code == 2
-    assert "a folder is needed" in refused.output
+    assert "a folder is required" in refused.output
 
 
 def test_law_input_that_cannot_be_rehearsed_is_refused(tmp_path: Path) -> None:
@@ -626,19 +626,19 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
             "agent1.class",
             "accept seed, weight by name",
         ),
-        (SPRING.format(name="Sprung", options="{}"), "agent1.class", "of the name Sprung"),
-        (SPRING.format(name="still", options="{}"), "agent1.class", "a class is needed"),
+        (SPRING.format(name="Sprung", options="{}"), "agent1.class", "named Sprung"),
+        (SPRING.format(name="still", options="{}"), "agent1.class", "a class is required"),
         (
             SPRING.format(name="x", options="{}").replace("mine", "nowhere"),
             "agent1.class",
-            "beside the study file .* or on Python's module path",
+            "in the folder of the study file .* or on Python's module path",
         ),
         (TARGET.format(name="millimetres"), "task.function", "within 10 m, .* millimetres"),
         (TARGET.format(name="jumping"), "task.function", "at 100 m/s at t = 0.5 s"),
         (
             TARGET.format(name="one_axis"),
             "task.function",
-            r"shape \(2001, 2\), and it returned \(2001,\)",
+            r"shape \(2001, 2\), but it returned \(2001,\)",
         ),
         (TARGET.format(name="undefined"), "task.function", "must be finite"),
     ],

@@ -15,7 +15,7 @@ class InvalidInput(ValueError):
     field : str
         Where the value stands, such as ``robot1.mass[0]`` or ``k[2, 3]``.
     value : str
-        The value as given; empty where it is missing.
+        The value as given; empty if it is missing.
     allowed : str
         What is allowed there, with its unit; of a missing value only the unit.
     remedy : str

@@ -32,7 +32,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     OSError
-        Where the folder cannot be made or written; its `filename` is the folder or `path`, never the
+        If the folder cannot be made or written; its `filename` is the folder or `path`, never the
         temporary path.
 
     Examples
@@ -85,7 +85,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     Raises
     ------
     OSError
-        Where the folder cannot be made or written.
+        If the folder cannot be made or written.
     """
     with replacing(path) as beside:
         beside.write_bytes(content.encode() if isinstance(content, str) else content)

@@ -95,7 +95,7 @@ class AxisUncertainty:
     critical_stiffness
         95 % interval, N/m.
     maximum_delay
-        95 % interval, s; an end is infinite where no delay destabilises.
+        95 % interval, s; an end is infinite if no delay destabilises.
     delay_unbounded
         Share of the draws in which no delay destabilises.
     """
@@ -195,7 +195,7 @@ def stable_probability(
     dyad
         The robots as estimated, and their operators.
     uncertainty
-        Of each robot, such as `telespring.Study.uncertainty`; None where it is known exactly.
+        Of each robot, such as `telespring.Study.uncertainty`; None if it is known exactly.
     stiffness
         N/m.
     delay
@@ -211,7 +211,7 @@ def stable_probability(
     Raises
     ------
     telespring.InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Examples
     --------
@@ -261,7 +261,7 @@ def margin_uncertainty(
     Raises
     ------
     telespring.InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
@@ -295,7 +295,7 @@ def delta_method(
     """Return the standard deviations of critical stiffness (N/m) and maximum delay (s) to first order.
 
     The derivatives are central differences of the exact criteria. This is accurate where the errors are small
-    and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN where the
+    and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN if the
     maximum delay is infinite.
     """
     judged = axes_of(dyad)[axis]

@@ -47,7 +47,7 @@ def fit_axis(name: str, index: int, signals: Signals, model: AxisModel) -> AxisI
     Raises
     ------
     telespring.InvalidInput
-        Where the columns of the regressor are nearly multiples of each other.
+        If the columns of the regressor are nearly multiples of each other.
     """
     regressor, force = axis_regressor(signals, index, model), signals.force[index]
     condition = _scaled_condition_number(regressor)
@@ -55,7 +55,7 @@ def fit_axis(name: str, index: int, signals: Signals, model: AxisModel) -> AxisI
         raise InvalidInput(
             f"position ({name})",
             f"condition number {condition:.3g}",
-            "a movement is needed whose acceleration and velocity are not multiples of each other",
+            "a movement is required whose acceleration and velocity are not multiples of each other",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does.",
         )
     if model.method == "paper":

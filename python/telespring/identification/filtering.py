@@ -95,7 +95,7 @@ def filter_signals(
     Raises
     ------
     telespring.InvalidInput
-        Where the cut-off does not suit the sample rate, or the log is too short for it.
+        If the cut-off does not suit the sample rate, or the log is too short for it.
     """
     from scipy import signal
 

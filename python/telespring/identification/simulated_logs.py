@@ -125,7 +125,7 @@ def simulate_log(
     Raises
     ------
     telespring.InvalidInput
-        Where the movement leaves the arm's reach.
+        If the movement leaves the arm's reach.
     """
     command = movement or paper_excitation()
     sections = _robot_sections(robots)

@@ -60,7 +60,7 @@ def compress_signal(signal: Signal, values: FloatArray, count: int) -> bytes:
     signal
         The signal.
     values
-        (time, robot, axis); fewer than `count` rows where the trial ended early.
+        (time, robot, axis); fewer than `count` rows if the trial ended early.
     count
         Rows of a completed trial; missing rows are NaN.
 

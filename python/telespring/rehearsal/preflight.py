@@ -79,7 +79,7 @@ def preflight_warnings(study: Study, modules: Path | None = None) -> list[Prefli
     Raises
     ------
     telespring.InvalidInput
-        Where a Python target is missing or its positions are invalid.
+        If a Python target is missing or its positions are invalid.
 
     Examples
     --------

@@ -41,7 +41,7 @@ class RehearsalOutcome:
     trials
         Number of trials of the protocol.
     resumed
-        Number of trials that had been finished before; all of them where the dataset existed already.
+        Number of trials that had been finished before; all of them if the dataset existed already.
     """
 
     dataset: Path
@@ -92,10 +92,10 @@ def rehearse(
     Raises
     ------
     InvalidInput
-        Where the study cannot be rehearsed, an agent or target written in Python fails, or the folder
+        If the study cannot be rehearsed, an agent or target written in Python fails, or the folder
         is in use or holds something else.
     OSError
-        Where a file cannot be read or written; finished trials are kept.
+        If a file cannot be read or written; finished trials are kept.
 
     Examples
     --------
@@ -183,9 +183,9 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
     Raises
     ------
     InvalidInput
-        Where another process is at work on it.
+        If another process is at work on it.
     OSError
-        Where it cannot be removed.
+        If it cannot be removed.
     """
     store = RehearsalStore(Path(folder), RehearsalIdentity("", "", {}, SCHEMA, core_version()))
     if store.holds_other_rehearsal():
@@ -219,7 +219,7 @@ def _thread_count(workers: int | None) -> int:
         return os.cpu_count() or 1
     if workers < 1:
         raise InvalidInput(
-            "workers", str(workers), "a whole number of 1 or more is needed", "Leave it out to use all cores."
+            "workers", str(workers), "a whole number of 1 or more is required", "Omit it to use all cores."
         )
     return workers
 

@@ -27,9 +27,9 @@ def lock_folder(folder: Path) -> Iterator[None]:
     Raises
     ------
     InvalidInput
-        Where another process holds it.
+        If another process holds it.
     OSError
-        Where the folder cannot be written.
+        If the folder cannot be written.
     """
     from filelock import FileLock, Timeout
 
@@ -44,9 +44,9 @@ def lock_folder(folder: Path) -> Iterator[None]:
         raise InvalidInput(
             "out",
             str(folder),
-            "one rehearsal at a time may work in a folder, and "
+            "only one rehearsal at a time may use a folder, and "
             + (f"process {owner}" if owner else "another process")
-            + " is at work in this one",
+            + " is using this one",
             "Wait until it has ended, or choose another folder.",
         ) from None
     try:
@@ -91,7 +91,7 @@ class RehearsalStore:
             self.path.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
             raise InvalidInput(
-                "out", str(self.path), "a folder is needed, and this is a file", "Choose a folder."
+                "out", str(self.path), "a folder is required, but this is a file", "Choose a folder."
             ) from None
 
     def is_complete(self) -> bool:
@@ -116,9 +116,9 @@ class RehearsalStore:
         Raises
         ------
         InvalidInput
-            Where it holds another rehearsal.
+            If it holds another rehearsal.
         OSError
-            Where it cannot be written.
+            If it cannot be written.
         """
         self._require_same_trials()
         # An identity without finished trials may be replaced: the agent that failed at once may be corrected.
@@ -144,7 +144,7 @@ class RehearsalStore:
         self._identity_file.unlink(missing_ok=True)
 
     def read_trial(self, trial: ScheduledTrial) -> TrialRecord | None:
-        """Read a finished trial; None where it is missing, corrupt or of another rehearsal."""
+        """Read a finished trial; None if it is missing, corrupt or of another rehearsal."""
         record = read_trial_file(self._trial_file(trial))
         if record is None or record.fingerprint != self._identity.fingerprint:
             return None
@@ -185,7 +185,7 @@ class RehearsalStore:
             raise InvalidInput(
                 "out",
                 str(self.path),
-                "this folder has files with the names of a rehearsal which are none",
+                "this folder has files that are named like those of a rehearsal but are not from one",
                 "Choose another folder, or start over with --fresh (fresh=True), which removes them.",
             )
         difference = self._identity.describe_difference(identity)
@@ -193,8 +193,8 @@ class RehearsalStore:
             raise InvalidInput(
                 "out",
                 str(self.path),
-                f"this folder holds {difference}",
-                "Choose another folder, or start over with --fresh (fresh=True), which removes that one.",
+                f"this folder contains {difference}",
+                "Choose another folder, or start over with --fresh (fresh=True), which removes it.",
             )
 
     def _remove_unfinished(self) -> None:

@@ -35,7 +35,7 @@ def target_path(experiment: Experiment, modules: Path | None = None) -> FloatArr
     Raises
     ------
     telespring.InvalidInput
-        Where a Python target is missing or its positions are invalid.
+        If a Python target is missing or its positions are invalid.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def user_target_path(experiment: Experiment, modules: Path | None) -> FloatArray
     Raises
     ------
     telespring.InvalidInput
-        Where the target is missing or its positions are invalid.
+        If the target is missing or its positions are invalid.
     """
     positions = load_user_code(experiment, modules).target_positions(
         experiment.tick_count, experiment.sample_period

@@ -27,7 +27,7 @@ class TrialRecord:
     status
         How it ended, one of `telespring.rehearsal.encoding.STATUSES`.
     ended_at
-        Time of an early end, s; None where it was completed.
+        Time of an early end, s; None if it was completed.
     rows
         Rows of its signals that hold values.
     chunks
@@ -53,7 +53,7 @@ def write_trial_file(path: Path, record: TrialRecord) -> None:
     Raises
     ------
     OSError
-        Where it cannot be written; its `filename` is `path`.
+        If it cannot be written; its `filename` is `path`.
     """
     head = asdict(record) | {"chunks": {name: len(chunk) for name, chunk in record.chunks.items()}}
     header = json.dumps(head).encode()
@@ -70,12 +70,12 @@ def write_trial_file(path: Path, record: TrialRecord) -> None:
 
 
 def read_trial_file(path: Path) -> TrialRecord | None:
-    """Read a trial; None where its file is absent, corrupt or something else.
+    """Read a trial; None if its file is absent, corrupt or something else.
 
     Raises
     ------
     OSError
-        Where the file exists and cannot be read.
+        If the file exists and cannot be read.
     """
     try:
         data = path.read_bytes()

@@ -111,7 +111,7 @@ class UserCode:
         return {place: part.provenance() for place, part in parts.items() if part is not None}
 
     def create_agents(self, seed: int, stop: Event) -> AgentPair | None:
-        """Create the agents of one trial, each with its own seed; None where there are none."""
+        """Create the agents of one trial, each with its own seed; None if there are none."""
         if not self.has_agents:
             return None
         first, second = (
@@ -121,12 +121,12 @@ class UserCode:
         return first, second
 
     def target_positions(self, ticks: int, sample_period: float) -> FloatArray | None:
-        """Compute the positions of the target at every tick; None where it is not written in Python.
+        """Compute the positions of the target at every tick; None if it is not written in Python.
 
         Raises
         ------
         UserCodeError
-            Where it raises an exception or its positions are invalid.
+            If it raises an exception or its positions are invalid.
         """
         if self.target is None:
             return None
@@ -146,9 +146,9 @@ def load_user_code(experiment: Experiment, folder: Path | None) -> UserCode:
     Raises
     ------
     InvalidInput
-        Where a module or a name in it is missing.
+        If a module or a name in it is missing.
     UserCodeError
-        Where a module raises an exception when it is loaded.
+        If a module raises an exception when it is loaded.
     """
     modules: dict[str, ModuleType] = {}
     first, second = (
@@ -186,14 +186,14 @@ def _load_object(
         raise InvalidInput(
             field,
             reference,
-            f"{name} must have a class or function of the name {attribute}",
+            f"{name} must have a class or function named {attribute}",
             f"It has {_callable_names(module)}.",
         )
     if field.endswith("class") and not inspect.isclass(function):
         raise InvalidInput(
             field,
             reference,
-            "a class is needed, of which every trial creates its own agent",
+            "a class is required, from which every trial creates its own agent",
             "Write the agent as a class with __init__(self, seed, ...) and __call__.",
         )
     return UserObject(field, reference, function, file, options)
@@ -218,7 +218,7 @@ def _load_module(field: str, reference: str, name: str, folder: Path | None) -> 
             raise _loading_error(field, reference, missing, file) from missing
         places = "on Python's module path"
         if folder is not None:
-            places = f"beside the study file ({folder}) or {places}"
+            places = f"in the folder of the study file ({folder}) or {places}"
         raise InvalidInput(
             field, reference, f"a module {name} must exist {places}", f"Put {name}.py there."
         ) from None
@@ -230,7 +230,7 @@ def _loading_error(field: str, reference: str, error: BaseException, file: Path 
     return UserCodeError(
         field,
         reference,
-        f"its module must load, and it raised {_describe_exception(error, file)}",
+        f"its module must load, but it raised {_describe_exception(error, file)}",
         "Correct the module.",
     )
 
@@ -286,7 +286,7 @@ def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallab
     except _EXCEPTIONS as error:
         options = ", ".join(["seed", *user_class.options])
         raised = _describe_exception(error, user_class.file)
-        raise user_class.error(f"the class must accept {options} by name, and it raised {raised}") from error
+        raise user_class.error(f"the class must accept {options} by name, but it raised {raised}") from error
 
     def checked_force(
         time: float, position: FloatArray, velocity: FloatArray, target: FloatArray
@@ -298,7 +298,7 @@ def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallab
         except _EXCEPTIONS as error:
             raised = _describe_exception(error, user_class.file)
             raise user_class.error(
-                f"an agent must not raise exceptions, and it raised {raised} at t = {time:.6g} s"
+                f"an agent must not raise exceptions, but it raised {raised} at t = {time:.6g} s"
             ) from error
         try:
             x, y = map(float, force)
@@ -306,7 +306,7 @@ def _create_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallab
             x = y = np.nan
         if not (np.isfinite(x) and np.isfinite(y)):
             raise user_class.error(
-                "an agent must return its force as two finite numbers (x, y) in N, and it returned "
+                "an agent must return its force as two finite numbers (x, y) in N, but it returned "
                 f"{force!r} at t = {time:.6g} s"
             )
         return x, y
@@ -319,7 +319,7 @@ def _checked_positions(target: UserObject, times: FloatArray) -> FloatArray:
         returned = target.function(times.copy(), **target.options)
     except _EXCEPTIONS as error:
         raised = _describe_exception(error, target.file)
-        raise target.error(f"a target must not raise exceptions, and it raised {raised}") from error
+        raise target.error(f"a target must not raise exceptions, but it raised {raised}") from error
     try:
         positions = np.array(returned, dtype=np.float64)
     except (TypeError, ValueError):
@@ -329,22 +329,22 @@ def _checked_positions(target: UserObject, times: FloatArray) -> FloatArray:
         shape = np.shape(returned) if is_array else type(returned).__name__
         raise target.error(
             f"a target must return a position (x, y) for each of the {len(times)} times, shape "
-            f"({len(times)}, 2), and it returned {shape}"
+            f"({len(times)}, 2), but it returned {shape}"
         )
     undefined = np.flatnonzero(~np.isfinite(positions).all(axis=1))
     if undefined.size:
-        raise target.error(f"a target must be finite, and it is not at t = {times[undefined[0]]:.6g} s")
+        raise target.error(f"a target must be finite, but it is not at t = {times[undefined[0]]:.6g} s")
     far = np.flatnonzero(np.abs(positions).max(axis=1) > _FARTHEST_TARGET)
     if far.size:
         raise target.error(
-            f"a target must stay within {_FARTHEST_TARGET:g} m, and it does not at t = {times[far[0]]:.6g} s "
+            f"a target must stay within {_FARTHEST_TARGET:g} m, but it does not at t = {times[far[0]]:.6g} s "
             f"(are these millimetres?)"
         )
     speed = np.hypot(*(np.diff(positions, axis=0) / np.diff(times)[:, None]).T)
     fast = np.flatnonzero(speed > _FASTEST_TARGET)
     if fast.size:
         raise target.error(
-            f"a target must not move faster than {_FASTEST_TARGET:g} m/s, and it moves at "
+            f"a target must not move faster than {_FASTEST_TARGET:g} m/s, but it moves at "
             f"{speed[fast[0]]:.4g} m/s at t = {times[fast[0]]:.6g} s (a jump, or millimetres?)"
         )
     return positions

@@ -117,7 +117,7 @@ def format_position(position: Sequence[float]) -> str:
 
 
 def format_pair(values: tuple[float, float], unit: str) -> str:
-    """Write what robot 1 and robot 2 have, once where they have the same.
+    """Write what robot 1 and robot 2 have, once if they have the same.
 
     Examples
     --------

@@ -32,7 +32,7 @@ def target_positions(task: Task | Mapping[str, Any], time: FloatArray) -> FloatA
     Raises
     ------
     telespring.InvalidInput
-        Where the target is written in Python: only its function knows the positions.
+        If the target is written in Python: only its function knows the positions.
 
     Examples
     --------

@@ -96,7 +96,7 @@ def verdicts(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or a range does not have the dyad's axes.
+        If a value is out of its range or a range does not have the dyad's axes.
 
     References
     ----------

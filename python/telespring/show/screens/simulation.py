@@ -48,7 +48,7 @@ def simulation_summary(
         apart = apart[np.isfinite(apart)]
         largest = float(np.max(np.abs(apart)))
         if largest > _RUNAWAY:
-            yield f"  axis {escape(axis.name)}: unstable, the robots run away from each other"
+            yield f"  axis {escape(axis.name)}: unstable, the robots drift apart without limit"
             continue
         text = f"  axis {escape(axis.name)}: ends at {_mm(apart[-1])}, peak {_mm(largest)}"
         rest = None
