@@ -46,7 +46,7 @@ VIOLATIONS = {
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Check the package in a folder against the contracts beside it."""
+    """Check the package in a folder against the contracts in the same folder."""
     return subprocess.run(
         [Path(sys.executable).parent / "lint-imports", "--no-cache", "--no-logo"],
         cwd=folder,

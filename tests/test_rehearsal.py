@@ -470,7 +470,7 @@ def test_law_ctrl_c_stops_the_real_program_soon(tmp_path: Path) -> None:
 
 
 def test_law_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
-    """A limit on the size of files stands in for a full disk: the trials fit, the dataset does not."""
+    """A limit on the file size simulates a full disk: the trials fit, the dataset does not."""
     study, out = written(tmp_path, study_text(trials=20)), tmp_path / "out"
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000)); "

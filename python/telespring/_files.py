@@ -1,4 +1,4 @@
-"""Files that are whole or absent: write beside, flush to the disk, then rename."""
+"""Files that are complete or absent: write a temporary file, flush it to the disk, then rename it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["replacing", "write_whole"]
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path beside `path` and move it there when the block ends well.
+    """Yield a temporary path next to `path`, and move it there if the block succeeds.
 
     Whatever ends the block early (an exception, Ctrl-C) removes the temporary file and leaves what
     was at `path` as it was.
@@ -22,17 +22,17 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Parameters
     ----------
     path
-        Where the finished file shall stand. Missing folders are made.
+        Path of the finished file. Missing folders are created.
 
     Yields
     ------
     pathlib.Path
-        A path in the same folder where nothing stands yet, to be written by the caller.
+        A free path in the same folder, for the caller to write to.
 
     Raises
     ------
     OSError
-        If the folder cannot be made or written; its `filename` is the folder or `path`, never the
+        If the folder cannot be created or written; its `filename` is the folder or `path`, never the
         temporary path.
 
     Examples
@@ -73,7 +73,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     Parameters
     ----------
     path
-        Where the file shall stand. Missing folders are made.
+        Path of the file. Missing folders are created.
     content
         Text (written as UTF-8) or bytes.
 
@@ -85,7 +85,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     Raises
     ------
     OSError
-        If the folder cannot be made or written.
+        If the folder cannot be created or written.
     """
     with replacing(path) as beside:
         beside.write_bytes(content.encode() if isinstance(content, str) else content)

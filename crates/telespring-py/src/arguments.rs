@@ -132,7 +132,7 @@ impl FromPyObject<'_, '_> for PerAxis {
 }
 
 impl PerAxis {
-    /// How many axes it is written for; None if one number stands for all.
+    /// How many axes it is written for; None if one number applies to all.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::All(_) => None,

@@ -80,7 +80,7 @@ impl<'py> Subject<'py> {
     }
 }
 
-/// The arguments of a call in which a dyad or an axis may stand in place of the seven numbers.
+/// The arguments of a call in which a dyad or an axis may replace the seven numbers.
 ///
 /// `names` are the arguments after m1, b1, m2, b2; those that are optional come last.
 fn bind<'py, const N: usize>(

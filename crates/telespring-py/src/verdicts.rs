@@ -262,7 +262,7 @@ record! {
 }
 
 record! {
-    /// The four verdicts, the paper's beside them, and what follows from them.
+    /// The four verdicts, the paper's verdict, and what follows from them.
     ///
     /// In `to_dict` a `stiffness_bound` of None is infinite if `unavailable` is None, and absent if
     /// `unavailable` gives a reason; `worst_axis` is None only if it is absent.

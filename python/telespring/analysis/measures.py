@@ -66,7 +66,7 @@ def measure(dataset: xr.Dataset, discard: float | None = None) -> xr.Dataset:
 
     Examples
     --------
-    A robot that stays 3 mm beside a target has that tracking error.
+    A robot that stays 3 mm from a target has that tracking error.
 
     >>> import numpy as np, xarray as xr
     >>> time = np.arange(0.0, 10.0, 0.01)

@@ -1,4 +1,4 @@
-"""Whether a dyad is stable over a network, by what margin, and what could be used instead.
+"""Whether a dyad is stable over a network, by what margin, and what to change.
 
 The screen, `--json` and the report all read the `Decision` made here.
 """
@@ -206,7 +206,7 @@ class Decision:
     def axes_independent(self) -> bool | None:
         """Whether identification found the axes of both robots independent; None if it is not known.
 
-        If it is False, no verdict here holds: all of them treat the axes one by one.
+        If it is False, no verdict here holds: all of them treat the axes separately.
         """
         return _axes_independent(self.robot_records)
 

@@ -18,7 +18,7 @@ __all__ = ["AxisModel", "axis_regressor", "fit_axis"]
 
 @dataclass(frozen=True)
 class AxisModel:
-    """Which terms are fitted beside mass and damping, and by which method."""
+    """Which terms are fitted in addition to mass and damping, and by which method."""
 
     coulomb: bool
     offset: bool

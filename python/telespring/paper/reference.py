@@ -81,7 +81,7 @@ def classify(axis: DyadAxis, stiffness: float, delay: float) -> str:
 
 
 def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -> None:
-    """Refuse robots whose figures would leave the ranges of the core, by the mass or damping at fault."""
+    """Refuse robots for which a figure would exceed the ranges of the core, naming the mass or damping."""
     for side, robot in enumerate(dyad.robots, start=1):
         for i, damping in enumerate(robot.damping):
             if damping == 0.0:

@@ -66,11 +66,11 @@ def rehearse(
     Parameters
     ----------
     study : Study, str or path
-        The study, or its file. Agents and targets written in Python are looked up beside the file first, so
+        The study, or its file. Agents and targets written in Python are looked up first in its folder, so
         that a study with such parts is better passed as its file.
     folder : str or path
-        Folder for the trials and in the end for the dataset, ``rehearsal.nc``. It is created where it is
-        missing, and refused where it holds a rehearsal of another study.
+        Folder for the trials and for the dataset, ``rehearsal.nc``. It is created if it is missing, and
+        refused if it contains a rehearsal of another study.
     progress : callable, optional
         Called with the number of finished trials and the number of all trials, at the beginning and
         after each trial.
@@ -225,7 +225,7 @@ def _thread_count(workers: int | None) -> int:
 
 
 def _remove_leftover_trials(store: RehearsalStore) -> None:
-    """Remove trials that a process killed at the very end left beside its dataset, if possible."""
+    """Remove trials that a process killed at the very end left next to its dataset, if possible."""
     with suppress(InvalidInput, OSError), lock_folder(store.path):
         store.remove_trials()
 

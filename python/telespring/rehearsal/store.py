@@ -1,4 +1,4 @@
-"""The folder of a rehearsal: its lock, its finished trials, and in the end its dataset."""
+"""The folder of a rehearsal: its lock, its finished trials, and its dataset."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class RehearsalStore:
         self._trials = path / "trials"
 
     def create_folder(self) -> None:
-        """Create the folder where it is missing; InvalidInput where a file stands in its place."""
+        """Create the folder if it is missing; InvalidInput if a file has its name."""
         try:
             self.path.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
@@ -95,7 +95,7 @@ class RehearsalStore:
             ) from None
 
     def is_complete(self) -> bool:
-        """Check whether the dataset of this rehearsal exists; InvalidInput where it is that of another."""
+        """Check whether the dataset of this rehearsal exists; InvalidInput if it is that of another."""
         if not self.dataset.exists():
             return False
         self._require_same(_read_dataset_identity(self.dataset))

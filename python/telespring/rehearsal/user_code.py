@@ -134,7 +134,7 @@ class UserCode:
 
 
 def load_user_code(experiment: Experiment, folder: Path | None) -> UserCode:
-    """Load the Python classes and functions of an experiment, from beside the study file or as installed.
+    """Load the Python classes and functions of an experiment, from the study's folder or as installed.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _load_module(field: str, reference: str, name: str, folder: Path | None) -> 
         with _folder_on_path(folder):
             if file is None or not file.is_file():
                 return importlib.import_module(name)
-            # Loaded anew each time: the file may have been edited, or belong to another study.
+            # Reloaded each time: the file may have been edited, or belong to another study.
             spec = importlib.util.spec_from_file_location(name, file)
             assert spec is not None
             assert spec.loader is not None
@@ -246,7 +246,7 @@ def _callable_names(module: ModuleType) -> str:
 
 @contextmanager
 def _folder_on_path(folder: Path | None) -> Iterator[None]:
-    """Let modules beside the study file import each other."""
+    """Let modules in the folder of the study file import each other."""
     if folder is None:
         yield
         return

@@ -170,7 +170,7 @@ def format_quantity(
         within it; "given" drops zeros at the end, as a person writes a value; "hundredths" has two
         decimals whatever the size, as a table's columns do.
     bare
-        Without the unit, which then stands elsewhere, such as above a table's column.
+        Without the unit, which is then given elsewhere, such as above a table's column.
 
     Returns
     -------

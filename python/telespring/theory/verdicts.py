@@ -84,7 +84,7 @@ def verdicts(
     computing_time : float
         From reading the samples to applying the force, s, within the same period.
     operator_range : OperatorRange or pair of OperatorRange, optional
-        Operators in place of the dyad's own, one range for both or one each: every verdict is then the worst
+        Operators that replace the dyad's own, one range for both or one each: every verdict is then the worst
         over the range, exact for tiers 1 and 2, over corners and a refined grid for tiers 3 and 4.
 
     Returns

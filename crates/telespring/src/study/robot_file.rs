@@ -1,4 +1,4 @@
-//! A robot in a file of its own, as `telespring identify` writes it.
+//! A robot file, as `telespring identify` writes it.
 
 use toml::{Table, Value};
 

@@ -22,7 +22,7 @@ pub(super) struct UnknownKey<'k> {
     pub key: &'k str,
     /// The position of the key in the text, in bytes.
     pub position: usize,
-    /// The section it stands in; `None` at the top level.
+    /// Its section; `None` at the top level.
     pub section: Option<&'k str>,
     /// A sentence that lists the keys allowed in its place.
     pub allowed: String,

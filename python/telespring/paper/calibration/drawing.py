@@ -29,7 +29,7 @@ _TITLES = {
 
 
 def draw_cells(calibration: Calibration) -> Figure:
-    """Draw simulated beside published errors, with the fitted conditions separate from those held out."""
+    """Draw simulated and published errors, with the fitted conditions separate from those held out."""
     from telespring.show import figures
 
     baseline = next(row for row in calibration.published if row.stiffness is None)

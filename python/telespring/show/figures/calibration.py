@@ -35,7 +35,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 _FITTED = "#EFEFEF"
-#: Simulated series one after the other: colour, marker, and how far beside its condition.
+#: Simulated series: colour, marker, and horizontal offset from the condition.
 _LOOKS = ((GREY, "x", -0.24), (COLOURS["blue"], "s", 0.16), (COLOURS["vermilion"], "^", 0.32))
 _VARIANTS: tuple[tuple[str, LineStyleType], ...] = (
     (COLOURS["blue"], "solid"),
@@ -95,7 +95,7 @@ def cells_figure(
     null: tuple[float, float],
     highest: float = 0.062,
 ) -> Figure:
-    """Draw simulated beside published errors of every condition.
+    """Draw simulated and published errors of every condition.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def cells_figure(
     simulated
         Up to three laboratories.
     fitted
-        Places of the conditions that the fit has seen; they stand on a shaded ground.
+        Places of the fitted conditions; they have a shaded background.
     null
         Error of both robots that is predicted where nothing changes from the unconnected mode, m.
     highest

@@ -38,7 +38,7 @@ class DrawnSide:
     robot
         Its name.
     agent
-        What is written beside the target, on a line or two.
+        Label next to the target, in one or two lines.
     spots
         Of the cloud that the agent follows; 0 if it follows the target itself.
     arm

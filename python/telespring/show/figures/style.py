@@ -112,7 +112,7 @@ def legend_mark(label: str, colour: str, marker: str, **style: Any) -> Line2D:
 
 
 def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
-    """Render a figure as one `<svg>` element that can stand inside a page.
+    """Render a figure as one `<svg>` element for use inside a page.
 
     The same figure gives the same text every time: no date, no random identifiers.
 

@@ -27,7 +27,7 @@ _POINTS = 600
 _DOTS = 180
 #: A panel shows at most this multiple of the target's extent; larger motions leave it.
 _WIDEST = 1.6
-#: Margins in inch: at the figure's edges, above each row of panels, and beside each pair.
+#: Margins in inch: at the figure's edges, above each row of panels, and on either side of each pair.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ABOVE, _BESIDE = 0.52, 0.05, 0.22, 0.36, 0.19, 0.16
 
 

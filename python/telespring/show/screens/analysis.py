@@ -13,7 +13,7 @@ from telespring.analysis.table import tracking_error_name
 
 __all__ = ["analysis_screen"]
 
-#: Measures beside the tracking errors: key, heading, factor to the unit shown, and decimals.
+#: Measures in addition to the tracking errors: key, heading, factor to the unit shown, and decimals.
 _COLUMNS = (
     ("lag", "lag\nms", 1e3, 0),
     ("interaction_force_rms", "spring\nN", 1.0, 2),

@@ -1,4 +1,4 @@
-//! Forces on a robot as functions of its own time.
+//! Forces on a robot as functions of its local time.
 
 use super::MAGNITUDE_LIMIT;
 use super::piecewise::PiecewisePolynomial;
