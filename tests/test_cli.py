@@ -372,7 +372,7 @@ def test_cross_the_decay_rate_holds_inside_the_range_and_not_outside() -> None:
     assert 0.999 * high < float(told[2]) <= high
     assert answered("--delay", "0.05")["decay"] is None
     assert answered("--delay", "0", "--decay-rate", "1")["decay"]["stiffness"][0][1] is None
-    assert "or faster: above " in run("decide", "--delay", "0", "--decay-rate", "1").stdout
+    assert "1/s: above " in run("decide", "--delay", "0", "--decay-rate", "1").stdout
     assert "or faster: none" in run("decide", "--delay", "0.05", "--decay-rate", "50").stdout
     refused = run("decide", "--decay-rate", "-1")
     assert refused.exit_code == 2

@@ -411,5 +411,5 @@ fn ref_a_protocol_keeps_something_to_judge() {
 fn ref_a_seed_too_large_is_reported_as_out_of_range() {
     let refused = refusal("[protocol]\nseed = 9223372036854775808");
     assert!(refused.contains("Choose a number in that range."), "{refused}");
-    assert!(refusal("[protocol]\nseed = 1.0").contains("without decimal point"));
+    assert!(refusal("[protocol]\nseed = 1.0").contains("without a decimal point"));
 }

@@ -242,7 +242,7 @@ fn read_conditions(reader: &Reader<'_>) -> Result<Conditions> {
     };
     if stiffness.is_some() || delay.is_some() {
         return Err(entry.reject(
-            "a protocol has either a list of conditions, or lists of stiffness and delay",
+            "a protocol has either a list of conditions or lists of stiffness and delay",
             "Remove one of them.",
         ));
     }
