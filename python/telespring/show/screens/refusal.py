@@ -9,5 +9,5 @@ __all__ = ["refusal_screen"]
 def refusal_screen(console: Console, field: str, value: str, allowed: str, remedy: str) -> None:
     """Print why an input was refused: field, value, allowed values and remedy."""
     console.print(Text.assemble(("Refused: ", "bold red"), (field, "bold"), f" = {value}"))
-    console.print(Text(f"  {allowed[:1].upper()}{allowed[1:]}."))
+    console.print(Text(f"  because {allowed}."))
     console.print(Text(f"  {remedy}"))
