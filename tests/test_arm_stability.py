@@ -385,7 +385,7 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert "which are the same in every pose" in html
     arms, html = page(ts.Study.paper().replace(agent2={"kind": "python", "class": "mine:Spring"}))
     assert not arms["known"]
-    assert "Not known: agent 2 is the program mine:Spring" in html
+    assert "Unknown: agent 2 is the program mine:Spring" in html
     arms, html = page(ts.Study.paper())
     assert arms["massless"]
     assert "massless and undamped here" in html

@@ -267,11 +267,14 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[robot]\nmass = [1, 1]", "Add damping = 5.0 (N·s/m) under [robot]. See [robot] in"),
+        (
+            "[robot]\nmass = [1, 1]",
+            "Missing robot1.damping (N·s/m). Add damping = 5.0 under [robot]. See [robot] in",
+        ),
         ("[robot]\nmass = [1, -1]\ndamping = 5", "robot1.mass[1] = -1"),
         ("[robot]\nmass = 1\ndamping = 5\nfriction = 2", "robot1.friction = 2"),
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),
-        ("[robot1]\nmass = 1\ndamping = 5", "has the section [robot]"),
+        ("[robot1]\nmass = 1\ndamping = 5", "has only the sections [robot]"),
         ("", "no section [robot]"),
         (ROBOT + "[coupling]\nstiffness = 5", "If this is a study file, pass it as the study instead"),
     ],
