@@ -166,9 +166,9 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "trial twice": (
         in_index(lambda table: table.assign(trial=[1, 1, 2, 1, 2, 1, 2, 3])),
-        ["trials.csv, line 3: trial = 1", "this one is in line 2"],
+        ["trials.csv, line 3: trial = 1", "line 2 lists this one"],
     ),
-    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one is in line 2"]),
+    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "line 2 lists this one"]),
     "time back": (
         in_first(replaced("time_s", 10, 0.05)),
         [f"{FIRST}, line 12: time_s = 0.05 after 0.09", "time must increase"],
