@@ -326,7 +326,7 @@ def test_law_fresh_starts_anew_and_leaves_files_of_others_alone(begun: Path) -> 
 
 def test_law_a_file_of_the_datasets_name_that_is_none_is_refused(short: ts.Study, tmp_path: Path) -> None:
     (tmp_path / "rehearsal.nc").write_text("my notes")
-    with pytest.raises(ts.InvalidInput, match="which are none"):
+    with pytest.raises(ts.InvalidInput, match="not from one"):
         ts.rehearse(short, tmp_path)
     assert (tmp_path / "rehearsal.nc").read_text() == "my notes"
 
@@ -340,7 +340,7 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
     try:
         assert owner.stdout is not None
         assert owner.stdout.readline() == b"locked\n"
-        with pytest.raises(ts.InvalidInput, match=f"process {owner.pid} is at work"):
+        with pytest.raises(ts.InvalidInput, match=f"process {owner.pid} is using"):
             ts.rehearse(short, tmp_path)
     finally:
         owner.kill()
@@ -349,7 +349,7 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
 
 
 def test_law_two_threads_of_one_process_cannot_both_hold_a_folder(tmp_path: Path) -> None:
-    with lock_folder(tmp_path), pytest.raises(ts.InvalidInput, match="at work"), lock_folder(tmp_path):
+    with lock_folder(tmp_path), pytest.raises(ts.InvalidInput, match="is using this one"), lock_folder(tmp_path):
         pass
     with lock_folder(tmp_path):
         pass
