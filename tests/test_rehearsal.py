@@ -349,7 +349,11 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
 
 
 def test_law_two_threads_of_one_process_cannot_both_hold_a_folder(tmp_path: Path) -> None:
-    with lock_folder(tmp_path), pytest.raises(ts.InvalidInput, match="is using this one"), lock_folder(tmp_path):
+    with (
+        lock_folder(tmp_path),
+        pytest.raises(ts.InvalidInput, match="is using this one"),
+        lock_folder(tmp_path),
+    ):
         pass
     with lock_folder(tmp_path):
         pass
