@@ -1,7 +1,7 @@
-# Everything that one can do here; `make help` lists it.
+# Set up, run, test and measure telespring; `make help` lists the targets.
 #
-# Needs Rust, Python with venv, a C compiler and make; each is checked first (tools/check-toolchain.sh).
-# All that is installed goes into .venv, from the pinned requirements/.
+# Needs Rust, Python with venv, a C compiler and make; tools/check-toolchain.sh checks for each of them first.
+# Everything is installed into .venv, from the pinned versions in requirements/.
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
@@ -9,7 +9,7 @@ SHELL := /bin/sh
 VENV := .venv
 STAMPS := $(VENV)/.stamps
 PYTHON_IN_VENV := $(VENV)/bin/python
-# one interpreter for every build of the binding, so that none is redone because another was found
+# Always build the binding with the same interpreter; with another one cargo would rebuild it.
 export PYO3_PYTHON := $(CURDIR)/$(PYTHON_IN_VENV)
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -18,7 +18,7 @@ export PIP_QUIET := 1
 BINDING_SOURCES := Cargo.toml Cargo.lock pyproject.toml \
 	$(shell find crates -name '*.rs' -o -name '*.toml')
 
-# A .venv that was interrupted, moved with its folder, or whose Python is gone is made again.
+# Recreate .venv if its set-up was interrupted, its folder was moved, or its Python no longer exists.
 VENV_USABLE := $(shell [ ! -e $(VENV)/.unfinished ] && [ "$$(cat $(VENV)/.place 2>/dev/null)" = "$$(pwd)" ] \
 	&& $(PYTHON_IN_VENV) -c '' 2>/dev/null && echo yes)
 ifneq ($(VENV_USABLE),yes)
@@ -27,10 +27,10 @@ endif
 
 .PHONY: help study test lint format verify oracles fuzz bench clean toolchain remake
 
-help: ## this list
+help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
-study: $(STAMPS)/binding ## set everything up and reproduce the paper into out/study/
+study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/study/
 	$(VENV)/bin/telespring reproduce
 
 # The same generated cases on every machine; `make verify` draws new ones.
@@ -38,7 +38,7 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	PROPTEST_RNG_SEED=20251121 cargo test --workspace --locked
 	$(PYTHON_IN_VENV) -m pytest
 
-lint: $(STAMPS)/test ## formatting, warnings as errors, types, imports between rooms
+lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(PYTHON_IN_VENV) -m ruff check .
@@ -47,28 +47,28 @@ lint: $(STAMPS)/test ## formatting, warnings as errors, types, imports between r
 	PYTHONPATH=python $(VENV)/bin/lint-imports --no-cache --no-logo
 	$(PYTHON_IN_VENV) tools/check_imports.py
 
-format: $(STAMPS)/test ## write the formatting that lint asks for
+format: $(STAMPS)/test ## apply the formatting that lint checks
 	cargo fmt --all
 	$(PYTHON_IN_VENV) -m ruff check --fix .
 	$(PYTHON_IN_VENV) -m ruff format .
 
-# New cases in every run, drawn from one seed; it is printed, and `make verify SEED=...` repeats them.
+# Every run draws new cases from a seed, which it prints; `make verify SEED=...` repeats them.
 SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 verify: export PROPTEST_RNG_SEED := $(SEED)
 verify: export TELESPRING_VERIFY := $(SEED)
-verify: $(STAMPS)/binding $(STAMPS)/oracles ## the large random comparisons (minutes to hours)
-	@echo "drawing new cases from $(SEED); repeat them by 'make verify SEED=$(SEED)'"
+verify: $(STAMPS)/binding $(STAMPS)/oracles ## run large random comparisons (minutes to hours)
+	@echo "drawing new cases from $(SEED); repeat them with 'make verify SEED=$(SEED)'"
 	cargo test --workspace --locked --release -- --include-ignored
 	$(PYTHON_IN_VENV) -m pytest tests/test_laws.py --hypothesis-seed $(SEED) --timeout 0
 	$(PYTHON_IN_VENV) -m pytest -m verify --timeout 0
 
-oracles: $(STAMPS)/oracles ## install the programs that others use, to compare with
+oracles: $(STAMPS)/oracles ## install other programs to compare with
 
-bench: $(STAMPS)/binding $(STAMPS)/oracles ## the table of speed and accuracy, ours beside the peers
+bench: $(STAMPS)/binding $(STAMPS)/oracles ## compare speed and accuracy with other programs
 	$(PYTHON_IN_VENV) benches/run.py
 
 FUZZ_SECONDS := 60
-fuzz: toolchain ## the fuzzers, each for FUZZ_SECONDS (needs nightly Rust and cargo-fuzz)
+fuzz: toolchain ## run each fuzzer for FUZZ_SECONDS (needs nightly Rust and cargo-fuzz)
 	@cargo +nightly --version >/dev/null 2>&1 || \
 		{ echo "make fuzz needs nightly Rust: install it with 'rustup toolchain install nightly'." >&2; exit 1; }
 	@cargo +nightly fuzz --version >/dev/null 2>&1 || \
@@ -78,7 +78,7 @@ fuzz: toolchain ## the fuzzers, each for FUZZ_SECONDS (needs nightly Rust and ca
 		cargo +nightly fuzz run $$target -- -max_total_time=$(FUZZ_SECONDS); \
 	done
 
-clean: ## remove what was built here (not out/)
+clean: ## remove everything that was built (not out/)
 	rm -rf $(VENV) target fuzz/target benches/rust/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
@@ -88,9 +88,9 @@ toolchain:
 
 remake:
 
-# Order-only, so that the check runs first every time and yet makes nothing stale.
+# Order-only: the check runs first every time but never makes .venv out of date.
 $(STAMPS)/run: requirements/run.txt $(REMAKE) | toolchain
-	@# a changed pin starts afresh: what was dropped from the list must go too
+	@# A changed pin recreates .venv, so that packages dropped from the list are removed, too.
 	rm -rf $(VENV)
 	tools/make-venv.sh requirements/run.txt
 	@mkdir -p $(STAMPS) && touch $@

@@ -1,4 +1,4 @@
-"""A hand that trembles and a target on a circle, for tremor.toml."""
+"""An agent with a tremor and a target on a circle, for tremor.toml."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ Vector = NDArray[np.float64]
 
 
 class Tremor:
-    """A spring to the target with a tremor beside it: a narrow band of noise around one frequency.
+    """A spring to the target plus a tremor: narrow-band noise around one frequency.
 
     Parameters
     ----------
     seed
-        The trial's own; everything random is drawn from it.
+        Seed of this trial; every random number is drawn from it.
     stiffness
-        Of the spring to the target, N/m.
+        Stiffness of the spring to the target, N/m.
     frequency
-        Around which the tremor is, Hz.
+        Centre frequency of the tremor, Hz.
     amplitude
         Root mean square of the tremor on each axis, N.
     """
@@ -26,13 +26,13 @@ class Tremor:
     def __init__(self, seed: int, stiffness: float, frequency: float, amplitude: float) -> None:
         random = np.random.default_rng(seed)
         self.stiffness = stiffness
-        # eight sines within half a hertz, with random phases: the tremor swells and fades
+        # Eight sines within half a hertz of it, with random phases: the amplitude of the tremor varies.
         self.rate = 2 * np.pi * (frequency + random.uniform(-0.5, 0.5, size=(8, 2)))  # rad/s
         self.phase = random.uniform(0, 2 * np.pi, size=(8, 2))  # rad
         self.each = amplitude * np.sqrt(2 / 8)  # N
 
     def __call__(self, time: float, position: Vector, velocity: Vector, target: Vector) -> Vector:
-        """Return the force, N, at a tick of the controllers: s, m, m/s and m are given."""
+        """Return the force, N, at a tick of the controllers, from arguments in s, m, m/s and m."""
         del velocity  # this hand has no damping
         tremor = self.each * np.sin(self.rate * time + self.phase).sum(axis=0)
         return self.stiffness * (target - position) + tremor

@@ -28,7 +28,7 @@ def figure_eight(time: Floats, amplitude: tuple[float, float] = (0.05, 0.1), rat
 
 @dataclass(frozen=True)
 class Setup:
-    """What stands in the laboratory, SI units; arrays are (robot, axis) or broadcast to it."""
+    """The contents of the laboratory, SI units; arrays are (robot, axis) or broadcast to it."""
 
     mass: Floats = field(default_factory=lambda: TABLE_III_MASS)
     damping: Floats = field(default_factory=lambda: TABLE_III_DAMPING)

@@ -204,7 +204,7 @@ def test_law_a_study_gives_the_target_and_what_to_discard(
     arguments = ("analyse", tmp_path / "lab", "--out", tmp_path / "out", "--json", "--no-figures")
     refused = run(*arguments)
     assert refused.exit_code == 2
-    assert "Add them, or name the study by --study." in refused.stderr
+    assert "Add them, or name the study with --study." in refused.stderr
     task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
     study = SimpleNamespace(experiment=SimpleNamespace(task=task, discard=0.5))
     monkeypatch.setattr(analyse, "Study", SimpleNamespace(read=lambda _: study))
@@ -235,7 +235,7 @@ def test_law_trials_that_look_cut_off_or_stuck_are_reported(made: xr.Dataset, tm
     warnings = analyse_trials(odd)["warnings"]
     labels = odd["condition"].values.tolist()
     assert len(warnings) == 3
-    assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed with ")
+    assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed after ")
     assert warnings[1].startswith(f"Trial 3 of {labels[1]}: the handle of robot 1 does not move throughout")
     assert warnings[2].startswith(f"Trial 4 of {labels[2]}: the handle of robot 2 does not move from ")
     odd.to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
@@ -251,7 +251,7 @@ def refused(*arguments: object) -> str:
 
 
 def test_law_what_holds_no_trials_is_refused(tmp_path: Path) -> None:
-    assert "a rehearsal or recorded trials are needed" in refused()
+    assert "a rehearsal or recorded trials are required" in refused()
     assert "No such file or directory" in refused(tmp_path / "absent.nc")
     assert "rehearsal.nc (from `telespring rehearse`) or trials.csv" in refused(tmp_path)
     other = tmp_path / "notes.txt"
@@ -259,10 +259,10 @@ def test_law_what_holds_no_trials_is_refused(tmp_path: Path) -> None:
     assert "a rehearsal's .nc file, trials.csv, or a folder" in refused(other)
     broken = tmp_path / "rehearsal.nc"
     broken.write_bytes(b"\x89HDF\r\n\x1a\n and then nothing")
-    assert "a whole netCDF file is needed" in refused(broken)
+    assert "a whole netCDF file is required" in refused(broken)
     found = ts.simulate(ts.hman(), 20.0, 0.05, [[1.0, 0.0], [-1.0, 0.0]], duration=0.1)
     found.to_netcdf(broken, engine="h5netcdf")
-    assert "position over condition, trial, time, robot, axis is needed" in refused(broken)
+    assert "position over condition, trial, time, robot, axis is required" in refused(broken)
 
 
 def test_law_a_trial_that_ended_early_is_reported(tmp_path: Path) -> None:

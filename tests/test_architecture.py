@@ -23,7 +23,7 @@ VIOLATIONS = {
     "a circle": (
         "analysis/statistics.py",
         "def f():\n    from telespring.analysis import results",
-        "No imports in circles",
+        "No import cycles",
     ),
     "theory in an analysis": (
         "analysis/measures.py",
@@ -33,7 +33,7 @@ VIOLATIONS = {
     "a rehearsal in a decision": (
         "decision/decide.py",
         "from telespring.rehearsal import run",
-        "A decision takes nothing from a rehearsal",
+        "A decision uses nothing of a rehearsal",
     ),
     "a drawing job": ("analysis/table.py", "import matplotlib.pyplot", "Jobs draw nothing"),
     "a figure that asks": (
@@ -41,12 +41,12 @@ VIOLATIONS = {
         "from telespring.theory import verdicts",
         "Figures take plain numbers",
     ),
-    "a parser": ("analysis/sources.py", "import tomllib", "A study is asked by its getters"),
+    "a parser": ("analysis/sources.py", "import tomllib", "A study is queried through its getters"),
 }
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Check the package in a folder against the contracts beside it."""
+    """Check the package in a folder against the contracts in the same folder."""
     return subprocess.run(
         [Path(sys.executable).parent / "lint-imports", "--no-cache", "--no-logo"],
         cwd=folder,

@@ -315,7 +315,7 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
     written(tmp_path, ts.Study.paper(), '\n[agent1]\nkind = "skilled"\n')
     named = command("decide", path, "--stiffness", "142", "--delay", "0.084")
     assert named.exit_code == 0
-    assert "In these arms: unstable on x (growing by a factor of e every 12 s)" in named.stdout
+    assert "With them the dyad is unstable on x (growing by a factor of e every 12 s)" in named.stdout
     told = json.loads(command("decide", path, "--stiffness", "142", "--delay", "0.084", "--json").stdout)
     assert told["in_arms"]["unstable_axes"] == ["x"]
     assert not told["in_arms"]["stable"]
@@ -323,13 +323,13 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
     before = command("decide", path).stdout.splitlines()
     assert [line for line in plain.stdout.splitlines() if line.strip() and line not in before] == []
     example = root / "examples" / "two-link.toml"
-    assert "In these arms: stable (worst at (0, 120) mm" in command("decide", example).stdout
+    assert "With them the dyad is stable (worst at (0, 120) mm" in command("decide", example).stdout
     arms = json.loads(command("decide", example, "--json").stdout)["in_arms"]
     assert arms["depends_on_pose"]
     assert arms["unstable_axes"] is None
     assert not arms["axes_independent"]
     tremor = command("decide", root / "examples" / "tremor.toml")
-    assert "In these arms: not known, agent 2 is the program" in tremor.stdout
+    assert "Stability with them is unknown: agent 2 is the program" in tremor.stdout
 
 
 def test_law_decide_judges_the_delay_behind_the_buffer(tmp_path: Path) -> None:
@@ -385,7 +385,7 @@ def test_law_the_report_has_the_arms_that_the_study_has() -> None:
     assert "which are the same in every pose" in html
     arms, html = page(ts.Study.paper().replace(agent2={"kind": "python", "class": "mine:Spring"}))
     assert not arms["known"]
-    assert "Not known: agent 2 is the program mine:Spring" in html
+    assert "Unknown: agent 2 is the program mine:Spring" in html
     arms, html = page(ts.Study.paper())
     assert arms["massless"]
     assert "massless and undamped here" in html

@@ -1,4 +1,4 @@
-"""The boundary in arms: its windows of delay, checked by collocation on both sides of each end."""
+"""The boundary with arms: its windows of delay, checked by collocation on both sides of each end."""
 
 import json
 

@@ -291,7 +291,7 @@ def test_law_a_run_away_is_not_taken_as_proof_of_damping() -> None:
     rig = StandIn().errors(CONDITIONS, 20)
     rig[16] *= 10
     said = " ".join(_predicted_growth_sentences({"ideal": predict(rig, TABLE_I)}, TABLE_I))
-    assert "run away in CM-142-334" in said
+    assert "grows far too large in CM-142-334" in said
     assert "so the real arms" not in said
     assert "one possible explanation" in said
 

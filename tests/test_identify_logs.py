@@ -274,8 +274,8 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
         ("log.csv", b"time;position_x\n0,1;1,2\n0,2;1,3\n", "separated by semicolons"),
         ("log.csv", b"time\tposition_x\n0.1\t1.2\n0.2\t1.3\n", "separated by tabs"),
         ("log.csv", b"time,position_x\ns,m\n0.1,1.2\n0.2,1.3\n", "no numbers in the second line (s, m)"),
-        ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is needed"),
-        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is needed"),
+        ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is required"),
+        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is required"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
         ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "contains no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
@@ -420,7 +420,9 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     text = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(
         cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.167"]
     )
-    assert "stable with probability above 99.995 % (20000 draws)" in " ".join(text.stdout.split())
+    assert "stable at this constant delay with probability above 99.995 % (20000 draws)" in " ".join(
+        text.stdout.split()
+    )
     # certain robots: nothing is said
     certain = CliRunner().invoke(cli.app, ["decide", "--json"])
     assert json.loads(certain.stdout)["uncertainty"] is None
@@ -449,7 +451,7 @@ def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> N
     assert "STABLE AXIS BY AXIS ONLY" in text
     assert "Warning: The axes of robot 1 are NOT independent" in text
     assert "no probability of stability is given" in text
-    assert "stable with probability" not in text
+    assert "with probability" not in text
 
 
 def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_path: Path) -> None:
@@ -470,9 +472,9 @@ def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_p
     answer = json.loads(CliRunner().invoke(cli.app, asked).stdout)
     assert answer["axes_independent"] is None
     [identified, exact] = answer["warnings"]
-    assert "Robot 2, when it was identified" in identified
+    assert "Robot 2, from its identification" in identified
     assert "volt_x" in identified
-    assert "Robot 1 carries no errors" in exact
+    assert "Robot 1 has no standard deviations" in exact
     both = json.loads(CliRunner().invoke(cli.app, [*asked, "--robot1", str(robot)]).stdout)
     assert both["axes_independent"] is True
     assert not any("no errors" in warning for warning in both["warnings"])

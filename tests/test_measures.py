@@ -184,12 +184,12 @@ def spoilt(what: str) -> xr.Dataset:
     ("what", "words"),
     [
         ("a hole", "trial 2 of UM counts as completed, but has no position at 0.7 s"),
-        ("no target", "target over time, axis is needed"),
+        ("no target", "target over time, axis is required"),
         ("one robot", "two robots, two axes"),
-        ("no stiffness", "a coordinate stiffness is needed"),
-        ("time", "times that increase are needed"),
+        ("no stiffness", "a coordinate stiffness is required"),
+        ("time", "times that increase are required"),
         ("discard", "trial 1 of UM ends at 2 s, so less must be discarded"),
-        ("negative", "a time of 0 s or more is needed"),
+        ("negative", "a time of 0 s or more is required"),
     ],
 )
 def test_law_what_is_no_experiment_is_refused(what: str, words: str) -> None:

@@ -69,7 +69,7 @@ def test_law_all_that_is_simulated_is_listed() -> None:
         ("controllers", "a force acts", "one period after its samples"),
         ("controllers", "lag of the actuators", 0.002),
         ("controllers", "resolution of the encoders", 1e-5),
-        ("network", "jitter, the most that a packet is later", 0.005),
+        ("network", "jitter, largest additional delay of a packet", 0.005),
         ("network", "probability that a packet is lost", 0.02),
     ):
         assert listed[part, name] == value
@@ -137,7 +137,7 @@ def test_ref_what_will_spoil_the_trials_has_a_warning() -> None:
     far = read("two-link").replace(arm1={"base": [0.0, -0.5]})
     assert "arm1: the target goes 20 mm beyond its full reach" in warnings_of(far)[0]
     folded = read("two-link").replace(arm1={"link_length": [0.55, 0.2]})
-    assert "arm1: the target goes 20 mm inside of its shortest reach of 350 mm" in warnings_of(folded)[0]
+    assert "arm1: the target goes 20 mm inside its shortest reach of 350 mm" in warnings_of(folded)[0]
 
 
 def test_law_rehearse_names_arm_condition_and_time(tmp_path: Path) -> None:

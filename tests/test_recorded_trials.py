@@ -152,7 +152,7 @@ MM = {"position_robot1_x_m": "position_robot1_x_mm"}
 REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     "no column": (
         in_first(lambda table: table.drop(columns="position_robot2_y_m")),
-        [f"{FIRST}: position_robot2_y_m", "missing", "the column position_robot2_y_m is needed"],
+        [f"{FIRST}: position_robot2_y_m", "missing", "the column position_robot2_y_m is required"],
     ),
     "named in mm": (
         in_first(lambda table: table.rename(columns=MM)),
@@ -174,9 +174,9 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "trial twice": (
         in_index(lambda table: table.assign(trial=[1, 1, 2, 1, 2, 1, 2, 3])),
-        ["trials.csv, line 3: trial = 1", "this one is in line 2"],
+        ["trials.csv, line 3: trial = 1", "line 2 lists this one"],
     ),
-    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "this one is in line 2"]),
+    "file twice": (in_index(replaced("file", 1, FIRST)), ["line 3: file", "line 2 lists this one"]),
     "time back": (
         in_first(replaced("time_s", 10, 0.05)),
         [f"{FIRST}, line 12: time_s = 0.05 after 0.09", "time must increase"],
@@ -197,7 +197,7 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     "empty field": (in_first(replaced("target_x_m", 3, "")), [f"{FIRST}, line 5: target_x_m = empty"]),
     "word": (
         in_first(replaced("target_x_m", 3, "lost")),
-        ["line 5: target_x_m = lost", "a number is needed"],
+        ["line 5: target_x_m = lost", "a number is required"],
     ),
     "infinite": (in_first(replaced("target_x_m", 3, "inf")), ["line 5: target_x_m = inf"]),
     "no samples": (in_first(lambda table: table.iloc[:1]), ["1 samples", "at least two"]),
@@ -242,7 +242,7 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
         in_first(lambda table: table.iloc[:0]),
         [f"{FIRST} = only a header", "a line per sample"],
     ),
-    "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is needed"]),
+    "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is required"]),
 }
 
 

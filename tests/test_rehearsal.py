@@ -305,7 +305,7 @@ def test_law_the_folder_of_another_study_is_refused_and_left_alone(
     before = left_in(begun)
     for other, said in (
         (study_text(name="another"), "another study, 'short'"),
-        (study_text(duration=2.5), "the same name, 'short', with other contents"),
+        (study_text(duration=2.5), "the same name, 'short', with different contents"),
     ):
         with pytest.raises(ts.InvalidInput, match=said) as refused:
             ts.rehearse(ts.Study.from_toml(other), begun)
@@ -326,7 +326,7 @@ def test_law_fresh_starts_anew_and_leaves_files_of_others_alone(begun: Path) -> 
 
 def test_law_a_file_of_the_datasets_name_that_is_none_is_refused(short: ts.Study, tmp_path: Path) -> None:
     (tmp_path / "rehearsal.nc").write_text("my notes")
-    with pytest.raises(ts.InvalidInput, match="which are none"):
+    with pytest.raises(ts.InvalidInput, match="not from one"):
         ts.rehearse(short, tmp_path)
     assert (tmp_path / "rehearsal.nc").read_text() == "my notes"
 
@@ -340,7 +340,7 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
     try:
         assert owner.stdout is not None
         assert owner.stdout.readline() == b"locked\n"
-        with pytest.raises(ts.InvalidInput, match=f"process {owner.pid} is at work"):
+        with pytest.raises(ts.InvalidInput, match=f"process {owner.pid} is using"):
             ts.rehearse(short, tmp_path)
     finally:
         owner.kill()
@@ -349,7 +349,11 @@ def test_law_a_second_process_is_refused_until_the_first_is_dead(short: ts.Study
 
 
 def test_law_two_threads_of_one_process_cannot_both_hold_a_folder(tmp_path: Path) -> None:
-    with lock_folder(tmp_path), pytest.raises(ts.InvalidInput, match="at work"), lock_folder(tmp_path):
+    with (
+        lock_folder(tmp_path),
+        pytest.raises(ts.InvalidInput, match="is using this one"),
+        lock_folder(tmp_path),
+    ):
         pass
     with lock_folder(tmp_path):
         pass
@@ -454,7 +458,7 @@ def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
     done = command(study, "--out", out)
     assert done.exit_code == 0
     assert "6 run in" in done.stdout
-    assert "after 3 that were kept" in done.stdout
+    assert "3 kept from before" in done.stdout
 
 
 def test_law_ctrl_c_stops_the_real_program_soon(tmp_path: Path) -> None:
@@ -470,7 +474,7 @@ def test_law_ctrl_c_stops_the_real_program_soon(tmp_path: Path) -> None:
 
 
 def test_law_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
-    """A limit on the size of files stands in for a full disk: the trials fit, the dataset does not."""
+    """A limit on the file size simulates a full disk: the trials fit, the dataset does not."""
     study, out = written(tmp_path, study_text(trials=20)), tmp_path / "out"
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000)); "
@@ -494,7 +498,7 @@ def test_law_a_file_in_the_folders_place_is_told(tmp_path: Path, place: str) -> 
     (tmp_path / "file").write_text("mine")
     refused = command(written(tmp_path, study_text()), "--out", tmp_path / place)
     assert refused.exit_code == 2
-    assert "a folder is needed" in refused.output
+    assert "a folder is required" in refused.output
 
 
 def test_law_input_that_cannot_be_rehearsed_is_refused(tmp_path: Path) -> None:
@@ -626,19 +630,19 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
             "agent1.class",
             "accept seed, weight by name",
         ),
-        (SPRING.format(name="Sprung", options="{}"), "agent1.class", "of the name Sprung"),
-        (SPRING.format(name="still", options="{}"), "agent1.class", "a class is needed"),
+        (SPRING.format(name="Sprung", options="{}"), "agent1.class", "named Sprung"),
+        (SPRING.format(name="still", options="{}"), "agent1.class", "a class is required"),
         (
             SPRING.format(name="x", options="{}").replace("mine", "nowhere"),
             "agent1.class",
-            "beside the study file .* or on Python's module path",
+            "in the folder of the study file .* or on Python's module path",
         ),
         (TARGET.format(name="millimetres"), "task.function", "within 10 m, .* millimetres"),
         (TARGET.format(name="jumping"), "task.function", "at 100 m/s at t = 0.5 s"),
         (
             TARGET.format(name="one_axis"),
             "task.function",
-            r"shape \(2001, 2\), and it returned \(2001,\)",
+            r"shape \(2001, 2\), but it returned \(2001,\)",
         ),
         (TARGET.format(name="undefined"), "task.function", "must be finite"),
     ],

@@ -234,7 +234,7 @@ def test_law_each_part_of_the_network_lowers_what_the_summary_allows() -> None:
 
 
 def test_law_sampling_lowers_what_a_constant_delay_allows() -> None:
-    """H-MANs at 1 kHz and 100 ms: the rule says 100.92 N/m, the sampled dyad bears 99.71."""
+    """H-MANs at 1 kHz and 100 ms: the rule allows 100.92 N/m, the sampled dyad 99.71."""
     study = sampled_at_1_khz()
     [row] = [each for each in summarise(study)["rows"] if each["delay"] == 0.1]
     entry = row["constant_delay"]
@@ -464,7 +464,7 @@ def test_law_robots_within_the_ranges_are_drawn(mass: float, damping: float) -> 
 
 @pytest.mark.parametrize("room", [20_000, 120_000, 160_000])
 def test_law_a_full_disk_leaves_neither_file(analysis: Analysis, tmp_path: Path, room: int) -> None:
-    """The limit on a file's size stands for the disk: room for one of the files, or for neither."""
+    """A limit on the file size simulates a full disk: room for one of the files, or for neither."""
     program = (
         "import resource, signal, sys, pickle\n"
         "from telespring.paper import write\n"

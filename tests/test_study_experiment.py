@@ -274,9 +274,9 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
         ("[robot]\nmass = [1, -1]\ndamping = 5", "robot1.mass[1] = -1"),
         ("[robot]\nmass = 1\ndamping = 5\nfriction = 2", "robot1.friction = 2"),
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),
-        ("[robot1]\nmass = 1\ndamping = 5", "has the section [robot]"),
+        ("[robot1]\nmass = 1\ndamping = 5", "has only the sections [robot]"),
         ("", "no section [robot]"),
-        (ROBOT + "[coupling]\nstiffness = 5", "Pass a whole study as the study itself"),
+        (ROBOT + "[coupling]\nstiffness = 5", "If this is a study file, pass it as the study instead"),
     ],
 )
 def test_ref_a_wrong_robot_file_is_refused_by_its_name(tmp_path: Path, text: str, said: str) -> None:

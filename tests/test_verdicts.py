@@ -202,7 +202,5 @@ def test_law_an_unknown_tier_is_refused_with_those_that_exist(hman: ts.Dyad) -> 
 
 
 def test_law_a_response_of_an_axis_names_the_argument_that_chooses_it(hman: ts.Dyad) -> None:
-    with pytest.raises(
-        ts.InvalidInput, match=r"Pass the dyad, and the name of the axis as `axis`\."
-    ):
+    with pytest.raises(ts.InvalidInput, match=r"Pass the dyad, and the name of the axis as `axis`\."):
         ts.nyquist(hman["x"], 30.0, 0.1)  # type: ignore[arg-type]

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Checks what must be on the machine before anything is built: Rust, Python with venv, a C compiler.
+# Checks what must be installed before anything is built: Rust, Python with venv, a C compiler and make.
 #
-#   check-toolchain.sh            one sentence on stderr for each thing that is missing or too old; exit 1
-#   check-toolchain.sh --python   also prints the command of the Python to use
+#   check-toolchain.sh            prints a sentence on stderr for each tool that is missing or too old, and exits with 1
+#   check-toolchain.sh --python   also prints the name of the Python to use
 #
-# The versions asked for are read from Cargo.toml and pyproject.toml, so they stand in one place only.
+# The required versions are read from Cargo.toml and pyproject.toml, so that each is stated only once.
 set -u
 
 root=$(cd "$(dirname "$0")/.." && pwd) || exit 1
@@ -54,7 +54,7 @@ check_python() {
     if [ -z "$python" ] && [ -z "$newest_seen" ]; then
         tell "telespring needs Python $python_wanted or newer and found none: install Python from https://www.python.org or your system's packages."
     elif [ -z "$python" ]; then
-        tell "telespring needs Python $python_wanted or newer and found $newest_seen: install a newer Python beside it, from https://www.python.org or your system's packages."
+        tell "telespring needs Python $python_wanted or newer and found $newest_seen: install a newer Python, which can coexist with it, from https://www.python.org or your system's packages."
     elif ! "$python" -c 'import venv, ensurepip' >/dev/null 2>&1; then
         tell "telespring needs Python's venv module and $python has none: install it (on Debian and Ubuntu: apt install python3-venv)."
     fi
@@ -66,7 +66,7 @@ check_c_compiler() {
     printf '#include <stdlib.h>\nint main(void) { return EXIT_SUCCESS; }\n' >"$trial/trial.c"
     if ! command -v "${compiler%% *}" >/dev/null 2>&1; then
         tell "telespring needs a C compiler to link with and found no '$compiler': install one (Debian and Ubuntu: apt install build-essential; macOS: xcode-select --install)."
-    # unquoted on purpose: CC may carry options
+    # Unquoted on purpose: CC may contain options.
     elif ! $compiler -o "$trial/trial" "$trial/trial.c" >/dev/null 2>&1; then
         tell "telespring needs a C compiler and '$compiler' cannot build a program: install it with its headers (Debian and Ubuntu: apt install build-essential; macOS: xcode-select --install)."
     fi

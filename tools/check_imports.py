@@ -1,7 +1,7 @@
-"""Refuse modules of the package that import the package itself instead of the room that they need.
+"""Report modules of the package that import the package itself instead of the room that they need.
 
-`telespring/__init__.py` imports everything, so whoever imports it closes a circle. import-linter cannot tell:
-for it an import of the compiled `telespring._core` is one of `telespring`, too.
+`telespring/__init__.py` imports everything, so importing it creates a cycle. import-linter
+cannot detect this: it treats an import of the compiled `telespring._core` as one of `telespring`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "python" / "telespring"
 
 
 def imports_of_the_package(source: str, package: Path = PACKAGE) -> Iterator[int]:
-    """List the lines of a module that import `telespring` itself, wherever they stand."""
+    """List the lines of a module that import `telespring` itself, at any depth."""
     submodules = {entry.name.split(".")[0] for entry in package.iterdir()} | {"_core"}
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -25,7 +25,7 @@ def imports_of_the_package(source: str, package: Path = PACKAGE) -> Iterator[int
             from_package = node.module == package.name and any(
                 alias.name not in submodules for alias in node.names
             )
-            # Relative imports could name the package without its name.
+            # A relative import could refer to the package without naming it.
             if from_package or node.level > 0:
                 yield node.lineno
 

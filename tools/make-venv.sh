@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs pinned requirements into .venv:  make-venv.sh FILE...
 #
-# .venv/.unfinished stands from before the first byte is written until the last package is in, so
-# that a set-up that was interrupted is thrown away and made again, never built upon.
+# .venv/.unfinished exists until the last package is installed, so that an interrupted set-up is
+# discarded and repeated instead of being reused.
 set -eu
 
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ if [ -e .venv/.unfinished ] || [ "$(cat .venv/.place 2>/dev/null)" != "$PWD" ] |
     touch .venv/.unfinished
     echo "Creating .venv with $("$python" --version)"
     "$python" -m venv .venv
-    # a virtual environment cannot be moved: its programs name the folder it was made in
+    # A virtual environment cannot be moved: its scripts contain the path of its folder.
     pwd >.venv/.place
 fi
 

@@ -20,7 +20,7 @@ def as_numbers(name: str, value: ArrayLike) -> FloatArray:
         raise InvalidInput(
             name,
             quoted_value(value),
-            "a real number or an array of real numbers is needed",
+            "a real number or an array of real numbers is required",
             "Convert it, for instance with numpy.asarray(..., dtype=float).",
         ) from None
 
@@ -38,7 +38,7 @@ def as_number(name: str, value: ArrayLike) -> float:
         raise InvalidInput(
             name,
             f"an array of shape {number.shape}",
-            "one number is needed here",
+            "one number is required here",
             "Call the function once for each element.",
         )
     return float(number.reshape(())[()])
@@ -51,7 +51,7 @@ def as_vector(name: str, value: ArrayLike) -> FloatArray:
         raise InvalidInput(
             name,
             f"an array of shape {numbers.shape}",
-            "one number or a one-dimensional array is needed here",
+            "one number or a one-dimensional array is required here",
             "Flatten it with numpy.ravel.",
         )
     return np.ascontiguousarray(numbers).reshape(-1)

@@ -1,4 +1,4 @@
-"""What is raised for bad input, and what is warned of."""
+"""The exception for invalid input, and the warning about incomplete spectra."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ __all__ = ["CertificateWarning", "InvalidInput"]
 
 
 class InvalidInput(ValueError):
-    """A value that was refused, with what is allowed instead and how to correct it.
+    """A value that was refused, what is allowed, and how to correct it.
 
     Parameters
     ----------
     field : str
-        Where the value stands, such as ``robot1.mass[0]`` or ``k[2, 3]``.
+        The place of the value, such as ``robot1.mass[0]`` or ``k[2, 3]``.
     value : str
-        The value as given; empty where it is missing.
+        The value as given; empty if it is missing.
     allowed : str
         What is allowed there, with its unit; of a missing value only the unit.
     remedy : str

@@ -1,4 +1,4 @@
-"""Files that are whole or absent: write beside, flush to the disk, then rename."""
+"""Files that are complete or absent: write a temporary file, flush it to the disk, then rename it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["replacing", "write_whole"]
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path beside `path` and move it there when the block ends well.
+    """Yield a temporary path next to `path`, and move it there if the block succeeds.
 
     Missing folders are made. Whatever ends the block early (an exception, Ctrl-C) removes the temporary file
     and leaves what was at `path` as it was. An OSError names the folder or `path`, never the temporary file.
@@ -54,7 +54,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     """Write `content` (text as UTF-8) to `path`: a reader sees the old file or the new one, never a part.
 
-    Missing folders are made. Returns the path.
+    Missing folders are created. Returns the path.
     """
     with replacing(path) as beside:
         beside.write_bytes(content.encode() if isinstance(content, str) else content)

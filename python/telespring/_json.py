@@ -11,7 +11,7 @@ __all__ = ["finite_or_none", "json_ready"]
 
 
 def finite_or_none(value: float) -> float | None:
-    """Return the number, or None where it is infinite or not a number: JSON has neither."""
+    """Return the number, or None if it is infinite or not a number: JSON has neither."""
     return float(value) if math.isfinite(value) else None
 
 

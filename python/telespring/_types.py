@@ -25,7 +25,7 @@ SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
 # one-way, s: the same each way, or forward and backward, a row of two
 Delay: TypeAlias = float | Sequence[float] | FloatArray
-# a number, or a function and whether it takes the state beside the time
+# a number, or a function and whether it takes the state as well as the time
 DelayValue: TypeAlias = float | tuple[Callable[..., float], bool]
 
 

@@ -50,21 +50,21 @@ pub type Number = Argument<f64>;
 impl Number {
     /// The number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<f64> {
-        Ok(self.or_refuse(field, "a real number is needed", "Give one number.")?)
+        Ok(self.or_refuse(field, "a real number is required", "Give one number.")?)
     }
 }
 
 impl Argument<Option<f64>> {
     /// The number or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<f64>> {
-        Ok(self.or_refuse(field, "a real number or None is needed", "Give one number, or None.")?)
+        Ok(self.or_refuse(field, "a real number or None is required", "Give one number, or None.")?)
     }
 }
 
 impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
     /// The pair or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<[Option<Py<PyAny>>; 2]>> {
-        let allowed = "a pair is needed, for each robot a program or None";
+        let allowed = "a pair is required, for each robot a program or None";
         Ok(self.or_refuse(field, allowed, "Write it such as (agent, None).")?)
     }
 }
@@ -72,7 +72,7 @@ impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
 impl Argument<u64> {
     /// The whole number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<u64> {
-        let allowed = format!("a whole number from 0 to {} is needed", u64::MAX);
+        let allowed = format!("a whole number from 0 to {} is required", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give an int in this range.")?)
     }
 }
@@ -80,14 +80,14 @@ impl Argument<u64> {
 impl Argument<Vec<f64>> {
     /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<f64>> {
-        Ok(self.or_refuse(field, "a row of real numbers is needed", "Give a flat array of floats.")?)
+        Ok(self.or_refuse(field, "a row of real numbers is required", "Give a flat array of floats.")?)
     }
 }
 
 impl Argument<Vec<u64>> {
     /// The whole numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<u64>> {
-        let allowed = format!("a row of whole numbers from 0 to {} is needed", u64::MAX);
+        let allowed = format!("a row of whole numbers from 0 to {} is required", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give a flat array of integers.")?)
     }
 }
@@ -95,14 +95,18 @@ impl Argument<Vec<u64>> {
 impl Argument<[f64; 2]> {
     /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<[f64; 2]> {
-        Ok(self.or_refuse(field, "two real numbers, along x and y, are needed", "Give a pair of floats.")?)
+        Ok(self.or_refuse(
+            field,
+            "two real numbers, along x and y, are required",
+            "Give a pair of floats.",
+        )?)
     }
 }
 
 impl Argument<PerAxis> {
     /// The numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<PerAxis> {
-        let allowed = "a number, or one number per axis, is needed";
+        let allowed = "a number, or one number per axis, is required";
         Ok(self.or_refuse(field, allowed, "Give a number or a list of numbers.")?)
     }
 }
@@ -128,7 +132,7 @@ impl FromPyObject<'_, '_> for PerAxis {
 }
 
 impl PerAxis {
-    /// How many axes it is written for; None where one number stands for all.
+    /// How many axes it is written for; None if one number applies to all.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::All(_) => None,
@@ -273,7 +277,7 @@ pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
     Err(InvalidInput::new(
         name,
         format!("an array of shape {shape}"),
-        "rows of two numbers, x and y, are needed",
+        "rows of two numbers, x and y, are required",
         "Give an array of shape (n, 2).",
     )
     .into())

@@ -63,7 +63,7 @@ impl<'py> Numbers<'py> {
             Values::Many(array) => Err(InvalidInput::new(
                 self.name,
                 format!("an array of shape {}", tuple(array.shape())),
-                "one number is needed here",
+                "one number is required here",
                 "Call the function once for each element.",
             )),
         }
@@ -77,7 +77,7 @@ impl<'py> Numbers<'py> {
             Values::Many(array) => Err(InvalidInput::new(
                 self.name,
                 format!("an array of shape {}", tuple(array.shape())),
-                "one number or a one-dimensional array is needed here",
+                "one number or a one-dimensional array is required here",
                 "Flatten it with numpy.ravel.",
             )),
         }
@@ -153,7 +153,7 @@ const CHUNK: usize = 1024;
 const MOST: usize = 9;
 
 /// Computes each element from the arguments broadcast against each other, without holding the interpreter:
-/// a number where all are numbers, else an array.
+/// a number if all are numbers, else an array.
 ///
 /// The refusal of the first element is reported, whatever the number of threads.
 pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(

@@ -20,7 +20,7 @@ record! {
         delay,
         /// Where it meets the axis, rad/s.
         frequency,
-        /// +1 where the pair leaves the stable half-plane as the delay grows, -1 where it returns, 0 where it
+        /// +1 if the pair leaves the stable half-plane as the delay grows, -1 if it returns, 0 if it
         /// only touches.
         direction,
     }
@@ -29,7 +29,7 @@ record! {
 /// One axis of a dyad: masses, dampings and what ties the handles to the ground, operators added to the robots.
 ///
 /// ``dyad.axis("x")`` or ``dyad["x"]`` returns it, and the criteria are its methods; stiffnesses are in N/m,
-/// one-way delays in s (their mean where both ways differ).
+/// one-way delays in s (their mean if both ways differ).
 ///
 /// Parameters
 /// ----------
@@ -38,7 +38,7 @@ record! {
 /// kh1, kh2 : float
 ///     Stiffness of each operator to the ground, N/m; 0 is a free handle.
 /// c : float
-///     Damping beside the virtual spring, N·s/m.
+///     Damping in parallel with the virtual spring, N·s/m.
 /// name : str
 ///     The name of the axis.
 /// index : int
@@ -47,7 +47,7 @@ record! {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of its range.
+///     If a value is out of its range.
 ///
 /// Examples
 /// --------
@@ -201,7 +201,7 @@ impl DyadAxis {
         self.axis.sides.map(|side| side.ground_stiffness).into()
     }
 
-    /// The damper beside the virtual spring, N·s/m.
+    /// The damper in parallel with the virtual spring, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
         self.axis.coupling_damping

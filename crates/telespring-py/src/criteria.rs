@@ -80,7 +80,7 @@ impl<'py> Subject<'py> {
     }
 }
 
-/// The arguments of a call in which a dyad or an axis may stand in place of the seven numbers.
+/// The arguments of a call in which a dyad or an axis may replace the seven numbers.
 ///
 /// `names` are the arguments after m1, b1, m2, b2; those that are optional come last.
 fn bind<'py, const N: usize>(
@@ -100,7 +100,7 @@ fn bind<'py, const N: usize>(
         InvalidInput::new(
             name,
             written(value),
-            format!("a dyad or an axis stands in place of all of {}", NUMBERS.join(", ")),
+            format!("a dyad or an axis replaces all of {}", NUMBERS.join(", ")),
             format!("Write {function}({}).", [&["dyad"], &names[..required]].concat().join(", ")),
         )
     };
@@ -182,7 +182,7 @@ macro_rules! parameters {
             "\n\nParameters\n----------\nm1, b1, m2, b2 : ",
             $kind,
             "\n    Masses, kg, and viscous dampings, N·s/m, of robot and operator together. A `Dyad` or a\n    \
-             `DyadAxis` as the first argument stands in place of these and of kh1, kh2, c."
+             `DyadAxis` as the first argument replaces these and kh1, kh2, c."
         )
     };
 }
@@ -195,7 +195,7 @@ macro_rules! keywords {
             $kind,
             "\n    Stiffness of each operator to the ground, N/m.\nc : ",
             $kind,
-            "\n    Damping beside the virtual spring, N·s/m."
+            "\n    Damping in parallel with the virtual spring, N·s/m."
         )
     };
 }
@@ -208,7 +208,7 @@ macro_rules! stiffness {
 
 macro_rules! delay {
     ($kind:literal) => {
-        concat!("\ndelay : ", $kind, "\n    One-way delay, s; the mean where both ways differ.")
+        concat!("\ndelay : ", $kind, "\n    One-way delay, s; the mean if both ways differ.")
     };
 }
 
@@ -233,7 +233,7 @@ macro_rules! reference {
      and covers neither operators\n    nor a coupling damper.",
     keywords!("array_like"),
     "\n\nReturns\n-------\nfloat or ndarray\n    Critical stiffness k_m, N/m: the infimum of all stiffnesses that \
-     some delay destabilises; inf where there\n    is none. For a dyad the smallest over its axes.",
+     some delay destabilises; inf if there\n    is none. For a dyad the smallest over its axes.",
     raises!(),
     reference!(),
 )]
@@ -268,7 +268,7 @@ pub fn critical_stiffness<'py>(
     stiffness!("array_like"),
     "\nmethod : {\"exact\", \"paper\"}\n    The exact value, or Eqs. 5 to 9 of [1]_.",
     keywords!("array_like"),
-    "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay is stable. inf where no \
+    "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay is stable. inf if no \
      constant delay destabilises, 0 where\n    the axis is not stable even without delay. For a dyad the smallest \
      over its axes.",
     raises!(),
@@ -333,7 +333,7 @@ pub fn maximum_stiffness<'py>(
     stiffness!("array_like"),
     delay!("array_like"),
     keywords!("array_like"),
-    "\n\nReturns\n-------\nfloat or ndarray\n    Damping to add to b1 and to b2, N·s/m; 0 where none needs to be \
+    "\n\nReturns\n-------\nfloat or ndarray\n    Damping to add to b1 and to b2, N·s/m; 0 if none needs to be \
      added. For a dyad the largest over its axes.",
     raises!(),
 )]
@@ -423,7 +423,7 @@ pub fn stability_map<'py>(
     stiffness!("float"),
     keywords!("float"),
     "\n\nReturns\n-------\nlist of Crossing\n    By frequency (rad/s), with delay (s) and direction; each recurs every \
-     π/frequency seconds of one-way delay.\n    Empty where no constant delay destabilises.",
+     π/frequency seconds of one-way delay.\n    Empty if no constant delay destabilises.",
     "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range, or a dyad has several axes: choose one.\n",
 )]
 ///
@@ -497,7 +497,7 @@ pub fn stable_delays<'py>(
     delay!("float"),
     "\ndecay_rate : float\n    The rate σ, 1/s: all roots but s = 0 lie left of -σ.",
     keywords!("float"),
-    "\n\nReturns\n-------\nlist of (float, float)\n    Ranges of stiffness, N/m, ascending; empty where no stiffness has this \
+    "\n\nReturns\n-------\nlist of (float, float)\n    Ranges of stiffness, N/m, ascending; empty if no stiffness has this \
      decay rate. For a dyad those that\n    hold on all its axes.",
     "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range.\n",
 )]

@@ -76,7 +76,7 @@ fn read_into(returned: &Bound<'_, PyAny>, field: &str, out: &mut [f64]) -> PyRes
         let refusal = InvalidInput::new(
             field,
             format!("{} value(s)", values.len()),
-            format!("one number per component is needed, that is {}", out.len()),
+            format!("one number per component is required, that is {}", out.len()),
             "Return a sequence or a one-dimensional array of that length.",
         );
         return Err(Failure::from(refusal).into());

@@ -26,7 +26,7 @@ use crate::spectrum::{Spectrum, warn};
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a matrix is not square or differs in size from A0, an entry is not a number or exceeds
+///     If a matrix is not square or differs in size from A0, an entry is not a number or exceeds
 ///     1e12, or a delay is not in 0 to 100 s.
 ///
 /// Examples
@@ -49,7 +49,7 @@ fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
         return Err(InvalidInput::new(
             name,
             format!("an array of shape {shape}"),
-            "a matrix of rows and columns is needed",
+            "a matrix of rows and columns is required",
             "Give a nested list or a two-dimensional array.",
         )
         .into());
@@ -107,12 +107,12 @@ impl DelaySystem {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where `count` is out of its range.
+    ///     If `count` is out of its range.
     ///
     /// Warns
     /// -----
     /// CertificateWarning
-    ///     Where the argument principle does not confirm that no root was missed; `certified_roots` reports
+    ///     If the argument principle does not confirm that no root was missed; `certified_roots` reports
     ///     the same without a warning.
     ///
     /// References
@@ -147,7 +147,7 @@ impl DelaySystem {
     /// Warns
     /// -----
     /// CertificateWarning
-    ///     Where the argument principle does not confirm that no root was missed.
+    ///     If the argument principle does not confirm that no root was missed.
     ///
     /// Examples
     /// --------
@@ -166,12 +166,12 @@ impl DelaySystem {
     /// -------
     /// float
     ///     The spectral abscissa; below zero every motion decays except those that `roots_at_zero` counts.
-    ///     Minus infinity where s = 0 is the only root.
+    ///     Minus infinity if s = 0 is the only root.
     ///
     /// Warns
     /// -----
     /// CertificateWarning
-    ///     Where the argument principle does not confirm that no root was missed.
+    ///     If the argument principle does not confirm that no root was missed.
     ///
     /// Examples
     /// --------
@@ -207,7 +207,7 @@ impl DelaySystem {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where `count` is out of its range.
+    ///     If `count` is out of its range.
     ///
     /// Examples
     /// --------

@@ -199,7 +199,7 @@ impl Experiment {
         }
     }
 
-    /// Damping beside the spring, N·s/m.
+    /// Damping in parallel with the spring, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
         self.study.coupling().damping

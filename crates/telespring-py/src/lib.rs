@@ -1,7 +1,7 @@
 //! Python binding of `telespring`: newtypes and conversions only.
 //!
-//! Everything public is documented, broadcast and typed in `python/telespring`; what stands here
-//! takes flat contiguous arrays and lets go of the interpreter while it computes.
+//! Everything public is documented, broadcast and typed in `python/telespring`; what is here
+//! takes flat contiguous arrays and releases the interpreter while it computes.
 
 mod arguments;
 mod arrays;

@@ -24,7 +24,7 @@ use crate::errors::Outcome;
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a mass is not in 1e-4 to 1e4 kg, a damping not in 0 to 1e6 N·s/m, or lengths differ.
+///     If a mass is not in 1e-4 to 1e4 kg, a damping not in 0 to 1e6 N·s/m, or lengths differ.
 ///
 /// Examples
 /// --------
@@ -99,7 +99,7 @@ fn names(axes: &[String]) -> String {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is negative, not finite or out of range, or lengths differ.
+///     If a value is negative, not finite or out of range, or lengths differ.
 ///
 /// Examples
 /// --------
@@ -123,7 +123,7 @@ impl Operator {
                 return Err(InvalidInput::new(
                     name,
                     format!("{count} value(s)"),
-                    format!("one value per axis is needed, that is {axes}"),
+                    format!("one value per axis is required, that is {axes}"),
                     "Give one value per axis, or a single number for all of them.",
                 ));
             }
@@ -135,7 +135,7 @@ impl Operator {
         values.on(self.count()).to_pyarray(py)
     }
 
-    /// How many axes it was written for: 1 where all values are single numbers.
+    /// How many axes it was written for: 1 if all values are single numbers.
     pub fn count(&self) -> usize {
         [&self.mass, &self.damping, &self.stiffness].iter().find_map(|v| v.count()).unwrap_or(1)
     }
@@ -205,7 +205,7 @@ impl Operator {
     }
 }
 
-/// Two robots, their operators, and the damper beside the virtual spring.
+/// Two robots, their operators, and the damper in parallel with the virtual spring.
 ///
 /// Parameters
 /// ----------
@@ -214,12 +214,12 @@ impl Operator {
 /// operators : pair of Operator or None, optional
 ///     The operator at each handle; None is a free handle, for one or for both.
 /// coupling_damping : float, optional
-///     A damper beside the virtual spring, through the same delay, N·s/m.
+///     A damper in parallel with the virtual spring, subject to the same delay, N·s/m.
 ///
 /// Raises
 /// ------
 /// InvalidInput
-///     Where axes do not match or the coupling damping is negative or not finite.
+///     If axes do not match or the coupling damping is negative or not finite.
 ///
 /// Examples
 /// --------
@@ -274,7 +274,7 @@ impl Dyad {
         (first.into(), second.into())
     }
 
-    /// The damper beside the virtual spring, N·s/m.
+    /// The damper in parallel with the virtual spring, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
         self.0.coupling_damping()
@@ -307,7 +307,7 @@ impl Dyad {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of its range.
+    ///     If a value is out of its range.
     ///
     /// Examples
     /// --------
@@ -354,7 +354,7 @@ impl Dyad {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the dyad has no such axis.
+    ///     If the dyad has no such axis.
     ///
     /// Examples
     /// --------

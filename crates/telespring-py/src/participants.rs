@@ -24,7 +24,7 @@ use crate::study_values::{option, to_table};
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a key or a value is refused.
+///     If a key or a value is refused.
 ///
 /// Examples
 /// --------
@@ -67,7 +67,7 @@ impl Agent {
         }
     }
 
-    /// Damping beside the spring to the target, N·s/m.
+    /// Damping in parallel with the spring to the target, N·s/m.
     #[getter]
     fn damping(&self) -> Option<f64> {
         match self.0 {
@@ -171,7 +171,7 @@ impl Agent {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a key or a value is refused.
+///     If a key or a value is refused.
 ///
 /// Examples
 /// --------
@@ -342,7 +342,7 @@ impl Arm {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a key or a value is refused.
+///     If a key or a value is refused.
 ///
 /// Examples
 /// --------
@@ -421,7 +421,7 @@ impl Task {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the target is written in Python: only its function knows the positions.
+    ///     If the target is written in Python: only its function knows the positions.
     ///
     /// Examples
     /// --------

@@ -18,7 +18,7 @@ use crate::study_values::to_table;
 /// A mapping of the keys that a robot has in a study file.
 fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
     let Ok(keys) = value.cast::<PyMapping>() else {
-        let allowed = "a mapping with mass and damping, and possibly coulomb, is needed";
+        let allowed = "a mapping with mass and damping, and possibly coulomb, is required";
         return Err(InvalidInput::new("handle", written(value), allowed, "Pass a dict.").into());
     };
     Ok(Handle::from_table(&to_table("handle", keys)?)?)
@@ -30,7 +30,7 @@ pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
         return Ok(arm.get().0);
     }
     let Ok(keys) = value.cast::<PyMapping>() else {
-        let allowed = "an Arm, or a mapping of its keys, is needed";
+        let allowed = "an Arm, or a mapping of its keys, is required";
         return Err(InvalidInput::new("arm", written(value), allowed, "Pass an Arm.").into());
     };
     Ok(rig::Arm::from_table(&to_table("arm", keys)?)?)
@@ -96,8 +96,8 @@ pub fn simulate_handle(
     if hand.len() != robot.len() || hand.is_empty() {
         return Err(InvalidInput::new(
             "robot_force",
-            format!("{} rows beside {} of hand_force", robot.len(), hand.len()),
-            "both forces have one row for every sample period, one at least",
+            format!("{} rows, and {} of hand_force", robot.len(), hand.len()),
+            "both forces need one row per sample period, at least one",
             "Pass arrays of the same length.",
         )
         .into());
@@ -163,7 +163,7 @@ pub fn arm_operator<'py>(
                     format!("positions[{index}]"),
                     format!("{position:?}"),
                     outside.to_string(),
-                    "Keep to positions within the reach, or move the arm's base.",
+                    "Choose positions within reach, or move the arm's base.",
                 )
             })?,
         };

@@ -30,7 +30,7 @@ record! {
         /// "completed", "diverged" (a handle went beyond 10 m), "out of reach" (of a two-link arm) or "too
         /// stiff" (time constants of a robot in a two-link arm too short to integrate).
         status: String,
-        /// Time of the first tick that is left out, s; None where the trial was completed.
+        /// Time of the first tick that is left out, s; None if the trial was completed.
         ended_at: Option<f64>,
     }
 }
@@ -59,7 +59,7 @@ record! {
         aim: Array<f64, Ix4>,
         /// How each trial ended, as in `Recording`.
         status: Vec<String>,
-        /// Time of the first tick that is left out, s, (trials,); NaN where a trial was completed.
+        /// Time of the first tick that is left out, s, (trials,); NaN if a trial was completed.
         ended_at: Array<f64, Ix1>,
     }
 }
@@ -79,7 +79,7 @@ record! {
         torque: Option<Array<f64, Ix2>>,
         /// "completed", "out of reach" or "too stiff", as in `Recording`.
         status: String,
-        /// Time of the last row, s, where the motion ended early; None where it was completed.
+        /// Time of the last row, s, where the motion ended early; None if it was completed.
         ended_at: Option<f64>,
     }
 }

@@ -20,7 +20,7 @@ pub trait Value: Sized {
         self.to_python(py)
     }
 
-    /// What `json.dumps` takes: None where a number is infinite, lists for tuples and arrays.
+    /// What `json.dumps` takes: None if a number is infinite, lists for tuples and arrays.
     fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         static JSON_READY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         JSON_READY.import(py, "telespring._json", "json_ready")?.call1((self.to_python(py)?,))
@@ -82,7 +82,7 @@ impl<T: Value + Clone, const N: usize> Value for [T; N] {
         let items = Vec::<T>::from_python(value)?;
         let got = items.len();
         items.try_into().map_err(|_| {
-            pyo3::exceptions::PyValueError::new_err(format!("{N} items are needed here, not {got}"))
+            pyo3::exceptions::PyValueError::new_err(format!("{N} items are required here, not {got}"))
         })
     }
 
@@ -259,7 +259,7 @@ macro_rules! record {
 
             /// The attributes as a dict that `json.dumps(..., allow_nan=False)` takes.
             ///
-            /// JSON has no infinity: None stands where a number is infinite.
+            /// JSON has no infinity: an infinite number is None.
             fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
                 let out = pyo3::types::PyDict::new(py);
                 $(out.set_item(stringify!($field), $crate::records::Value::to_json(&self.$field, py)?)?;)*

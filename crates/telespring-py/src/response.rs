@@ -159,7 +159,7 @@ record! {
 record! {
     /// A margin or distance and where it is taken; unpacks as (value, frequency).
     FrequencyMargin(response::Margin) as tuple {
-        /// Its size, in the unit stated beside it.
+        /// Its value, in the unit of the attribute.
         value,
         /// The angular frequency, rad/s; inf for the limit ω → ∞.
         frequency,
@@ -169,7 +169,7 @@ record! {
 record! {
     /// The Nyquist locus of one axis, the number of unstable roots and the margins.
     ///
-    /// A margin is None where no finite one exists or the dyad is not stable.
+    /// A margin is None if no finite one exists or the dyad is not stable.
     Nyquist {
         /// Angular frequencies of the locus from 0 on, rad/s, (n,); fine enough that no turn is skipped.
         frequency: Array<f64, Ix1>,

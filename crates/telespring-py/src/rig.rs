@@ -91,7 +91,7 @@ impl Laboratory {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of range, or the target is a function of the caller.
+    ///     If a value is out of range, or the target is a function of the caller.
     fn target<'py>(
         &self,
         py: Python<'py>,
@@ -125,9 +125,9 @@ impl Laboratory {
     ///     A function for each agent that is external: f(time, position, velocity, target) -> force, called at
     ///     every tick; s, m, m/s, m and N, each vector (2,).
     /// target : (ticks + 1, 2) array, optional
-    ///     Positions at every tick of the controllers, m, in place of the laboratory's own target.
+    ///     Positions at every tick of the controllers, m, instead of the laboratory's own target.
     /// coupling_damping : float
-    ///     Damping beside the spring, N·s/m.
+    ///     Damping in parallel with the spring, N·s/m.
     /// interrupt_check : callable, optional
     ///     Called without arguments at short intervals; an exception from it ends the trial.
     ///
@@ -139,7 +139,7 @@ impl Laboratory {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is out of range, more than 5e7 instants are recorded, an arm cannot reach the start,
+    ///     If a value is out of range, more than 5e7 instants are recorded, an arm cannot reach the start,
     ///     or an agent's function is missing, superfluous, or returns no finite force.
     #[pyo3(signature = (stiffness, delay, seed, duration, record_rate, agents=Argument::Given(None), target=None, coupling_damping=Number::Given(0.0), interrupt_check=None),
            text_signature = "(self, stiffness, delay, seed, duration, record_rate, agents=None, target=None, coupling_damping=0.0, interrupt_check=None)")]
@@ -268,7 +268,7 @@ impl Laboratory {
                 return Err(InvalidInput::new(
                     name,
                     format!("{length} value(s)"),
-                    format!("one value per trial is needed, that is {trials} as in stiffness"),
+                    format!("one value per trial is required, that is {trials} as in stiffness"),
                     "Pass one stiffness, delay and seed per trial.",
                 )
                 .into());
@@ -420,7 +420,7 @@ fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target>
         return Err(InvalidInput::new(
             "target",
             format!("an array of shape ({}, 2)", target.len()),
-            format!("one row (x, y) per tick is needed, that is shape ({expected}, 2)"),
+            format!("one row (x, y) per tick is required, that is shape ({expected}, 2)"),
             "Sample the target at every tick from 0 to the end of the trial.",
         ));
     }
@@ -472,7 +472,7 @@ fn call_agent(program: &AgentFunction, seen: &Observation) -> Outcome<[f64; 2]> 
             Ok(Argument::Other(text)) => Err(InvalidInput::new(
                 "agents",
                 text,
-                format!("at {} s the agent's force has to be two numbers, N along x and y", seen.time),
+                format!("at {} s the agent's force must be two numbers, in N along x and y", seen.time),
                 "Return an array or a pair of two floats.",
             )
             .into()),

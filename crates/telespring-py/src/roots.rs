@@ -42,7 +42,7 @@ fn check(
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of its range.
+///     If a value is out of its range.
 ///
 /// Examples
 /// --------
@@ -88,17 +88,17 @@ pub fn certified_roots(
 /// Returns
 /// -------
 /// ndarray of complex
-///     The roots, 1/s, rightmost first; fewer than `count` only where there is no delay.
+///     The roots, 1/s, rightmost first; fewer than `count` only if there is no delay.
 ///
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of its range.
+///     If a value is out of its range.
 ///
 /// Warns
 /// -----
 /// CertificateWarning
-///     Where the argument principle does not confirm that no root was missed; `certified_roots` reports the
+///     If the argument principle does not confirm that no root was missed; `certified_roots` reports the
 ///     same without a warning.
 ///
 /// References
@@ -151,12 +151,12 @@ pub fn characteristic_roots<'py>(
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of its range.
+///     If a value is out of its range.
 ///
 /// Warns
 /// -----
 /// CertificateWarning
-///     Where the argument principle does not confirm that no root was missed.
+///     If the argument principle does not confirm that no root was missed.
 ///
 /// Examples
 /// --------

@@ -158,7 +158,7 @@ fn lowered<V, T>(
         return Err(InvalidInput::new(
             name,
             format!("lists of lengths {got:?}"),
-            format!("two lists are needed, one per robot, each with one entry per axis, that is {axes}"),
+            format!("two lists are required, one per robot, each with one entry per axis, that is {axes}"),
             "Write them as [[robot 1's axes], [robot 2's axes]].",
         )
         .into());

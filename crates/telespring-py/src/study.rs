@@ -14,7 +14,7 @@ use crate::model::{Dyad, Operator};
 use crate::records::record;
 use crate::study_values::replacements;
 
-/// The coupling of the robots: a virtual spring and a damper beside it.
+/// The coupling of the robots: a virtual spring and a damper in parallel with it.
 ///
 /// Parameters
 /// ----------
@@ -26,7 +26,7 @@ use crate::study_values::replacements;
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a value is out of range.
+///     If a value is out of range.
 ///
 /// Examples
 /// --------
@@ -88,7 +88,7 @@ impl Coupling {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where a time is not in 0 to 100 s, delay, jitter and gap together exceed that, or the computing time
+///     If a time is not in 0 to 100 s, delay, jitter and gap together exceed that, or the computing time
 ///     exceeds the sample period.
 ///
 /// Examples
@@ -141,7 +141,7 @@ impl Network {
         self.0.max_gap()
     }
 
-    /// Sample period of both controllers, s; 0 where they are continuous.
+    /// Sample period of both controllers, s; 0 if they are continuous.
     #[getter]
     fn sample_period(&self) -> f64 {
         self.0.sample_period()
@@ -203,7 +203,7 @@ impl Network {
 /// Raises
 /// ------
 /// InvalidInput
-///     Where both ends differ in their number of axes or a lower end exceeds the upper.
+///     If both ends differ in their number of axes or a lower end exceeds the upper.
 ///
 /// Examples
 /// --------
@@ -374,7 +374,7 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the text is not TOML, a key is unknown or missing, or a value has the wrong type or range.
+    ///     If the text is not TOML, a key is unknown or missing, or a value has the wrong type or range.
     ///     The exception has the dotted field, what is allowed, a remedy and the line.
     ///
     /// Examples
@@ -407,7 +407,7 @@ impl Study {
     /// InvalidInput
     ///     As for `Study.from_toml`, and where the file is not UTF-8.
     /// OSError
-    ///     Where the file cannot be read.
+    ///     If the file cannot be read.
     ///
     /// Examples
     /// --------
@@ -425,11 +425,11 @@ impl Study {
     /// Parameters
     /// ----------
     /// **sections
-    ///     Sections of a study file, each a mapping from keys to new values: numbers, texts, booleans, lists,
-    ///     mappings or numpy arrays. None removes a key, so that its default holds; None in place of a section
+    ///     Sections of a study file, each a mapping from keys to new values: numbers, strings, booleans, lists,
+    ///     mappings or numpy arrays. None removes a key, which restores its default; None instead of a section
     ///     removes the section. Keys that are not named keep their values, with two exceptions: a new `kind`
-    ///     starts its section anew, and the `conditions` of a protocol exclude its lists of `stiffness` and
-    ///     `delay`. An `Agent`, `Arm`, `Task` or `LaboratorySettings` may stand for its section; `name` is
+    ///     restarts its section, and the `conditions` of a protocol exclude its lists of `stiffness` and
+    ///     `delay`. An `Agent`, `Arm`, `Task` or `LaboratorySettings` may replace its section; `name` is
     ///     the study's name.
     ///
     /// Returns
@@ -440,7 +440,7 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where a value is refused, by its dotted field.
+    ///     If a value is refused, by its dotted field.
     ///
     /// Examples
     /// --------
@@ -469,7 +469,7 @@ impl Study {
     /// side : int
     ///     1 or 2: the robot to replace, whole.
     /// robot_file : path_like or str
-    ///     The file's path, or its text where it is a `str`.
+    ///     The file's path, or its text if it is a `str`.
     ///
     /// Returns
     /// -------
@@ -479,9 +479,9 @@ impl Study {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the text is no robot file, or the study refuses the robot.
+    ///     If the text is no robot file, or the study refuses the robot.
     /// OSError
-    ///     Where the file cannot be read.
+    ///     If the file cannot be read.
     ///
     /// Examples
     /// --------
@@ -531,7 +531,7 @@ impl Study {
         self.0.name()
     }
 
-    /// The names of both robots; None where one has no name.
+    /// The names of both robots; None if one has no name.
     #[getter]
     fn robot_names(&self) -> (Option<&str>, Option<&str>) {
         self.0.robot_names().into()
@@ -543,13 +543,13 @@ impl Study {
         Dyad(self.0.dyad().clone())
     }
 
-    /// The ranges of both operators; None where all their values are single numbers.
+    /// The ranges of both operators; None if all their values are single numbers.
     #[getter]
     fn operator_ranges(&self) -> Option<(OperatorRange, OperatorRange)> {
         self.0.operator_ranges().map(|[first, second]| (first.into(), second.into()))
     }
 
-    /// The coupling: the virtual spring and the damper beside it.
+    /// The coupling: the virtual spring and the damper in parallel with it.
     #[getter]
     fn coupling(&self) -> Coupling {
         Coupling(self.0.coupling())
@@ -573,7 +573,7 @@ impl Study {
         self.network().delay()
     }
 
-    /// The uncertainty of each robot's parameters; None where they are certain.
+    /// The uncertainty of each robot's parameters; None if they are certain.
     #[getter]
     fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {
         self.0.uncertainty().map(|robot| robot.cloned().map(Uncertainty)).into()
@@ -586,12 +586,12 @@ impl Study {
         friction.concat().into_pyarray(py).reshape([2, friction[0].len()])
     }
 
-    /// The experiment to rehearse, or None where the robots have other axes than x and y.
+    /// The experiment to rehearse, or None if the robots have other axes than x and y.
     ///
     /// Raises
     /// ------
     /// InvalidInput
-    ///     Where the study names no conditions and its robots have no reference stiffness for the default
+    ///     If the study names no conditions and its robots have no reference stiffness for the default
     ///     ones, as robots without damping.
     #[getter]
     fn experiment(&self) -> Outcome<Option<Experiment>> {
@@ -608,9 +608,9 @@ impl Study {
 }
 
 record! {
-    /// What identification recorded in a robot file beside the robot's parameters.
+    /// What identification recorded in a robot file in addition to the robot's parameters.
     RobotRecord(telespring::study::RobotRecord) {
-        /// Whether the axes are free of inertial coupling; None where that is unknown.
+        /// Whether the axes are free of inertial coupling; None if that is unknown.
         independent,
         /// Reservations about the estimates, as sentences.
         warnings,
@@ -622,19 +622,19 @@ record! {
 /// Parameters
 /// ----------
 /// robot_file : path_like or str
-///     The file's path, or its text where it is a `str`.
+///     The file's path, or its text if it is a `str`.
 ///
 /// Returns
 /// -------
 /// RobotRecord
-///     Nothing known and no warnings where the section is missing.
+///     Nothing known and no warnings if the section is missing.
 ///
 /// Raises
 /// ------
 /// InvalidInput
-///     Where the text is no robot file.
+///     If the text is no robot file.
 /// OSError
-///     Where the file cannot be read.
+///     If the file cannot be read.
 ///
 /// Examples
 /// --------

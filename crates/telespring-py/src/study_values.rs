@@ -1,4 +1,4 @@
-//! Python values as a study file holds them: numbers, texts, booleans, lists and tables.
+//! Python values as a study file contains them: numbers, strings, booleans, lists and tables.
 
 use std::collections::BTreeMap;
 
@@ -46,7 +46,7 @@ pub fn to_value(field: &str, value: &Bound<'_, PyAny>) -> Outcome<Value> {
     Err(InvalidInput::new(
         field,
         written(value),
-        "a study holds numbers, texts, booleans, and lists and tables of these",
+        "a study contains numbers, strings, booleans, and lists and tables of these",
         "Convert it to one of them.",
     )
     .into())

@@ -108,8 +108,8 @@ record! {
     Verdict(core::Verdict) {
         /// "any network", "bounded varying delay", "any constant delay" or "constant delay".
         tier,
-        /// The largest stiffness, N/m, such that every smaller one is allowed; inf where there is no limit,
-        /// None where the tier has no rule for this dyad.
+        /// The largest stiffness, N/m, such that every smaller one is allowed; inf if there is no limit,
+        /// None if the tier has no rule for this dyad.
         stiffness_bound,
         /// Whether that stiffness is itself allowed.
         attained,
@@ -144,7 +144,7 @@ record! {
 record! {
     /// A stiffness and the tier that allows it.
     StiffnessAllowed(core::Allowed) {
-        /// Every smaller stiffness, N/m, is allowed; inf where there is no limit.
+        /// Every smaller stiffness, N/m, is allowed; inf if there is no limit.
         stiffness,
         /// Whether this stiffness itself is allowed too.
         attained,
@@ -215,7 +215,7 @@ record! {
     AxisTier(core::AxisTier) {
         /// Which tier.
         tier,
-        /// The largest stiffness, N/m; None where the tier has no rule.
+        /// The largest stiffness, N/m; None if the tier has no rule.
         stiffness_bound,
         /// Whether that stiffness is itself allowed.
         attained,
@@ -237,7 +237,7 @@ record! {
         tiers,
         /// Eq. 5 of the paper, N/m.
         paper_critical_stiffness,
-        /// Eq. 6 of the paper, s; 0 where its Eq. 9 fails.
+        /// Eq. 6 of the paper, s; 0 if its Eq. 9 fails.
         paper_maximum_delay,
         /// End of the first stable interval, s, the shortest over the operators examined.
         maximum_delay,
@@ -262,10 +262,10 @@ record! {
 }
 
 record! {
-    /// The four verdicts, the paper's beside them, and what follows from them.
+    /// The four verdicts, the paper's verdict, and what follows from them.
     ///
-    /// In `to_dict` a `stiffness_bound` of None is infinite where `unavailable` is None, and absent where
-    /// `unavailable` gives a reason; `worst_axis` is None only where it is absent.
+    /// In `to_dict` a `stiffness_bound` of None is infinite if `unavailable` is None, and absent if
+    /// `unavailable` gives a reason; `worst_axis` is None only if it is absent.
     Verdicts(core::Verdicts) {
         /// The requested stiffness, N/m.
         stiffness,

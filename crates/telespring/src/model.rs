@@ -37,7 +37,7 @@ fn check_length(field: &str, got: usize, expected: usize, of: &str) -> Result<()
     Err(InvalidInput::new(
         field,
         format!("{got} value(s)"),
-        format!("one value per axis of {of} is needed: {expected}"),
+        format!("one value per axis of {of} is required: {expected}"),
         "Give every list one value per axis.",
     ))
 }

@@ -82,7 +82,7 @@ impl DyadInArms {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the robots have not two axes or a stiffness is out of its range.
+    /// [`InvalidInput`] if the robots have not two axes or a stiffness is out of its range.
     pub fn new(dyad: &Dyad, arms: [Arm; 2], agent_stiffness: [f64; 2]) -> Result<Self> {
         let names = dyad.axis_names();
         if names.len() != 2 {
@@ -123,7 +123,7 @@ impl DyadInArms {
                         "position",
                         format!("{position:?}"),
                         outside.to_string(),
-                        "Keep to positions within the reach, or move the arm's base.",
+                        "Choose positions within reach, or move the arm's base.",
                     )
                 })?,
             };
@@ -139,7 +139,7 @@ impl DyadInArms {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the stiffness, N/m, is out of its range.
+    /// [`InvalidInput`] if the stiffness, N/m, is out of its range.
     pub fn system(&self, sides: &[FrozenSide; 2], stiffness: f64, delay: &Delay) -> Result<DelaySystem> {
         quantity::STIFFNESS.check("stiffness", stiffness)?;
         let mut a0 = DMatrix::zeros(8, 8);

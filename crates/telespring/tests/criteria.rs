@@ -262,7 +262,7 @@ fn ref_an_undamped_held_side_beside_a_damper_has_a_critical_stiffness() {
     let alike = DyadAxis::with_operators(1.0, 0.0, 2.0, 0.0, 10.0, 20.0, 4.0).unwrap();
     assert_eq!(critical_stiffness(&alike), 0.0);
     let refused = decay_stiffness(&alike, 0.1, 0.0).unwrap_err();
-    assert!(refused.to_string().contains("a decay rate above 0 is needed"));
+    assert!(refused.to_string().contains("a decay rate above 0 is required"));
 }
 
 /// The smallest stiffness of a fine grid at which the delay is unstable.

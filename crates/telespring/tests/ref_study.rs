@@ -125,7 +125,7 @@ fn ref_messages_verbatim() {
         ),
         (
             with("mass = [1.0, 2.0]", "mass = \"1 kg\""),
-            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is needed. Write \
+            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is required. Write \
              numbers without quotes or units. See line 3.",
         ),
         (
@@ -135,7 +135,7 @@ fn ref_messages_verbatim() {
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]\naxes = [\"x\", \"y\"]"),
-            "robot2.damping = [5.0, 6.0, 7.0]: one value per axis is needed: 2, not 3. Give one value \
+            "robot2.damping = [5.0, 6.0, 7.0]: one value per axis is required: 2, not 3. Give one value \
              per axis, or a single number for all of them. See line 7.",
         ),
         (String::new(), "Missing robot1.mass (kg). Add a section [robot1] with mass = 1.0."),
@@ -154,8 +154,8 @@ fn ref_messages_verbatim() {
         ),
         (
             with("[network]", "[operator1]\nstiffness = {min = 300, max = 0}\n[network]"),
-            "operator1.stiffness = {min = 300, max = 0}: min must not exceed max. Swap the two. See line \
-             11.",
+            "operator1.stiffness = {min = 300, max = 0}: the minimum must not exceed the maximum. Swap \
+             the two. See line 11.",
         ),
         (
             with("[controller]", "[task]\nkind = \"figure eight\"\n[controller]"),

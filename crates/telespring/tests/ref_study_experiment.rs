@@ -183,7 +183,7 @@ fn ref_messages_verbatim() {
         ),
         (
             "[arm2]\nkind = \"lumped\"\nmass = [1.0, 2.0, 3.0]",
-            "arm2.mass = [1.0, 2.0, 3.0]: one number or a list of two is needed. Write, for example, \
+            "arm2.mass = [1.0, 2.0, 3.0]: one number or a list of two is required. Write, for example, \
              [1.0, 2.0]. See line 7.",
         ),
         (
@@ -193,12 +193,12 @@ fn ref_messages_verbatim() {
         ),
         (
             "[agent2]\nkind = \"python\"\nclass = \"patients.py\"",
-            "agent2.class = \"patients.py\": a module and a name in it are needed, separated by a colon. \
+            "agent2.class = \"patients.py\": a module and a name in it are required, separated by a colon. \
              Write, for example, \"agents:Patient\". See line 7.",
         ),
         (
             "[agent2]\nkind = \"python\"\nclass = \"a:B\"\noptions = {gain = nan}",
-            "agent2.options.gain = nan: an option is a finite number, a text, true, false or a list of these. \
+            "agent2.options.gain = nan: an option is a finite number, a string, true, false or a list of these. \
              Replace it by a finite number. See line 8.",
         ),
         (
@@ -223,7 +223,7 @@ fn ref_messages_verbatim() {
         ),
         (
             "[laboratory]\ncomputing_tick = 1",
-            "laboratory.computing_tick = 1: true or false is needed. Write it without quotes. See line 6.",
+            "laboratory.computing_tick = 1: true or false is required. Write it without quotes. See line 6.",
         ),
         (
             "controller.sample_period = 0.001\n[laboratory]\nsample_period = 0.002",
@@ -236,7 +236,7 @@ fn ref_messages_verbatim() {
         ),
         (
             "[protocol]\nstiffness = []",
-            "protocol.stiffness = []: a list of at least one number is needed. Write conditions = [] to \
+            "protocol.stiffness = []: a list of at least one number is required. Write conditions = [] to \
              run the unconnected condition only. See line 6.",
         ),
         (
@@ -256,7 +256,7 @@ fn ref_messages_verbatim() {
         (
             "[protocol]\ntrials = 20.5",
             "protocol.trials = 20.5: the number of trials must be a whole number from 1 to 10000. Write \
-             it without decimal point, quotes or unit. See line 6.",
+             it without a decimal point, quotes or a unit. See line 6.",
         ),
         (
             "[protocol]\ntrials = 20000",
@@ -315,7 +315,7 @@ fn ref_uncertainty_is_whole_or_refused() {
     let outside = Study::from_toml(&robot("mass_sd = 1, damping_sd = 1, mass_damping_correlation = 1.5"));
     assert!(outside.unwrap_err().to_string().contains("a correlation must be a number from -1 to 1. Check"));
     let three = Study::from_toml(&robot("coulomb = [1, 2, 3]")).unwrap_err();
-    assert!(three.to_string().contains("one value per axis is needed: 2, not 3"), "{three}");
+    assert!(three.to_string().contains("one value per axis is required: 2, not 3"), "{three}");
 }
 
 #[test]
@@ -411,5 +411,5 @@ fn ref_a_protocol_keeps_something_to_judge() {
 fn ref_a_seed_too_large_is_reported_as_out_of_range() {
     let refused = refusal("[protocol]\nseed = 9223372036854775808");
     assert!(refused.contains("Choose a number in that range."), "{refused}");
-    assert!(refusal("[protocol]\nseed = 1.0").contains("without decimal point"));
+    assert!(refusal("[protocol]\nseed = 1.0").contains("without a decimal point"));
 }

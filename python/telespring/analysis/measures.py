@@ -66,7 +66,7 @@ def measure(dataset: xr.Dataset, discard: float | None = None) -> xr.Dataset:
 
     Examples
     --------
-    A robot that stays 3 mm beside a target has that tracking error.
+    A robot that stays 3 mm from a target has that tracking error.
 
     >>> import numpy as np, xarray as xr
     >>> time = np.arange(0.0, 10.0, 0.01)
@@ -91,7 +91,7 @@ def measure_trials(trials: Trials) -> xr.Dataset:
     count = window.sum(axis=2)
 
     def mean(values: FloatArray) -> FloatArray:
-        # 0/0 where a trial was not completed: that trial has no mean.
+        # 0/0 if a trial was not completed: that trial has no mean.
         with np.errstate(invalid="ignore"):
             return np.asarray(np.where(window, values, 0.0).sum(axis=2) / count)
 

@@ -185,11 +185,11 @@ def _implausible_trial_warning(implausible: ShortTrial | StillHandle) -> str:
     trial = f"Trial {implausible.trial} of {implausible.condition}"
     if isinstance(implausible, ShortTrial):
         return (
-            f"{trial} counts as completed with {implausible.duration:.4g} s where "
-            f"{implausible.usual_duration:.4g} s are usual: if it was cut off, give it the status stopped."
+            f"{trial} counts as completed after {implausible.duration:.4g} s, although "
+            f"{implausible.usual_duration:.4g} s is usual: if it was cut off, set its status to stopped."
         )
     period = "throughout" if implausible.since is None else f"from {implausible.since:.4g} s to its end"
     return (
-        f"{trial}: the handle of robot {implausible.robot} does not move {period}, and is analysed as if it "
+        f"{trial}: the handle of robot {implausible.robot} does not move {period}, but is analysed as if it "
         "had followed the target."
     )

@@ -38,7 +38,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
             raise InvalidInput(
                 "path",
                 str(path),
-                f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is needed",
+                f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is required",
                 "Name the folder that contains one of them, or the file itself.",
             )
     if place.suffix == ".csv":
@@ -50,7 +50,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
         raise InvalidInput(
             "path",
             str(path),
-            f"a rehearsal's .nc file, {INDEX}, or a folder with one of them is needed",
+            f"a rehearsal's .nc file, {INDEX}, or a folder with one of them is required",
             "docs/recorded-trials.md shows how to record trials as CSV.",
         )
     import xarray as xr
@@ -58,7 +58,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
     damaged = InvalidInput(
         "path",
         str(path),
-        "a whole netCDF file is needed, and this one is damaged",
+        "a whole netCDF file is required, but this one is damaged",
         "Copy the file again, or run `telespring rehearse` with --fresh.",
     )
     if signature != _HDF5_SIGNATURE:

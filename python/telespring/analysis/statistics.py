@@ -272,7 +272,7 @@ def compare_pairs(
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Correct the p values of one family by Holm's method (1979).
 
-    None stands for a comparison without a test; it does not count towards the family.
+    None is a comparison without a test; it does not count towards the family.
 
     Examples
     --------

@@ -37,7 +37,7 @@ def choose_baseline(trials: Trials, requested: str | None = None) -> str | None:
         return unconnected[0] if unconnected else None
     if requested not in trials.labels:
         raise InvalidInput(
-            "baseline", requested, f"one of {', '.join(trials.labels)} is needed", "Omit it for UM."
+            "baseline", requested, f"one of {', '.join(trials.labels)} is required", "Omit it for UM."
         )
     return requested
 

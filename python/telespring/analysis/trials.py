@@ -36,16 +36,16 @@ class Trials:
     delay
         One-way delay, s, per condition.
     status
-        (condition, trial): "completed"; "absent" where a condition has fewer trials than others; otherwise
+        (condition, trial): "completed"; "absent" if a condition has fewer trials than others; otherwise
         how the trial ended early.
     time
         s from the start of a trial.
     position
         m.
     target
-        m, (condition, trial, time, axis); the first two dimensions are 1 where all trials share one target.
+        m, (condition, trial, time, axis); the first two dimensions are 1 if all trials share one target.
     velocity, coupling_force, agent_force
-        m/s and N, or None where they were not recorded.
+        m/s and N, or None if they were not recorded.
     window
         (condition, trial, time): the analysed samples; none for a trial that was not completed.
     discard
@@ -169,14 +169,14 @@ def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:
 def _check_trials_layout(dataset: xr.Dataset) -> None:
     for name, dimensions in (("position", _PER_SAMPLE), ("target", ("time", "axis"))):
         if name not in dataset.variables or not set(dimensions) <= set(dataset[name].dims):
-            raise _refuse_trials(name, f"{name} over {', '.join(dimensions)} is needed")
+            raise _refuse_trials(name, f"{name} over {', '.join(dimensions)} is required")
     for name in ("time", "stiffness", "delay"):
         if name not in dataset.variables:
-            raise _refuse_trials(name, f"a coordinate {name} is needed")
+            raise _refuse_trials(name, f"a coordinate {name} is required")
     sizes = dataset.sizes
     if sizes["robot"] != 2 or sizes["axis"] != 2 or 0 in sizes.values():
         raise _refuse_trials(
-            "position", "two robots, two axes and at least one condition, trial and sample are needed"
+            "position", "two robots, two axes and at least one condition, trial and sample are required"
         )
 
 
@@ -195,11 +195,11 @@ def _trial_times(dataset: xr.Dataset) -> FloatArray:
         raise InvalidInput(
             "time",
             f"{len(time)} sample",
-            "trials of two samples or more are needed",
+            "trials of two samples or more are required",
             "Record longer trials, or keep more samples per second.",
         )
     if not np.all(np.diff(time) > 0.0):
-        raise _refuse_trials("time", "times that increase are needed")
+        raise _refuse_trials("time", "times that increase are required")
     return time
 
 
@@ -209,7 +209,7 @@ def _analysed_trial_samples(
     """Select the samples of completed trials after the discarded part, (condition, trial, time)."""
     if not (math.isfinite(discard) and discard >= 0.0):
         raise InvalidInput(
-            "discard", str(discard), "a time of 0 s or more is needed", "Omit it to discard nothing."
+            "discard", str(discard), "a time of 0 s or more is required", "Omit it to discard nothing."
         )
     samples = np.full(status.shape, len(time))
     if "samples" in dataset.variables:

@@ -1,6 +1,6 @@
 """The command line: one module per command.
 
-Exit status: 0 where the question was answered, whatever the answer; 2 for input that was refused or a
+Exit status: 0 if the question was answered, whatever the answer; 2 for input that was refused or a
 file that could not be read or written; 130 after Ctrl-C.
 """
 
@@ -23,7 +23,7 @@ __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="telespring",
-    help="Two people, two robots, one virtual spring over a network: is it stable, and by how much?",
+    help="Two people, two robots, one virtual spring over a network: is it stable, and by what margin?",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

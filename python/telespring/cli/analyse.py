@@ -29,7 +29,8 @@ def analyse_command(
         typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
     ] = None,
     study: Annotated[
-        Path | None, typer.Option(help="Study whose task gives the target of trials recorded without one.")
+        Path | None,
+        typer.Option(help="Study whose task defines the target, for trials recorded without one."),
     ] = None,
     discard: Annotated[
         float | None,
@@ -37,7 +38,7 @@ def analyse_command(
     ] = None,
     baseline: Annotated[
         str | None,
-        typer.Option(help="Reference condition of the tests, by its TE2. Default: the unconnected mode."),
+        typer.Option(help="Reference condition of the tests (its TE2). Default: the unconnected mode."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
         "out/analysis"
@@ -63,14 +64,14 @@ def analyse_command(
             return
         if path is None:
             raise InvalidInput(
-                "PATH", "missing", "a rehearsal or recorded trials are needed", "Name a file or a folder."
+                "PATH", "missing", "a rehearsal or recorded trials are required", "Name a file or a folder."
             )
         experiment = None if study is None else Study.read(study).experiment
         if study is not None and experiment is None:
             raise InvalidInput(
                 "study",
                 str(study),
-                "a study whose robots have the axes x and y is needed",
+                "a study whose robots have the axes x and y is required",
                 "Use a study with these axes: only such a study has a task.",
             )
         dataset = open_trials(path, None if experiment is None else experiment.task)

@@ -46,15 +46,15 @@ Delay = Annotated[
 ]
 Backward = Annotated[
     float | None,
-    typer.Option("--backward", help="One-way delay in s from robot 2 to robot 1, where it differs."),
+    typer.Option("--backward", help="One-way delay in s from robot 2 to robot 1, if it differs."),
 ]
 Robot1 = Annotated[
     Path | None,
-    typer.Option("--robot1", metavar="FILE", help="Robot file for robot 1, as `identify` writes it."),
+    typer.Option("--robot1", metavar="FILE", help="Robot file for robot 1, written by `identify`."),
 ]
 Robot2 = Annotated[
     Path | None,
-    typer.Option("--robot2", metavar="FILE", help="Robot file for robot 2, as `identify` writes it."),
+    typer.Option("--robot2", metavar="FILE", help="Robot file for robot 2, written by `identify`."),
 ]
 
 
@@ -70,7 +70,7 @@ def refusals() -> Iterator[None]:
         unusable = InvalidInput(
             "file",
             str(error.filename or "file"),
-            f"a file that can be read or written is needed ({error.strerror or error})",
+            f"a file that can be read or written is required ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
         refusal_screen(Console(stderr=True, highlight=False), unusable)

@@ -49,13 +49,15 @@ def decide_command(
     ] = None,
     decay_rate: Annotated[
         float | None,
-        typer.Option(help="Also show the stiffnesses at which every motion decays this fast or faster, 1/s."),
+        typer.Option(
+            help="Also list the stiffnesses at which every motion decays at this rate or faster, 1/s."
+        ),
     ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,
 ) -> None:
-    """Decide whether a dyad is stable, by what margin, and what could be used instead.
+    """Decide whether a dyad is stable, by what margin, and what to change.
 
     Options override the study file. Without a file, the robots are the paper's two H-MANs.
     """
@@ -95,7 +97,7 @@ def decide_command(
 
 
 def _decision_with_arms(decision: Decision, study: Study, study_file: Path) -> Decision:
-    """Add the stability in arms where the study file itself says what holds the handles."""
+    """Add the stability in arms if the study file itself describes what holds the handles."""
     from telespring.decision.arm_stability import arm_stability
 
     if study.experiment is None or not study.names_arms_or_agents:

@@ -60,7 +60,7 @@ def identify_command(
     iterations: Annotated[int, typer.Option(help="Reweightings of the paper's method.")] = 1,
     cutoff: Annotated[
         float | None,
-        typer.Option(help="Cut-off of the filter, Hz.", show_default="chosen from the movement"),
+        typer.Option(help="Cut-off frequency of the filter, Hz.", show_default="chosen from the movement"),
     ] = None,
     name: Annotated[
         str | None, typer.Option(help="Name of the robot.", show_default="name of the log")

@@ -29,21 +29,22 @@ __all__ = ["rehearse"]
 def rehearse(
     study: Annotated[
         Path | None,
-        typer.Argument(metavar="[STUDY.toml]", help="Laboratory and protocol; by default the paper's."),
+        typer.Argument(metavar="[STUDY.toml]", help="Laboratory and protocol. Default: the paper's."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the trials and in the end for rehearsal.nc.")] = Path(
+    out: Annotated[Path, typer.Option(help="Folder for the trials and for rehearsal.nc.")] = Path(
         "out/rehearsal"
     ),
     workers: Annotated[
-        int | None, typer.Option(help="Number of trials that run at the same time; by default all cores.")
+        int | None,
+        typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
     ] = None,
     robot1: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 1."),
+        typer.Option(metavar="FILE", help="Robot file for robot 1, written by `identify`."),
     ] = None,
     robot2: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="A robot file, as `identify` writes it, for robot 2."),
+        typer.Option(metavar="FILE", help="Robot file for robot 2, written by `identify`."),
     ] = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Remove the rehearsal in the folder and start over.")
@@ -79,7 +80,7 @@ def rehearse(
         refused = InvalidInput(
             "out",
             str(error.filename or out),
-            f"a writable folder with enough space is needed ({error.strerror or error})",
+            f"a writable folder with enough space is required ({error.strerror or error})",
             f"Provide one. {rehearsal_resume_sentence(finished, trials)}",
         )
         refusal_screen(Console(stderr=True, highlight=False), refused)

@@ -89,7 +89,7 @@ def _step_forces(force: list[float] | None, axes: int) -> list[list[float]]:
         raise InvalidInput(
             "force",
             " ".join(str(value) for value in force),
-            f"one finite number per robot and axis is needed, that is {2 * axes}",
+            f"one finite number per robot and axis is required, that is {2 * axes}",
             "Write --force once for each: robot 1 on every axis, then robot 2.",
         )
     return [force[:axes], force[axes:]]

@@ -1,1 +1,1 @@
-"""Stability of a dyad, its margins, and what could be used instead."""
+"""Stability of a dyad, its margins, and what to change."""

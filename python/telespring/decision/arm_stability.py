@@ -34,7 +34,7 @@ class ConditionStability:
     delay
         One-way delay, forward and backward, s.
     unstable_axes
-        Names of the unstable axes; None where the arms couple the axes.
+        Names of the unstable axes; None if the arms couple the axes.
     spectral_abscissa
         Largest real part of the characteristic roots without s = 0, 1/s, the worst over axes and poses.
     least_abscissa
@@ -42,9 +42,9 @@ class ConditionStability:
     independent_abscissa
         The worst over the poses with all coupling between x and y removed.
     unstable_poses
-        Number of unstable poses; None where the pose does not matter.
+        Number of unstable poses; None if the pose does not matter.
     worst_position
-        Position of both handles in the worst pose, m; None where the pose does not matter.
+        Position of both handles in the worst pose, m; None if the pose does not matter.
     stable
         Whether every axis and every pose is stable.
     complete
@@ -94,7 +94,7 @@ class ArmStability:
     Attributes
     ----------
     unavailable
-        Why there is no verdict, or None where there is: an agent is a program, whose stiffness nobody
+        Why there is no verdict, or None if there is: an agent is a program, whose stiffness nobody
         knows; the program of the target failed; or the target leaves the reach of an arm.
     programs
         Agents that are programs: their number, 1 or 2, and their class.
@@ -103,7 +103,7 @@ class ArmStability:
     operators
         What holds the handles; None without a verdict.
     poses
-        Where the arms were judged; None where the pose does not matter.
+        Where the arms were judged; None if the pose does not matter.
     conditions
         The verdicts, in the order of the conditions given.
     """

@@ -1,4 +1,4 @@
-"""Whether a dyad is stable over a network, by what margin, and what could be used instead.
+"""Whether a dyad is stable over a network, by what margin, and what to change.
 
 The screen, `--json` and the report all read the `Decision` made here.
 """
@@ -36,12 +36,12 @@ class AxisDecision:
     critical_stiffness_paper
         By Eq. 5, N/m.
     maximum_delay_paper
-        By Eqs. 5 to 9 as printed, s; NaN where the paper has no formula (operators, coupling damper).
+        By Eqs. 5 to 9 as printed, s; NaN if the paper has no formula (operators, coupling damper).
     stable_delays
         All stable intervals of the one-way delay up to the horizon, s.
     stable_around
         The stable interval that contains the delay, s, cut off at the horizon or at twice the delay if that
-        is more; None where none does.
+        is more; None if none does.
     spectral_abscissa
         Largest real part of the characteristic roots without the rigid-body root, 1/s.
     crossings
@@ -73,7 +73,7 @@ class AxisDecision:
 
     @property
     def maximum_delay(self) -> float:
-        """End of the first stable interval, one way, s; infinite where no delay destabilises."""
+        """End of the first stable interval, one way, s; infinite if no delay destabilises."""
         return self.verdict.maximum_delay
 
     @property
@@ -107,23 +107,23 @@ class Decision:
         Stable intervals are listed up to this one-way delay, s.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay under
-        continuous controllers; 0 where it is stable now, infinite where no damping suffices.
+        continuous controllers; 0 if it is stable now, infinite if no damping suffices.
     over_operator_ranges
         Whether operators are ranges: `AxisDecision` says which values are then the worst over them.
     decay_rate
-        The rate, 1/s, at which every motion but the common drift should decay; None where none was given.
+        The rate, 1/s, at which every motion but the common drift should decay; None if none was given.
     decay_stiffness
         Ranges of stiffness, N/m, that decay so on all axes, ascending; an infinite end is no limit. They
         hold for continuous controllers and the operators in the middle of their ranges.
     uncertainty
         How well the margins are known and how probable stability is, where the masses and dampings of the
-        robots have errors; None where they do not, or where the axes of a robot are not independent.
+        robots have errors; None if they do not, or if the axes of a robot are not independent.
     robots_without_errors
         The robots, 1 or 2, whose masses and dampings have no errors.
     robot_records
         What identification recorded about robots 1 and 2.
     arms
-        Stability in the study's own arms; None where it was not requested.
+        Stability in the study's own arms; None if it was not requested.
     """
 
     verdicts: Verdicts
@@ -187,7 +187,7 @@ class Decision:
 
     @property
     def delay_limit(self) -> float:
-        """Every shorter one-way delay is stable under continuous controllers, s; 0 where none is."""
+        """Every shorter one-way delay is stable under continuous controllers, s; 0 if none is."""
         return min(axis.maximum_delay for axis in self.axes)
 
     @property
@@ -203,9 +203,9 @@ class Decision:
 
     @property
     def axes_independent(self) -> bool | None:
-        """Whether identification found the axes of both robots independent; None where it is not known.
+        """Whether identification found the axes of both robots independent; None if it is not known.
 
-        Where it is False, no verdict here holds: all of them treat the axes one by one.
+        If it is False, no verdict here holds: all of them treat the axes separately.
         """
         return _are_recorded_axes_independent(self.robot_records)
 
@@ -262,7 +262,7 @@ def decide(
     Raises
     ------
     telespring.InvalidInput
-        Where a value is out of range.
+        If a value is out of range.
     """
     # Checks every value before anything is derived from it.
     judged = verdicts(

@@ -1,4 +1,4 @@
-"""The operators that stand for a study's arms and agents, as the stability criteria take them."""
+"""Operators equivalent to a study's arms and agents, for the stability criteria."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ZERO: Pair = (0.0, 0.0)
 
 @dataclass(frozen=True)
 class EquivalentOperators:
-    """The robots, and the operators that stand for the arms and agents at their handles.
+    """The robots, and operators equivalent to the arms and agents at their handles.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ class AxisUncertainty:
     critical_stiffness
         95 % interval, N/m.
     maximum_delay
-        95 % interval, s; an end is infinite where no delay destabilises.
+        95 % interval, s; an end is infinite if no delay destabilises.
     delay_unbounded
         Share of the draws in which no delay destabilises.
     """
@@ -260,7 +260,7 @@ def delta_method(
     """Return the standard deviations of critical stiffness (N/m) and maximum delay (s) to first order.
 
     The derivatives are central differences of the exact criteria. This is accurate where the errors are small
-    and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN where the
+    and the margins smooth; the Monte Carlo of `margin_uncertainty` needs neither. The second is NaN if the
     maximum delay is infinite.
     """
     judged = dyad.axis(axis)

@@ -18,7 +18,7 @@ __all__ = ["AxisModel", "axis_regressor", "fit_axis"]
 
 @dataclass(frozen=True)
 class AxisModel:
-    """Which terms are fitted beside mass and damping, and by which method."""
+    """Which terms are fitted in addition to mass and damping, and by which method."""
 
     coulomb: bool
     offset: bool
@@ -52,7 +52,7 @@ def fit_axis(name: str, index: int, signals: Signals, model: AxisModel) -> AxisI
         raise InvalidInput(
             f"position ({name})",
             f"condition number {condition:.3g}",
-            "a movement is needed whose acceleration and velocity are not multiples of each other",
+            "a movement is required whose acceleration and velocity are not multiples of each other",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does.",
         )
     if model.method == "paper":

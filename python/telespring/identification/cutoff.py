@@ -57,7 +57,7 @@ def choose_cutoff(position: FloatArray, rate: float) -> float:
 def movement_bandwidth(position: FloatArray, rate: float) -> float:
     """Return the frequency, Hz, below which 99.9 % of the velocity's power lies, noise excluded.
 
-    Where nothing moves it is the resolution of the spectrum.
+    If nothing moves it is the resolution of the spectrum.
 
     Examples
     --------

@@ -194,7 +194,7 @@ def check_cutoff(
 def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
     """Estimate the bias of mass (kg) and damping (N·s/m) by noise of the unfiltered position, to first order.
 
-    It is below 0 where they are estimated too small.
+    It is below 0 if they are estimated too small.
     """
     velocity, acceleration = filtered_noise(position, rate, signals.cutoff)
     regressor = np.stack(

@@ -86,7 +86,7 @@ def identify(
     Raises
     ------
     telespring.InvalidInput
-        Where the log cannot be used: gaps, too short, nothing moves, shapes that do not match; or where
+        If the log cannot be used: gaps, too short, nothing moves, shapes that do not match; or if
         position noise biases mass or damping by several half-widths of their intervals at the given cut-off.
 
     Examples
@@ -159,7 +159,7 @@ def _log_signal_rows(name: str, values: ArrayLike) -> FloatArray:
         raise InvalidInput(
             name,
             f"an array of shape {array.shape}",
-            "one value per sample, or one row per sample with one value per axis, is needed",
+            "one value per sample, or one row per sample with one value per axis, is required",
             "Put time first: one row per sample.",
         )
     return np.ascontiguousarray(array.reshape(array.shape[0], -1).T)
@@ -174,7 +174,7 @@ def _identified_axis_names(axes: Sequence[str] | None, count: int) -> list[str]:
         raise InvalidInput(
             "axes",
             repr(names),
-            f"{count} different names are needed, one per axis",
+            f"{count} different names are required, one per axis",
             "Omit them for x, y.",
         )
     return names
@@ -194,7 +194,7 @@ def _refuse_unknown_method(method: str, iterations: int) -> None:
         raise InvalidInput(
             "iterations",
             str(iterations),
-            f"only the paper's method has reweightings, and the method is {method!r}",
+            f"only the paper's method has reweightings, but the method is {method!r}",
             'Omit it, or choose the method "paper".',
         )
 
@@ -206,7 +206,7 @@ def _refuse_short_travel(name: str, position: FloatArray, rate: float) -> None:
         raise InvalidInput(
             f"position ({name})",
             f"{levels} different values over {1e3 * travel:.3g} mm",
-            "a position that moves through at least 50 steps of its sensor is needed",
+            "a position that moves through at least 50 steps of its sensor is required",
             "Move the robot further, or check that this is the right column and the sensor is connected.",
         )
     noise = noise_deviation(position, rate)
@@ -215,7 +215,7 @@ def _refuse_short_travel(name: str, position: FloatArray, rate: float) -> None:
             f"position ({name})",
             f"{1e3 * travel:.3g} mm of travel, {1e3 * noise:.2g} mm of noise",
             f"this axis moves too little: at least {1e3 * _MINIMUM_TRAVEL:g} mm and {_TRAVEL_PER_NOISE:g} "
-            "times the noise are needed",
+            "times the noise are required",
             "Move it further, name only the axes that move, or check the unit (--position-scale).",
         )
 

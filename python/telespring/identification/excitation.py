@@ -98,7 +98,7 @@ class Excitation:
                 "cosine, sine",
                 f"{a.size} and {b.size} values",
                 "cosines and sines need the same number of finite amplitudes, in m/s",
-                "Give one of each per harmonic, 0 where a term is missing.",
+                "Give one of each per harmonic, and 0 for a missing term.",
             )
         frequency = as_number("angular_frequency", angular_frequency)
         if not 0.0 < frequency < math.inf:
@@ -264,7 +264,7 @@ def design_excitation(
     Raises
     ------
     telespring.InvalidInput
-        Where a limit is not positive.
+        If a limit is not positive.
 
     Examples
     --------

@@ -54,22 +54,22 @@ def _refuse_unequal_shapes(time: FloatArray, position: FloatArray, force: FloatA
         raise InvalidInput(
             "time",
             f"an array of shape {time.shape}",
-            "one time per sample and at least 10 samples are needed",
-            "Give the times in seconds as a one-dimensional array.",
+            "a one-dimensional array of at least 10 times is required, one per sample",
+            "Record a longer log, or give one time in s per sample.",
         )
     for name, rows in (("position", position), ("force", force)):
         if rows.shape[-1] != time.size:
             raise InvalidInput(
                 name,
                 f"{rows.shape[-1]} samples",
-                f"as many samples as times are needed, here {time.size}",
+                f"one sample per time is required, that is {time.size}",
                 "Take all columns from the same log; time comes first.",
             )
     if position.shape != force.shape:
         raise InvalidInput(
             "force",
             f"{force.shape[0]} axes",
-            f"as many axes as the position has are needed, here {position.shape[0]}",
+            f"as many axes as in the position are required, that is {position.shape[0]}",
             "Name one force for each position, in the same order.",
         )
 
@@ -123,7 +123,7 @@ def _refuse_wrong_time_stamps(time: FloatArray) -> None:
         raise InvalidInput(
             "time",
             f"{gaps.size} gaps, the longest {1e3 * steps[longest]:.4g} ms after {time[longest]:.6g} s",
-            f"a log without gaps is needed; the samples are {1e3 * usual:.4g} ms apart",
+            f"a log without gaps is required; the samples are {1e3 * usual:.4g} ms apart",
             f"Use its longest part without a gap: --start {start:.6g} --end {end:.6g}.",
         )
 
@@ -160,7 +160,7 @@ def _refuse_stuck_position(column: str, position: FloatArray, step: float) -> No
         raise InvalidInput(
             column,
             f"{position[0]:g} m throughout",
-            "a position that changes is needed",
+            "a position that changes is required",
             "Check that this is the right column and that the sensor is connected.",
         )
     starts, lengths = _runs_of_equal_samples(position)
@@ -179,7 +179,7 @@ def _refuse_stuck_position(column: str, position: FloatArray, step: float) -> No
                 column,
                 f"constant for {1e3 * length * step:.4g} ms from sample {start + 1}"
                 + (", then a jump" if jumps else " to the end, although the robot was moving"),
-                "a position that follows the robot all the time is needed",
+                "a position that follows the robot all the time is required",
                 "The sensor was stuck. Choose a part of the log without this (--start, --end).",
             )
 
@@ -214,7 +214,7 @@ def _refuse_frozen_position(column: str, position: FloatArray, force: FloatArray
             column,
             f"constant within {1e3 * still:.2g} mm for {duration:.3g} s from sample {first + 1}, although "
             "the force continues as before",
-            "a position that follows the robot all the time is needed",
+            "a position that follows the robot all the time is required",
             "The sensor was stuck. Choose a part of the log without this (--start, --end).",
         )
 
@@ -252,7 +252,7 @@ def _constant_force(column: str, force: FloatArray, step: float) -> list[Diagnos
         raise InvalidInput(
             column,
             f"{force[0]:g} N throughout",
-            "a force that varies is needed",
+            "a force that varies is required",
             "Check that this is the right column and that the sensor is connected.",
         )
     starts, lengths = _runs_of_equal_samples(force)

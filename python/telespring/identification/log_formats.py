@@ -41,13 +41,13 @@ def read_csv_log(path: Path) -> dict[str, FloatArray]:
         table = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise InvalidInput(
-            "log", f"{path}, not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8."
+            "log", f"{path}, not UTF-8", "a text file in UTF-8 is required", "Save it as CSV UTF-8."
         ) from None
     except pd.errors.EmptyDataError:
         raise InvalidInput(
             "log",
             f"{path}, empty",
-            "a line of column names and a line per sample are needed",
+            "a line of column names and a line per sample are required",
             "Check that the recording was saved.",
         ) from None
     except pd.errors.ParserError as error:
@@ -55,7 +55,7 @@ def read_csv_log(path: Path) -> dict[str, FloatArray]:
         raise InvalidInput(
             "log",
             f"{path}, {reason[:1].lower()}{reason[1:]}",
-            "a table is needed: a line of column names, then a line per sample with as many fields",
+            "a table is required: a line of column names, then a line per sample with as many fields",
             "Check that it is a log, and remove any lines above the column names.",
         ) from None
     except (ValueError, OSError) as error:
@@ -74,7 +74,7 @@ def read_csv_log(path: Path) -> dict[str, FloatArray]:
         raise InvalidInput(
             "log",
             f"{path}, no numbers",
-            "a table is needed: a line of column names, then a line of numbers per sample",
+            "a table is required: a line of column names, then a line of numbers per sample",
             "Check that this file is the log.",
         )
     if len(table) > 1 and numbers.iloc[0].isna().all() and numbers.iloc[1].notna().any():
@@ -138,7 +138,7 @@ def read_mat_log(path: Path) -> dict[str, FloatArray]:
         raise InvalidInput(
             "log",
             str(path),
-            "arrays of numbers are needed, and the file contains "
+            "arrays of numbers are required, and the file contains "
             + (f"only other things: {', '.join(others)}" if others else "nothing"),
             "Save time, position and force as arrays, or as fields of one struct.",
         )
@@ -174,6 +174,6 @@ def _refuse_unreadable_log(path: Path, error: Exception) -> InvalidInput:
     return InvalidInput(
         "log",
         str(path),
-        f"a table with one row per sample is needed, and this file cannot be read as one ({reason})",
+        f"a table with one row per sample is required, but this file cannot be read as one ({reason})",
         "Check that it is a log, and that it is complete.",
     )

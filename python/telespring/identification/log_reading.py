@@ -95,16 +95,16 @@ def read_log(
     Raises
     ------
     telespring.InvalidInput
-        Where the file has another format, a column is missing or contains no numbers, or a scale is 0.
+        If the file has another format, a column is missing or contains no numbers, or a scale is 0.
     OSError
-        Where the file cannot be read.
+        If the file cannot be read.
     """
     log_path = Path(path)
     if len(position) != len(force) or not position:
         raise InvalidInput(
             "position, force",
             f"{len(position)} and {len(force)} columns",
-            "as many forces as positions, one per axis, are needed",
+            "as many forces as positions, one per axis, are required",
             "Name both once per axis, in the same order.",
         )
     names = _log_axis_names(axes, position)
@@ -118,7 +118,7 @@ def read_log(
             )
     for option, limit in (("start", start), ("end", end)):
         if limit is not None and np.isnan(limit):
-            raise InvalidInput(option, f"{limit:g}", "a time in s is needed", "Omit it for the whole log.")
+            raise InvalidInput(option, f"{limit:g}", "a time in s is required", "Omit it for the whole log.")
     columns = read_log_columns(log_path)
     times = time_scale * _select_log_column(log_path, columns, "time", time)
     positions, forces = (
@@ -158,7 +158,7 @@ def _log_axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tupl
             raise InvalidInput(
                 "axis",
                 ", ".join(axes),
-                f"one name per position is needed, here {len(position)}",
+                f"one name per position is required, here {len(position)}",
                 "Name each axis once, in the order of the positions.",
             )
         return tuple(axes)
@@ -180,14 +180,14 @@ def _select_log_column(path: Path, columns: Mapping[str, FloatArray], option: st
         raise InvalidInput(
             "log",
             str(path),
-            "a log with one row per sample is needed, and this one contains no samples",
+            "a log with one row per sample is required, but this one contains no samples",
             "Check that the recording was saved; the file has only its first line.",
         )
     if column.size > 1 and np.isnan(column).all():
         raise InvalidInput(
             f"--{option}",
             name,
-            "a column of numbers is needed, and this one contains none",
+            "a column of numbers is required, but this one contains none",
             "Name another column.",
         )
     longest = max(values.size for values in columns.values())
@@ -195,7 +195,7 @@ def _select_log_column(path: Path, columns: Mapping[str, FloatArray], option: st
         raise InvalidInput(
             f"--{option}",
             f"{name}, {column.size} values",
-            f"one value per sample is needed, and the log has {longest} samples",
+            f"one value per sample is required, and the log has {longest} samples",
             "Name a column that was recorded with every sample.",
         )
     return column

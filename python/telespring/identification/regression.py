@@ -67,9 +67,9 @@ class Fit:
     degrees_of_freedom
         Samples minus coefficients, for the quantile of Student's t.
     lags
-        Newey-West bandwidth in samples; None where the covariance assumes independent residuals.
+        Newey-West bandwidth in samples; None if the covariance assumes independent residuals.
     converged
-        False where the iteration stopped before it converged.
+        False if the iteration stopped before it converged.
     """
 
     estimate: FloatArray
@@ -169,7 +169,7 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     damping by 3 %.) The loss is bounded and the scale is the median absolute residual of all samples, so
     the fit cannot collapse onto a few of them as it does under the paper's weights.
 
-    Where no residual is large, the fit is that of ordinary least squares.
+    If no residual is large, the fit is that of ordinary least squares.
     """
     import statsmodels.api as sm
 

@@ -52,9 +52,9 @@ class CrossInertia:
     axis, other
         The axis of the force and the axis of the acceleration.
     inertia
-        kg; None where the axes moved too much alike to estimate it.
+        kg; None if the axes moved too much alike to estimate it.
     significant
-        True where it differs from 0 at a significance level of 0.001 and exceeds 2 % of the axes' masses.
+        True if it differs from 0 at a significance level of 0.001 and exceeds 2 % of the axes' masses.
     """
 
     axis: str
@@ -74,7 +74,7 @@ class AxisIdentification:
     mass, damping
         kg and N·s/m.
     coulomb, offset
-        Coulomb friction and offset of the force, N; None where not in the model.
+        Coulomb friction and offset of the force, N; None if not in the model.
     correlation
         Correlation of the errors of mass and damping.
     condition_number
@@ -84,7 +84,7 @@ class AxisIdentification:
     relative_force_error
         Norm of the residual over norm of the force.
     time_shift
-        Lag of the force behind the position, s; None where it cannot be estimated.
+        Lag of the force behind the position, s; None if it cannot be estimated.
     signals_index
         Row of this axis in the signals.
     estimated_force, residual
@@ -199,7 +199,7 @@ class Identification:
 
     @property
     def independent(self) -> bool | None:
-        """False where axes are coupled by inertia, None where the log cannot show it."""
+        """False if axes are coupled by inertia, None if the log cannot show it."""
         if any(cross.significant for cross in self.cross_inertias):
             return False
         return None if any(cross.inertia is None for cross in self.cross_inertias) else True

@@ -39,7 +39,7 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
     Raises
     ------
     telespring.InvalidInput
-        Where a mass is not positive or a damping is negative.
+        If a mass is not positive or a damping is negative.
     """
     import tomli_w
 
@@ -100,9 +100,9 @@ def write_robot(
     Raises
     ------
     telespring.InvalidInput
-        Where a mass is not positive or a damping is negative.
+        If a mass is not positive or a damping is negative.
     OSError
-        Where the file cannot be written.
+        If the file cannot be written.
     """
     return write_whole(path, robot_toml(identification, name or Path(path).stem, source=source))
 
@@ -121,7 +121,7 @@ def _refuse_impossible_robot(identification: Identification) -> None:
             raise InvalidInput(
                 f"{parameter} ({axis.axis})",
                 f"{estimate.value:.4g} {unit}, 95 % interval {low:.4g} to {high:.4g}",
-                "a value above 0 is needed, and this log does not determine its sign",
+                "a value above 0 is required, but this log does not determine its sign",
                 "Move this axis further and faster, or record longer.",
             )
         raise InvalidInput(

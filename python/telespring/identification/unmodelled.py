@@ -66,9 +66,9 @@ class UnmodelledTerms:
     friction
         "coulomb" and "offset", N, where they were not fitted and can be separated from the model.
     lag
-        Lag of the force behind the position, s; None where it cannot be estimated.
+        Lag of the force behind the position, s; None if it cannot be estimated.
     inertias
-        kg, per other axis by its index; None where the axes moved too much alike.
+        kg, per other axis by its index; None if the axes moved too much alike.
     is_confounded
         Whether the movement cannot separate a lag from inertia between the axes.
     r_squared

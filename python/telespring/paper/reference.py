@@ -81,7 +81,7 @@ def classify(axis: DyadAxis, stiffness: float, delay: float) -> str:
 
 
 def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -> None:
-    """Refuse robots whose figures would leave the ranges of the core, by the mass or damping at fault."""
+    """Refuse robots for which a figure would exceed the ranges of the core, naming the mass or damping."""
     for side, robot in enumerate(dyad.robots, start=1):
         for i, damping in enumerate(robot.damping):
             if damping == 0.0:
@@ -98,14 +98,14 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
         raise InvalidInput(
             "robot1.mass[0]",
             f"{mass:g}",
-            f"the report, which also draws half and four times this mass, takes {least:g} to {most:g} kg",
+            f"the report also draws half and four times this mass, so it takes {least:g} to {most:g} kg",
             "Check the unit (kg), or use `telespring decide`.",
         )
     if damping > _LARGEST_DAMPING / _ROBOT_FACTORS[1]:
         raise InvalidInput(
             "robot1.damping[0]",
             f"{damping:g}",
-            f"the report, which also draws four times this damping, takes up to "
+            f"the report also draws four times this damping, so it takes up to "
             f"{_LARGEST_DAMPING / _ROBOT_FACTORS[1]:g} N·s/m",
             "Check the unit (N·s/m), or use `telespring decide`.",
         )
@@ -121,7 +121,7 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
                 robots,
                 axis,
                 low < _STIFFNESS_RANGE[0],
-                f"it makes the critical stiffness of axis {name} {stiffness:.3g} N/m, but the report needs "
+                f"with it the critical stiffness of axis {name} is {stiffness:.3g} N/m, but the report needs "
                 f"one from {least:.3g} to {most:.3g} N/m to draw its multiples",
             )
         reference = reference_of(group)
@@ -130,7 +130,7 @@ def check_figure_ranges(dyad: Dyad, axes: list[DyadAxis], identical: DyadAxis) -
                 robots,
                 next(axis for axis in group if axis.name == reference.delay_axis),
                 True,
-                f"it makes the reference delay Δ of axis {reference.delay_axis} {reference.delay:.3g} s, but "
+                f"with it Δ of axis {reference.delay_axis} is {reference.delay:.3g} s, but "
                 f"the report, which draws up to 2Δ, takes at most {_LONGEST_DELAY / _DELAY_FACTOR:g} s",
             )
 

@@ -1,4 +1,4 @@
-"""Reproduce the paper on a study's robots: all sections one by one, then the page, then the files."""
+"""Reproduce the paper on a study's robots: compute all sections, render the page, write the files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from telespring.paper.sections import SECTIONS, order_of_computation
 
 __all__ = ["PARTS", "STEPS", "Analysis", "analyse", "write"]
 
-#: The sections that compute something, in the order in which they do and their keys stand in `study.json`.
+#: The sections that compute something, in the order of computation and of their keys in `study.json`.
 PARTS = order_of_computation(SECTIONS)
 
 #: The names of the steps, in order, as `progress` receives them.
@@ -100,7 +100,7 @@ def write(analysis: Analysis, folder: str | os.PathLike[str]) -> tuple[Path, Pat
     """Write `report.html` and `study.json` into `folder`, created if it is missing; return both paths.
 
     Both are completely written and flushed to the disk before either replaces an older file, so that a page
-    never stands beside another study's numbers.
+    is never next to another study's numbers.
     """
     text = json.dumps(analysis.numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     report, numbers = Path(folder) / "report.html", Path(folder) / "study.json"

@@ -1,4 +1,4 @@
-"""A section of the report: how its numbers are computed, where it stands, and what it holds of the paper."""
+"""A section of the report: its numbers, its place on the page, and the figures and tables it reproduces."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Section:
     anchor
         Identifier of its heading on the page.
     title
-        In the table of contents; empty for what stands above it.
+        In the table of contents; empty for a section above it.
     step
         Name of its computation, as a progress bar shows it.
     find

@@ -124,7 +124,7 @@ def _dataset_without_signals(
             "ended_at": (
                 _PLACE,
                 ended_at,
-                _variable_attributes("s", "time at which the trial ended early; NaN where it was completed"),
+                _variable_attributes("s", "time at which the trial ended early; NaN if it was completed"),
             ),
             "order": (_PLACE, order, _variable_attributes("1", "place in the order of running, from 0")),
         },
@@ -139,7 +139,7 @@ def _dataset_without_signals(
             "stiffness": (
                 "condition",
                 np.array(stiffness, dtype=np.float64),
-                _variable_attributes("N/m", "stiffness of the virtual spring; NaN where there is none"),
+                _variable_attributes("N/m", "stiffness of the virtual spring; NaN if there is none"),
             ),
             "delay": (
                 "condition",

@@ -62,7 +62,7 @@ class RehearsalIdentity:
 
     @classmethod
     def from_json(cls, text: str) -> RehearsalIdentity:
-        """Read the output of `to_json`; ValueError where the text is something else."""
+        """Read the output of `to_json`; ValueError if the text is something else."""
         attributes: Any = json.loads(text)
         try:
             return cls(**{key: attributes[key] for key in cls.__dataclass_fields__})
@@ -81,7 +81,7 @@ class RehearsalIdentity:
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, Any]) -> RehearsalIdentity:
-        """Read the output of `to_attributes`; KeyError or ValueError where the attributes are others."""
+        """Read the output of `to_attributes`; KeyError or ValueError if the attributes are others."""
         return cls(
             name=str(attributes["name"]),
             study=str(attributes["study"]),
@@ -91,7 +91,7 @@ class RehearsalIdentity:
         )
 
     def describe_difference(self, other: RehearsalIdentity) -> str | None:
-        """Describe how the rehearsal `other` differs from this one; None where it is the same."""
+        """Describe how the rehearsal `other` differs from this one; None if it is the same."""
         if self == other:
             return None
         if other.schema != self.schema or other.version != self.version:
@@ -102,7 +102,7 @@ class RehearsalIdentity:
         if other.study != self.study:
             if other.name != self.name:
                 return f"a rehearsal of another study, {other.name!r}"
-            return f"a rehearsal of a study of the same name, {other.name!r}, with other contents"
+            return f"a rehearsal of a study of the same name, {other.name!r}, with different contents"
         changed = sorted(
             place
             for place in self.programs.keys() | other.programs.keys()

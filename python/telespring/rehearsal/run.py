@@ -41,7 +41,7 @@ class RehearsalOutcome:
     trials
         Number of trials of the protocol.
     resumed
-        Number of trials that had been finished before; all of them where the dataset existed already.
+        Number of trials that had been finished before; all of them if the dataset existed already.
     """
 
     dataset: Path
@@ -66,11 +66,11 @@ def rehearse(
     Parameters
     ----------
     study : Study, str or path
-        The study, or its file. Agents and targets written in Python are looked up beside the file first, so
+        The study, or its file. Agents and targets written in Python are looked up first in its folder, so
         that a study with such parts is better passed as its file.
     folder : str or path
-        Folder for the trials and in the end for the dataset, ``rehearsal.nc``. It is created where it is
-        missing, and refused where it holds a rehearsal of another study.
+        Folder for the trials and for the dataset, ``rehearsal.nc``. It is created if it is missing, and
+        refused if it contains a rehearsal of another study.
     progress : callable, optional
         Called with the number of finished trials and the number of all trials, at the beginning and
         after each trial.
@@ -92,10 +92,10 @@ def rehearse(
     Raises
     ------
     InvalidInput
-        Where the study cannot be rehearsed, an agent or target written in Python fails, or the folder
+        If the study cannot be rehearsed, an agent or target written in Python fails, or the folder
         is in use or holds something else.
     OSError
-        Where a file cannot be read or written; finished trials are kept.
+        If a file cannot be read or written; finished trials are kept.
 
     Examples
     --------
@@ -211,13 +211,13 @@ def _rehearsal_thread_count(workers: int | None) -> int:
         return os.cpu_count() or 1
     if workers < 1:
         raise InvalidInput(
-            "workers", str(workers), "a whole number of 1 or more is needed", "Leave it out to use all cores."
+            "workers", str(workers), "a whole number of 1 or more is required", "Omit it to use all cores."
         )
     return workers
 
 
 def _remove_leftover_trials(store: RehearsalStore) -> None:
-    """Remove trials that a process killed at the very end left beside its dataset, if possible."""
+    """Remove trials that a process killed at the very end left next to its dataset, if possible."""
     with suppress(InvalidInput, OSError), lock_folder(store.path):
         store.remove_trials()
 

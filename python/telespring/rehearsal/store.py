@@ -1,4 +1,4 @@
-"""The folder of a rehearsal: its lock, its finished trials, and in the end its dataset."""
+"""The folder of a rehearsal: its lock, its finished trials, and its dataset."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ def lock_folder(folder: Path) -> Iterator[None]:
         raise InvalidInput(
             "out",
             str(folder),
-            "one rehearsal at a time may work in a folder, and "
+            "only one rehearsal at a time may use a folder, and "
             + (f"process {owner}" if owner else "another process")
-            + " is at work in this one",
+            + " is using this one",
             "Wait until it has ended, or choose another folder.",
         ) from None
     try:
@@ -81,16 +81,16 @@ class RehearsalStore:
         self._trials = path / "trials"
 
     def create_folder(self) -> None:
-        """Create the folder where it is missing; InvalidInput where a file stands in its place."""
+        """Create the folder if it is missing; InvalidInput if a file has its name."""
         try:
             self.path.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
             raise InvalidInput(
-                "out", str(self.path), "a folder is needed, and this is a file", "Choose a folder."
+                "out", str(self.path), "a folder is required, but this is a file", "Choose a folder."
             ) from None
 
     def is_complete(self) -> bool:
-        """Check whether the dataset of this rehearsal exists; InvalidInput where it is that of another."""
+        """Check whether the dataset of this rehearsal exists; InvalidInput if it is that of another."""
         if not self.dataset.exists():
             return False
         self._require_same(_read_dataset_identity(self.dataset))
@@ -131,7 +131,7 @@ class RehearsalStore:
         self._identity_file.unlink(missing_ok=True)
 
     def read_trial(self, trial: ScheduledTrial) -> TrialRecord | None:
-        """Read a finished trial; None where it is missing, corrupt or of another rehearsal."""
+        """Read a finished trial; None if it is missing, corrupt or of another rehearsal."""
         record = read_trial_file(self._trial_file(trial))
         if record is None or record.fingerprint != self._identity.fingerprint:
             return None
@@ -172,7 +172,7 @@ class RehearsalStore:
             raise InvalidInput(
                 "out",
                 str(self.path),
-                "this folder has files with the names of a rehearsal which are none",
+                "this folder has files that are named like those of a rehearsal but are not from one",
                 "Choose another folder, or start over with --fresh (fresh=True), which removes them.",
             )
         difference = self._identity.describe_difference(identity)
@@ -180,8 +180,8 @@ class RehearsalStore:
             raise InvalidInput(
                 "out",
                 str(self.path),
-                f"this folder holds {difference}",
-                "Choose another folder, or start over with --fresh (fresh=True), which removes that one.",
+                f"this folder contains {difference}",
+                "Choose another folder, or start over with --fresh (fresh=True), which removes it.",
             )
 
     def _remove_unfinished(self) -> None:

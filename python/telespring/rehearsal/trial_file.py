@@ -27,7 +27,7 @@ class TrialRecord:
     status
         How it ended, one of `telespring.rehearsal.encoding.STATUSES`.
     ended_at
-        Time of an early end, s; None where it was completed.
+        Time of an early end, s; None if it was completed.
     rows
         Rows of its signals that hold values.
     chunks
@@ -65,7 +65,7 @@ def write_trial_file(path: Path, record: TrialRecord) -> None:
 
 
 def read_trial_file(path: Path) -> TrialRecord | None:
-    """Read the file of a trial; None where it is absent, corrupt or something else."""
+    """Read the file of a trial; None if it is absent, corrupt or something else."""
     try:
         data = path.read_bytes()
     except FileNotFoundError:

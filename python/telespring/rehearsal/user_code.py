@@ -111,7 +111,7 @@ class UserCode:
         return {place: part.provenance() for place, part in parts.items() if part is not None}
 
     def create_agents(self, seed: int, stop: Event) -> AgentPair | None:
-        """Create the agents of one trial, each with its own seed; None where there are none."""
+        """Create the agents of one trial, each with its own seed; None if there are none."""
         if not self.has_agents:
             return None
         first, second = (
@@ -121,14 +121,14 @@ class UserCode:
         return first, second
 
     def target_positions(self, ticks: int, sample_period: float) -> FloatArray | None:
-        """Compute the user's target at every tick, m; None where it is not written in Python."""
+        """Compute the user's target at every tick, m; None if it is not written in Python."""
         if self.target is None:
             return None
         return _checked_user_target(self.target, sample_period * np.arange(ticks + 1, dtype=np.float64))
 
 
 def load_user_code(experiment: Experiment, folder: Path | None) -> UserCode:
-    """Load the Python classes and functions of an experiment, from beside the study file or as installed.
+    """Load the Python classes and functions of an experiment, from the study's folder or as installed.
 
     InvalidInput where a module or a name in it is missing; UserCodeError where a module raises an exception.
     """
@@ -168,14 +168,14 @@ def _load_user_object(
         raise InvalidInput(
             field,
             reference,
-            f"{name} must have a class or function of the name {attribute}",
+            f"{name} must have a class or function named {attribute}",
             f"It has {_callables_of_user_module(module)}.",
         )
     if field.endswith("class") and not inspect.isclass(function):
         raise InvalidInput(
             field,
             reference,
-            "a class is needed, of which every trial creates its own agent",
+            "a class is required, from which every trial creates its own agent",
             "Write the agent as a class with __init__(self, seed, ...) and __call__.",
         )
     return UserObject(field, reference, function, file, options)
@@ -187,7 +187,7 @@ def _load_user_module(field: str, reference: str, name: str, folder: Path | None
         with _user_folder_on_path(folder):
             if file is None or not file.is_file():
                 return importlib.import_module(name)
-            # Loaded anew each time: the file may have been edited, or belong to another study.
+            # Reloaded each time: the file may have been edited, or belong to another study.
             spec = importlib.util.spec_from_file_location(name, file)
             assert spec is not None
             assert spec.loader is not None
@@ -200,7 +200,7 @@ def _load_user_module(field: str, reference: str, name: str, folder: Path | None
             raise _user_loading_error(field, reference, missing, file) from missing
         places = "on Python's module path"
         if folder is not None:
-            places = f"beside the study file ({folder}) or {places}"
+            places = f"in the folder of the study file ({folder}) or {places}"
         raise InvalidInput(
             field, reference, f"a module {name} must exist {places}", f"Put {name}.py there."
         ) from None
@@ -212,7 +212,7 @@ def _user_loading_error(field: str, reference: str, error: BaseException, file: 
     return UserCodeError(
         field,
         reference,
-        f"its module must load, and it raised {_describe_user_exception(error, file)}",
+        f"its module must load, but it raised {_describe_user_exception(error, file)}",
         "Correct the module.",
     )
 
@@ -228,7 +228,7 @@ def _callables_of_user_module(module: ModuleType) -> str:
 
 @contextmanager
 def _user_folder_on_path(folder: Path | None) -> Iterator[None]:
-    """Let modules beside the study file import each other."""
+    """Let modules in the folder of the study file import each other."""
     if folder is None:
         yield
         return
@@ -268,7 +268,7 @@ def _create_user_agent(user_class: UserObject, seed: int, stop: Event) -> AgentC
     except _EXCEPTIONS as error:
         options = ", ".join(["seed", *user_class.options])
         raised = _describe_user_exception(error, user_class.file)
-        raise user_class.error(f"the class must accept {options} by name, and it raised {raised}") from error
+        raise user_class.error(f"the class must accept {options} by name, but it raised {raised}") from error
 
     def checked_force(
         time: float, position: FloatArray, velocity: FloatArray, target: FloatArray
@@ -280,7 +280,7 @@ def _create_user_agent(user_class: UserObject, seed: int, stop: Event) -> AgentC
         except _EXCEPTIONS as error:
             raised = _describe_user_exception(error, user_class.file)
             raise user_class.error(
-                f"an agent must not raise exceptions, and it raised {raised} at t = {time:.6g} s"
+                f"an agent must not raise exceptions, but it raised {raised} at t = {time:.6g} s"
             ) from error
         try:
             x, y = map(float, force)
@@ -288,7 +288,7 @@ def _create_user_agent(user_class: UserObject, seed: int, stop: Event) -> AgentC
             x = y = np.nan
         if not (np.isfinite(x) and np.isfinite(y)):
             raise user_class.error(
-                "an agent must return its force as two finite numbers (x, y) in N, and it returned "
+                "an agent must return its force as two finite numbers (x, y) in N, but it returned "
                 f"{force!r} at t = {time:.6g} s"
             )
         return x, y
@@ -301,7 +301,7 @@ def _checked_user_target(target: UserObject, times: FloatArray) -> FloatArray:
         returned = target.function(times.copy(), **target.options)
     except _EXCEPTIONS as error:
         raised = _describe_user_exception(error, target.file)
-        raise target.error(f"a target must not raise exceptions, and it raised {raised}") from error
+        raise target.error(f"a target must not raise exceptions, but it raised {raised}") from error
     try:
         positions = np.array(returned, dtype=np.float64)
     except (TypeError, ValueError):
@@ -311,22 +311,22 @@ def _checked_user_target(target: UserObject, times: FloatArray) -> FloatArray:
         shape = np.shape(returned) if is_array else type(returned).__name__
         raise target.error(
             f"a target must return a position (x, y) for each of the {len(times)} times, shape "
-            f"({len(times)}, 2), and it returned {shape}"
+            f"({len(times)}, 2), but it returned {shape}"
         )
     undefined = np.flatnonzero(~np.isfinite(positions).all(axis=1))
     if undefined.size:
-        raise target.error(f"a target must be finite, and it is not at t = {times[undefined[0]]:.6g} s")
+        raise target.error(f"a target must be finite, but it is not at t = {times[undefined[0]]:.6g} s")
     too_far = np.flatnonzero(np.abs(positions).max(axis=1) > _FARTHEST_TARGET)
     if too_far.size:
         raise target.error(
-            f"a target must stay within {_FARTHEST_TARGET:g} m, and it does not at "
+            f"a target must stay within {_FARTHEST_TARGET:g} m, but it does not at "
             f"t = {times[too_far[0]]:.6g} s (are these millimetres?)"
         )
     speed = np.hypot(*(np.diff(positions, axis=0) / np.diff(times)[:, None]).T)
     too_fast = np.flatnonzero(speed > _FASTEST_TARGET)
     if too_fast.size:
         raise target.error(
-            f"a target must not move faster than {_FASTEST_TARGET:g} m/s, and it moves at "
+            f"a target must not move faster than {_FASTEST_TARGET:g} m/s, but it moves at "
             f"{speed[too_fast[0]]:.4g} m/s at t = {times[too_fast[0]]:.6g} s (a jump, or millimetres?)"
         )
     return positions

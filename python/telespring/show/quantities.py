@@ -108,7 +108,7 @@ def format_position(position: Sequence[float]) -> str:
 
 
 def format_pair(values: tuple[float, float], unit: str) -> str:
-    """Write what robot 1 and robot 2 have, once where they have the same.
+    """Write what robot 1 and robot 2 have, once if they have the same.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def format_quantity(
     number and "seconds" for a time that is not shown in milliseconds, such as a trial's length. The style
     "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies within it;
     "given" drops zeros at the end, as a person writes a value; "hundredths" has two decimals whatever the
-    size, as a table's columns do. A `bare` quantity is without its unit, which then stands above a table's
+    size, as a table's columns do. A `bare` quantity is without its unit, which is then given above a table's
     column.
 
     Examples

@@ -6,14 +6,14 @@ __all__ = ["TIERS", "TierText"]
 
 
 class TierText(NamedTuple):
-    """What one tier lets the network do, and its rule.
+    """What one tier assumes about the network, and its rule.
 
     Attributes
     ----------
     key
         Its key in `study.json` and in the output of `decide --json`.
     network
-        What the network may do.
+        What it assumes about the network.
     rule
         The rule in words.
     formula
@@ -26,7 +26,7 @@ class TierText(NamedTuple):
     formula: str
 
 
-#: By name, the strongest guarantee last; the paper's verdict stands beside them.
+#: By name, the strongest guarantee last, and the paper's verdict.
 TIERS = {
     "constant delay": TierText(
         "constant_delay",
@@ -42,16 +42,16 @@ TIERS = {
     ),
     "bounded varying delay": TierText(
         "bounded_varying_delay",
-        "any variation up to a known longest age of a sample",
+        "any variation of the delay, with a known limit on the age of a sample",
         (
-            "twice the mean damping √(b₁b₂) exceeds the stiffness times the age of the "
-            "oldest samples, there and back"
+            "twice the geometric mean √(b₁b₂) of the dampings exceeds the stiffness times the sum of "
+            "the largest sample ages in both directions"
         ),
         "k < 2√(b₁b₂)/(T₁+T₂)",
     ),
     "any network": TierText(
         "any_network",
-        "anything at all, with bounded gaps",
+        "any delays, jitter and losses, with gaps of bounded length",
         "no robot overshoots a partner that is held still: stiffness ≤ b²/(4m) for a free handle",
         "k ≤ b²/(4m) if free",
     ),

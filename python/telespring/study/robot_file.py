@@ -1,4 +1,4 @@
-"""Robot files, as `telespring identify` writes them: what identification recorded beside the robot."""
+"""Robot files, as `telespring identify` writes them: the record of the identification."""
 
 from telespring._core import RobotRecord, robot_record
 

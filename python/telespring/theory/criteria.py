@@ -2,9 +2,9 @@
 
 Every function takes the axis as numbers in SI units: masses `m1`, `m2` (kg) and viscous dampings `b1`, `b2`
 (N·s/m) of robot and operator together, and as keywords what ties the handles to the ground, `kh1` and `kh2`
-(N/m), and a damper beside the virtual spring, `c` (N·s/m). A `Dyad` or a `DyadAxis` as the first argument
-stands in place of these seven numbers. Delays are one-way, the mean where both ways differ. Functions that
-return one number per axis broadcast over arrays.
+(N/m), and a damper in parallel with the virtual spring, `c` (N·s/m). A `Dyad` or a `DyadAxis` as the first
+argument replaces these seven numbers. Delays are one-way, the mean if both ways differ. Functions that return
+one number per axis broadcast over arrays.
 """
 
 from telespring._core import (

@@ -100,7 +100,7 @@ def solve_dde(
     Raises
     ------
     InvalidInput
-        Where an argument is out of its range.
+        If an argument is out of its range.
     Exception
         Exceptions of `rhs`, `history` or a delay pass through unchanged.
 
@@ -165,7 +165,7 @@ def _dde_span(t_span: Any) -> tuple[float, float]:
         raise InvalidInput(
             "t_span",
             quoted_value(t_span),
-            "the two times (start, end) are needed",
+            "the two times (start, end) are required",
             "Give both, the start first.",
         ) from None
     return as_number("t_span[0]", start), as_number("t_span[1]", end)

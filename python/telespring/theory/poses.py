@@ -201,7 +201,7 @@ def _pose_positions(positions: ArrayLike) -> FloatArray:
         raise InvalidInput(
             "positions",
             f"an array of shape {places.shape}",
-            "one row of two numbers, x and y, for every pose is needed",
+            "one row of two numbers, x and y, for every pose is required",
             "Give an array of shape (n, 2) with at least one row.",
         )
     return places

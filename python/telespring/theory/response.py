@@ -50,7 +50,7 @@ def _evaluate_over_s_plane(s: ArrayLike, compute: Callable[[ComplexArray], Compl
         raise InvalidInput(
             "s",
             repr(s)[:60],
-            "a complex number or an array of them is needed",
+            "a complex number or an array of them is required",
             "Convert it, for instance with numpy.asarray(..., dtype=complex).",
         ) from None
     matrices = compute(np.ascontiguousarray(points).reshape(-1))
@@ -91,7 +91,7 @@ def transfer_matrix(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or `s` is a pole (0 for free handles).
+        If a value is out of its range or `s` is a pole (0 for free handles).
 
     References
     ----------
@@ -143,7 +143,7 @@ def mobility_matrix(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or `s` is a pole.
+        If a value is out of its range or `s` is a pole.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def frequency_response(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or a frequency is a pole (0 for free handles).
+        If a value is out of its range or a frequency is a pole (0 for free handles).
 
     References
     ----------
@@ -241,7 +241,7 @@ def open_loop(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or a frequency is a pole (an undamped side).
+        If a value is out of its range or a frequency is a pole (an undamped side).
 
     References
     ----------
@@ -293,7 +293,7 @@ def partner_response(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or a frequency is a pole (an undamped side).
+        If a value is out of its range or a frequency is a pole (an undamped side).
 
     References
     ----------
@@ -352,7 +352,7 @@ def frequency_grid(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Examples
     --------
@@ -390,7 +390,7 @@ def nyquist(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str = 0) -> 
     Raises
     ------
     InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Examples
     --------

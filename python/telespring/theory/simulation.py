@@ -154,7 +154,7 @@ def simulate_array(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def _forces_or_history_by_robot(name: str, values: Sequence[Sequence[Any]]) -> l
         raise InvalidInput(
             name,
             repr(values),
-            "two lists are needed, one per robot, each with one entry per axis",
+            "two lists are required, one per robot, each with one entry per axis",
             "Write them as [[robot 1's axes], [robot 2's axes]].",
         ) from None
 
@@ -221,7 +221,7 @@ def simulate(
         One-way delay, s, or the pair (forward, backward); never rounded to a sample.
     forces : nested sequence
         ``forces[robot][axis]``, N: a number (a step at t = 0), a `Sine` or a list of them (their
-        sum), a `Sampled` signal, or a function of time, as `Signal` where it jumps or bends.
+        sum), a `Sampled` signal, or a function of time, as `Signal` if it jumps or bends.
         Functions are approximated by polynomials; how far is in ``force_error``.
     duration : float
         s.
@@ -229,7 +229,7 @@ def simulate(
         Outputs per second, Hz; accuracy does not depend on it.
     history : nested sequence, optional
         ``history[robot][axis]``, m, for t <= 0: a number (at rest there), a pair (position, velocity)
-        (at rest until it starts with that velocity), or a function of time. At rest at 0 where absent.
+        (at rest until it starts with that velocity), or a function of time. At rest at 0 if absent.
 
     Returns
     -------
@@ -241,7 +241,7 @@ def simulate(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range.
+        If a value is out of its range.
 
     Notes
     -----

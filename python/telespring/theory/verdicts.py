@@ -84,7 +84,7 @@ def verdicts(
     computing_time : float
         From reading the samples to applying the force, s, within the same period.
     operator_range : OperatorRange or pair of OperatorRange, optional
-        Operators in place of the dyad's own, one range for both or one each: every verdict is then the worst
+        Operators that replace the dyad's own, one range for both or one each: every verdict is then the worst
         over the range, exact for tiers 1 and 2, over corners and a refined grid for tiers 3 and 4.
 
     Returns
@@ -96,7 +96,7 @@ def verdicts(
     Raises
     ------
     InvalidInput
-        Where a value is out of its range or a range does not have the dyad's axes.
+        If a value is out of its range or a range does not have the dyad's axes.
 
     References
     ----------

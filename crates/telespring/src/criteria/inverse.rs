@@ -193,7 +193,7 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
         return Err(InvalidInput::new(
             "decay_rate",
             decay_rate,
-            "a decay rate above 0 is needed if an undamped side makes every stiffness critical",
+            "a decay rate above 0 is required if an undamped side makes every stiffness critical",
             "Choose a small decay rate, or use the maximum stiffness at this delay.",
         ));
     }

@@ -167,7 +167,7 @@ pub(crate) fn check_root_count(count: usize) -> Result<()> {
         "count",
         count,
         format!("the number of roots must be from 1 to {MAX_ROOTS}"),
-        "Request at least one root, and not more than that.",
+        "Request a number of roots in this range.",
     ))
 }
 

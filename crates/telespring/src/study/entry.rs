@@ -62,11 +62,11 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
             DeValue::String(text) if text.contains('\0') => Err(self.reject(
-                "a text without the character U+0000 is needed, which datasets cannot hold",
+                "text without the character U+0000 is required, because datasets cannot contain it",
                 "Remove \\u0000.",
             )),
             DeValue::String(text) => Ok(text.clone().into_owned()),
-            _ => Err(self.reject("a text in quotes is needed", "Put it in quotes.")),
+            _ => Err(self.reject("a string in quotes is required", "Put it in quotes.")),
         }
     }
 
@@ -89,7 +89,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.value
             .get_ref()
             .as_bool()
-            .ok_or_else(|| self.reject("true or false is needed", "Write it without quotes."))
+            .ok_or_else(|| self.reject("true or false is required", "Write it without quotes."))
     }
 
     /// Reads a whole number of the study file within a range.
@@ -100,7 +100,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                 Ok(value) if (least..=most).contains(&value) => return Ok(value),
                 _ => "Choose a number in that range.",
             },
-            _ => "Write it without decimal point, quotes or unit.",
+            _ => "Write it without a decimal point, quotes or a unit.",
         };
         Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
@@ -108,7 +108,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// The items of a list in the study file.
     pub fn items(&self, what: &str) -> Result<Vec<Self>> {
         let Some(items) = self.value.get_ref().as_array() else {
-            return Err(self.reject(format!("a list of {what} is needed"), "Put it in square brackets."));
+            return Err(self.reject(format!("a list of {what} is required"), "Put it in square brackets."));
         };
         Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
@@ -116,7 +116,9 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// The members of a table in the study file with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
-            return Err(self.reject("names with values are needed", "Write, for example, {gain = 2.0}."));
+            return Err(
+                self.reject("a table of names and values is required", "Write, for example, {gain = 2.0}.")
+            );
         };
         let member = |(key, value): (&Spanned<std::borrow::Cow<'a, str>>, &'r Spanned<DeValue<'a>>)| {
             let key = key.get_ref().as_ref();
@@ -139,9 +141,9 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => {
                 return Err(self.reject(
                     if one {
-                        "one number or a list of two is needed"
+                        "one number or a list of two is required"
                     } else {
-                        "a list of two numbers is needed"
+                        "a list of two numbers is required"
                     },
                     "Write, for example, [1.0, 2.0].",
                 ));
@@ -154,9 +156,10 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// Reads a list of strings in the study file.
     pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
-            return Err(
-                self.reject("a list of texts is needed, one per axis", "Write, for example, [\"x\", \"y\"].")
-            );
+            return Err(self.reject(
+                "a list of strings is required, one per axis",
+                "Write, for example, [\"x\", \"y\"].",
+            ));
         };
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
@@ -213,7 +216,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => None,
         };
         let Some(value) = value else {
-            return Err(self.reject(format!("{kinds} is needed"), "Write numbers without quotes or units."));
+            return Err(self.reject(format!("{kinds} is required"), "Write numbers without quotes or units."));
         };
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
@@ -223,7 +226,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
             if from > to {
-                return Err(self.reject("min must not exceed max", "Swap the two."));
+                return Err(self.reject("the minimum must not exceed the maximum", "Swap the two."));
             }
             return Ok(Span { low: from, high: to });
         }
@@ -242,7 +245,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             return Ok(PerAxis::Every(self.number_or_range(quantity, ranges, kinds)?));
         };
         if items.is_empty() {
-            return Err(self.reject(format!("{kinds} is needed"), "Give one value per axis."));
+            return Err(self.reject(format!("{kinds} is required"), "Give one value per axis."));
         }
         let kind = if ranges { "a number or a range {min = …, max = …}" } else { "a number" };
         items

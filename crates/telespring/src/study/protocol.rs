@@ -279,7 +279,7 @@ fn read_number_list(
     let items = entry.items("numbers")?;
     if items.is_empty() {
         return Err(entry.reject(
-            "a list of at least one number is needed",
+            "a list of at least one number is required",
             "Write conditions = [] to run the unconnected condition only.",
         ));
     }

@@ -54,7 +54,7 @@ pub(super) fn read_python_object(
     });
     if !well_formed {
         return Err(entry.reject(
-            "a module and a name in it are needed, separated by a colon",
+            "a module and a name in it are required, separated by a colon",
             format!("Write, for example, \"{like}\"."),
         ));
     }
@@ -76,7 +76,7 @@ pub(super) fn read_python_object(
 /// Reads the value of an option.
 fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     let refused = |remedy: &str| {
-        entry.reject("an option is a finite number, a text, true, false or a list of these", remedy)
+        entry.reject("an option is a finite number, a string, true, false or a list of these", remedy)
     };
     match entry.value() {
         DeValue::Boolean(value) => Ok(OptionValue::Boolean(*value)),

@@ -14,7 +14,7 @@ use crate::error::{InvalidInput, Result};
 pub enum Replacement {
     /// New values of some keys. `None` removes a key, so that its default holds.
     Keys(BTreeMap<String, Option<Value>>),
-    /// One value in place of the whole: the study's name.
+    /// One value instead of a section: the study's name.
     Value(Value),
     /// Nothing, so that the section's defaults hold.
     Default,
@@ -29,12 +29,12 @@ const EXCLUSIVE: [(&str, &str, &[&str]); 3] = [
 
 impl Study {
     /// The study with some values replaced, by section. Keys that are not named keep their values, with two
-    /// exceptions: a new `kind` starts its section anew, and the `conditions` of a protocol exclude its lists
+    /// exceptions: a new `kind` restarts its section, and the `conditions` of a protocol exclude its lists
     /// of `stiffness` and `delay`.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value is refused, by its dotted field.
+    /// [`InvalidInput`] if a value is refused, by its dotted field.
     ///
     /// # Examples
     ///
@@ -64,11 +64,11 @@ impl Study {
         Ok(study)
     }
 
-    /// The study with a robot of a robot file in place of one of its own, whole; robots are counted from 0.
+    /// The study with one of its robots replaced by that of a robot file; robots are counted from 0.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the study refuses the robot.
+    /// [`InvalidInput`] if the study refuses the robot.
     pub fn with_robot(&self, robot: usize, file: &RobotFile) -> Result<Self> {
         let section = format!("robot{}", robot + 1);
         let mut tables = self.tables();
@@ -131,7 +131,7 @@ pub(super) fn unwritable(error: &toml::ser::Error) -> InvalidInput {
     InvalidInput::new(
         "study",
         error,
-        "a study holds numbers, texts, booleans, and lists and tables of these",
+        "a study contains numbers, strings, booleans, and lists and tables of these",
         "Convert the values to these.",
     )
 }

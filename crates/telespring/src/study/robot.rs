@@ -123,7 +123,7 @@ fn read_per_axis_or_zero(
 pub(super) fn check_axis_count(entry: &Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
     match values.count() {
         Some(got) if got != count => Err(entry.reject(
-            format!("one value per axis is needed: {count}, not {got}"),
+            format!("one value per axis is required: {count}, not {got}"),
             "Give one value per axis, or a single number for all of them.",
         )),
         _ => Ok(()),

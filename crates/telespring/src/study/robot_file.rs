@@ -1,4 +1,4 @@
-//! A robot in a file of its own, as `telespring identify` writes it.
+//! A robot file, as `telespring identify` writes it.
 
 use toml::{Table, Value};
 
@@ -12,10 +12,10 @@ pub struct RobotFile {
     identification: Table,
 }
 
-/// What identification recorded beside a robot's parameters.
+/// What identification recorded in addition to a robot's parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RobotRecord {
-    /// False where the axes are coupled by inertia; `None` where that is unknown.
+    /// False if the axes are coupled by inertia; `None` if that is unknown.
     pub independent: Option<bool>,
     /// Reservations about the estimates, as sentences.
     pub warnings: Vec<String>,
@@ -26,7 +26,7 @@ impl RobotFile {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where the text is no robot file. The values of the robot are checked by the study that
+    /// [`InvalidInput`] if the text is not a robot file. The values of the robot are checked by the study that
     /// it is put into.
     ///
     /// # Examples
@@ -52,11 +52,11 @@ impl RobotFile {
         let robot = tables.remove("robot");
         let identification = tables.remove("identification");
         let refuse = |value: String, remedy: &str| {
-            let allowed = "a robot file has the section [robot], and [identification] as a record";
+            let allowed = "a robot file has only the sections [robot] and [identification]";
             Err(InvalidInput::new(name, value, allowed, remedy))
         };
         if let Some(other) = tables.keys().next() {
-            return refuse(format!("[{other}]"), "Pass a whole study as the study itself.");
+            return refuse(format!("[{other}]"), "If this is a study file, pass it as the study instead.");
         }
         let Some(Value::Table(robot)) = robot else {
             return refuse(
@@ -84,7 +84,7 @@ impl RobotFile {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] where a value has the wrong type.
+    /// [`InvalidInput`] if a value has the wrong type.
     pub fn record(&self) -> Result<RobotRecord> {
         let refuse = |key: &str, value: &Value, allowed: &str| {
             let remedy = format!(
@@ -96,14 +96,14 @@ impl RobotFile {
         let independent = match self.identification.get("axes_independent") {
             None => None,
             Some(Value::Boolean(independent)) => Some(*independent),
-            Some(other) => return Err(refuse("axes_independent", other, "true or false is needed")),
+            Some(other) => return Err(refuse("axes_independent", other, "true or false is required")),
         };
         let warnings = match self.identification.get("warnings") {
             None => Vec::new(),
             Some(value) => value
                 .as_array()
                 .and_then(|items| items.iter().map(|item| item.as_str().map(str::to_owned)).collect())
-                .ok_or_else(|| refuse("warnings", value, "a list of texts is needed"))?,
+                .ok_or_else(|| refuse("warnings", value, "a list of strings is required"))?,
         };
         Ok(RobotRecord { independent, warnings })
     }

@@ -15,7 +15,7 @@ impl AgentChoice {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `agent.stiffness`.
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `agent.stiffness`.
     ///
     /// # Examples
     ///
@@ -37,7 +37,7 @@ impl Arm {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `arm.link_mass[1]`.
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `arm.link_mass[1]`.
     pub fn from_table(table: &Table) -> Result<Self> {
         let arm = read_section("arm1", "arm", table, |reader| laboratory::read_arm(reader, "arm1"))?;
         arm.check().map_err(|refusal| refusal.within("arm"))?;
@@ -50,7 +50,7 @@ impl Task {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `task.amplitude`.
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `task.amplitude`.
     pub fn from_table(table: &Table) -> Result<Self> {
         read_section("task", "task", table, |reader| laboratory::read_task(reader, Setup::paper().task))
     }
@@ -61,7 +61,7 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) where a value is refused, with a field such as `handle.coulomb`.
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `handle.coulomb`.
     pub fn from_table(table: &Table) -> Result<Self> {
         let (robot, section) =
             read_section("robot1", "handle", table, |reader| read_robot(reader, "robot1", 2, None))?;

@@ -10,7 +10,7 @@ use crate::error::InvalidInput;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Source<'a> {
     text: &'a str,
-    /// False where no person has seen the text, so that its lines mean nothing.
+    /// False if no person has seen the text, so that its lines mean nothing.
     has_lines: bool,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct UnknownKey<'k> {
     pub key: &'k str,
     /// The position of the key in the text, in bytes.
     pub position: usize,
-    /// The section it stands in; `None` at the top level.
+    /// Its section; `None` at the top level.
     pub section: Option<&'k str>,
     /// A sentence that lists the keys allowed in its place.
     pub allowed: String,

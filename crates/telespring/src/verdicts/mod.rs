@@ -287,7 +287,7 @@ fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<(
             return Err(InvalidInput::new(
                 name,
                 format!("{got} value(s)"),
-                format!("one value per axis of the robots is needed: {axes}"),
+                format!("one value per axis of the robots is required: {axes}"),
                 "Give every list one value per axis.",
             ));
         }

@@ -28,7 +28,7 @@ __all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset"]
 class TrialEntry:
     """A line of the list of trials: stiffness in N/m (None unconnected), times in s.
 
-    `ended_at` (NaN where empty), `seed` and `discard` are None where the list has no such column.
+    `ended_at` (NaN if empty), `seed` and `discard` are None if the list has no such column.
     """
 
     file: str
@@ -138,7 +138,7 @@ def _check_same_recorded_quantities(trials: list[RecordedTrial]) -> None:
             refuse(
                 f"{lacking.entry.file}: {quantity}",
                 "missing",
-                f"{having.entry.file} has it, and all trials must have the same columns",
+                f"all trials must have the same columns, and {having.entry.file} has this one",
                 f"Add it here, or remove the columns {quantity}_... from all other trials.",
             )
 
@@ -160,7 +160,7 @@ def _resample_recorded_trials(trials: list[RecordedTrial]) -> tuple[list[Recorde
             refuse(
                 trial.entry.file,
                 f"ends at {trial.time[-1]:g} s",
-                f"trials must overlap, and others only begin at {begin:g} s",
+                f"trials must overlap in time, but others begin only at {begin:g} s",
                 "Remove this trial, or record all trials from their start.",
             )
         time = begin + period * np.arange(count)
@@ -187,8 +187,8 @@ def _recorded_target(
             refuse(
                 f"{trials[0].entry.file}: {TARGET[0]}",
                 "missing",
-                f"the columns {' and '.join(TARGET)} are needed, or a study whose task is the target",
-                "Add them, or name the study by --study.",
+                f"the columns {' and '.join(TARGET)} are required, or a study whose task defines the target",
+                "Add them, or name the study with --study.",
             )
         try:
             positions = target_positions(task, time)

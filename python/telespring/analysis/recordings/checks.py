@@ -44,7 +44,7 @@ def check_required_columns(file: str, columns: Sequence[str], required: Sequence
             similar = [column for column in columns if column.startswith(stem) or stem.startswith(column)]
             similar = similar or difflib.get_close_matches(name, columns, n=1)
             value = f"missing; {similar[0]} is there instead" if similar else "missing"
-            refuse(f"{file}: {name}", value, f"the column {name} is needed")
+            refuse(f"{file}: {name}", value, f"the column {name} is required")
 
 
 def check_index_columns(file: str, columns: Sequence[str]) -> None:
@@ -56,7 +56,7 @@ def check_index_columns(file: str, columns: Sequence[str]) -> None:
         ):
             refuse(
                 f"{file}: {name}",
-                "not known",
+                "unknown",
                 f"the optional columns are {', '.join(INDEX_OPTIONAL)}",
                 "Correct its name; other columns are not read.",
             )
@@ -70,7 +70,7 @@ def parse_trial_status(text: str, field: str) -> str:
         refuse(
             field,
             text,
-            f"one of {', '.join(STATUSES)} is needed; empty means completed",
+            f"one of {', '.join(STATUSES)} is required; empty means completed",
             f"Write {similar[0]}."
             if similar
             else "Write completed if the trial ran to its end, otherwise stopped.",
@@ -82,7 +82,7 @@ def parse_condition_stiffness(text: str, field: str) -> float | None:
     """Parse the stiffness in the list of trials, N/m; empty (None) in the unconnected mode."""
     stiffness = None if text == "" else parse_number(text, field)
     if stiffness is not None and stiffness <= 0.0:
-        refuse(field, text, "a stiffness above 0 N/m is needed", "Leave it empty in the unconnected mode.")
+        refuse(field, text, "a stiffness above 0 N/m is required", "Leave it empty in the unconnected mode.")
     return stiffness
 
 
@@ -93,7 +93,7 @@ def parse_condition_delay(text: str, field: str) -> float:
         refuse(
             field,
             text,
-            f"a one-way delay from 0 to {_LARGEST_DELAY:g} s is needed",
+            f"a one-way delay from 0 to {_LARGEST_DELAY:g} s is required",
             "Write it in s; 167 ms is 0.167.",
         )
     return delay
@@ -106,14 +106,14 @@ def parse_number(text: str, field: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        refuse(field, text or "empty", "a number is needed")
+        refuse(field, text or "empty", "a number is required")
     return value
 
 
 def parse_whole_number(text: str, field: str, remedy: str) -> int:
     """Parse a whole number of 0 or more of the list of trials."""
     if not text.isdecimal():
-        refuse(field, text or "empty", "a whole number of 0 or more is needed", remedy)
+        refuse(field, text or "empty", "a whole number of 0 or more is required", remedy)
     return int(text)
 
 
@@ -125,7 +125,7 @@ def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str
         refuse(
             file,
             "only a header",
-            "a line per sample is needed",
+            "a line per sample is required",
             "Remove this trial from the list, or record it again.",
         )
     for column in columns:
@@ -137,7 +137,7 @@ def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str
             refuse(
                 f"{file}, line {line + 2}: {column}",
                 "empty" if text == "nan" else text,
-                "a number is needed in every line",
+                "a number is required in every line",
                 "Remove lines without samples; write decimals with a point.",
             )
 
@@ -145,7 +145,7 @@ def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str
 def check_recorded_times(file: str, time: FloatArray) -> None:
     """Refuse sample times that do not increase, seem to be in ms, start late or leave a long gap."""
     if len(time) < 2:
-        refuse(file, f"{len(time)} samples", "at least two are needed")
+        refuse(file, f"{len(time)} samples", "at least two are required")
     steps = np.diff(time)
     if not np.all(steps > 0.0):
         line = int(np.argmax(steps <= 0.0)) + 3
@@ -160,7 +160,7 @@ def check_recorded_times(file: str, time: FloatArray) -> None:
         refuse(
             f"{file}: {TIME}",
             f"a sample every {step:g} s",
-            f"samples at most {_LARGEST_STEP:g} s apart are needed",
+            f"samples at most {_LARGEST_STEP:g} s apart are required",
             "Divide by 1000 if the times are in ms.",
         )
     if not -step <= time[0] <= max(1.0, step):
@@ -187,6 +187,6 @@ def check_recorded_metres(file: str, quantity: str, values: FloatArray) -> None:
         refuse(
             f"{file}: {quantity}",
             f"typically {typical:.4g}",
-            f"positions in m are needed, and no robot reaches {_LARGEST_POSITION:g} m",
+            f"positions in m are required, and no robot reaches {_LARGEST_POSITION:g} m",
             "Divide by 1000 if they are in mm.",
         )

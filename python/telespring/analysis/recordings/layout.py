@@ -10,7 +10,7 @@ INDEX_REQUIRED = ("file", "stiffness_N_per_m", "delay_s", "trial")
 INDEX_OPTIONAL = ("status", "ended_at_s", "seed", "discard_s")
 #: How a trial may end.
 STATUSES = ("completed", "stopped", "diverged", "out of reach", "aborted", "failed")
-#: Name of the study file that may lie beside the list.
+#: Name of an optional study file in the folder of the list.
 STUDY = "study.toml"
 
 TIME = "time_s"

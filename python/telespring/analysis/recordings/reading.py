@@ -32,7 +32,7 @@ def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] |
     path : path
         A folder that contains ``trials.csv``, or that file.
     task : telespring.Task or mapping, optional
-        A study's task, which gives the target where the files have none.
+        A study's task, which gives the target if the files have none.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def _read_list_of_trials(path: Path) -> list[TrialEntry]:
         for line, row in enumerate(table.to_dict("records"), start=2)
     ]
     if not entries:
-        checks.refuse(path.name, "no lines", "a line per trial is needed")
+        checks.refuse(path.name, "no lines", "a line per trial is required")
     listed: dict[str, dict[object, int]] = {"trial": {}, "file": {}}
     for line, entry in enumerate(entries, start=2):
         keys = {"trial": (entry.stiffness, entry.delay, entry.number), "file": entry.file}
@@ -85,13 +85,13 @@ def _read_list_of_trials(path: Path) -> list[TrialEntry]:
                 checks.refuse(
                     f"{path.name}, line {line}: {column}",
                     str(entry.number if column == "trial" else entry.file),
-                    f"every {column} may be listed once, and this one is in line {listed[column][key]}",
+                    f"every {column} may be listed only once, and line {listed[column][key]} lists this one",
                     "Give the trials of a condition different numbers, or remove one of the lines.",
                 )
             listed[column][key] = line
     if len({entry.discard for entry in entries}) > 1:
         values = sorted({str(entry.discard) for entry in entries})
-        checks.refuse(f"{path.name}: discard_s", " and ".join(values), "one value for all trials is needed")
+        checks.refuse(f"{path.name}: discard_s", " and ".join(values), "one value for all trials is required")
     return entries
 
 
@@ -101,7 +101,7 @@ def _parse_trial_entry(row: Mapping[str, str], field: str) -> TrialEntry:
     if "ended_at_s" in row:
         text = row["ended_at_s"]
         ended_at = checks.parse_number(text, f"{field}: ended_at_s") if text else math.nan
-    no_seed = f"Remove the column seed from {INDEX}: trials of people have no seed."
+    no_seed = f"Remove the column seed from {INDEX}: only simulated trials have seeds."
     return TrialEntry(
         file=row["file"],
         stiffness=checks.parse_condition_stiffness(row["stiffness_N_per_m"], f"{field}: stiffness_N_per_m"),
@@ -157,9 +157,9 @@ def _read_recorded_csv(path: Path, name: str, *, text: bool = False) -> pd.DataF
             precision: dict[str, Any] = {} if is_exact else {"float_precision": "round_trip"}
             table = pd.read_csv(path, encoding="utf-8-sig", **precision)
     except UnicodeDecodeError:
-        checks.refuse(name, "not UTF-8", "a text file in UTF-8 is needed", "Save it as CSV UTF-8.")
+        checks.refuse(name, "not UTF-8", "a text file in UTF-8 is required", "Save it as CSV UTF-8.")
     except pd.errors.EmptyDataError:
-        checks.refuse(name, "empty", "a line of column names and a line per sample are needed")
+        checks.refuse(name, "empty", "a line of column names and a line per sample are required")
     except pd.errors.ParserError as error:
         reason = str(error).removeprefix("Error tokenizing data. C error: ").strip()
         checks.refuse(name, reason, "every line must have as many fields as there are column names")

@@ -74,7 +74,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
         raise InvalidInput(
             "folder",
             str(place),
-            f"a folder without {INDEX} is needed",
+            f"a folder without {INDEX} is required",
             "Choose another folder, or remove that file.",
         )
     status = trial_statuses(dataset)

@@ -57,7 +57,7 @@ class Prediction:
     Attributes
     ----------
     mean, standard_deviation
-        (condition, robot), m; over the completed trials, NaN where there are too few.
+        (condition, robot), m; over the completed trials, NaN if there are too few.
     ended_early
         Number of trials of each condition that ended early.
     arrow

@@ -22,14 +22,14 @@ _LABELS = {
     "spot_velocity": "Spot velocity, m/s",
 }
 _TITLES = {
-    "ideal": "the study as it is",
+    "ideal": "study, nothing fitted",
     "inside": "fit, inertia inside Table III",
     "on top": "fit, inertia on top",
 }
 
 
 def draw_cells(calibration: Calibration) -> Figure:
-    """Draw simulated beside published errors, with the fitted conditions separate from those held out."""
+    """Draw simulated and published errors, with the fitted conditions separate from those held out."""
     from telespring.show import figures
 
     baseline = next(row for row in calibration.published if row.stiffness is None)

@@ -27,7 +27,7 @@ class Surrogate:
     points
         Where the laboratory was run, (point, unknown), every unknown in units of its upper bound.
     errors
-        Its mean tracking errors there, (point, condition, robot), m; NaN where it diverged.
+        Its mean tracking errors there, (point, condition, robot), m; NaN if it diverged.
     shift
         Added to the logarithm, (condition, robot).
     """

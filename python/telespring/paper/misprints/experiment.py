@@ -57,7 +57,9 @@ def misprint_of_reference_delay(axes: list[DyadAxis]) -> Misprint:
             "The unrounded K gives the delays of the experiment; K rounded to 36 N/m gives shorter ones. "
             "Neither gives 165 ms."
         ),
-        consequence=("Whoever repeats the experiment from Table III uses other delays than the paper did."),
+        consequence=(
+            "Anyone who repeats the experiment from Table III uses other delays than the paper did."
+        ),
         evidence=(
             Evidence("Δ_xy printed in Table III", table.reference_delay, "s"),
             Evidence("Δ_xy from the unrounded K", unrounded, "s"),

@@ -37,7 +37,7 @@ def misprint_in_equation_2(axis: DyadAxis, k: float) -> Misprint:
         where="Eq. 2 and Appendix A1",
         printed="X₁/F₁ = (m₁s² + b₁s + k)/χ and X₂/F₂ = (m₂s² + b₂s + k)/χ",
         true="The diagonal is swapped: X₁/F₁ = (m₂s² + b₂s + k)/χ and X₂/F₂ = (m₁s² + b₁s + k)/χ.",
-        consequence="Unequal robots get each other's mobility.",
+        consequence="With unequal robots, each gets the other's mobility.",
         evidence=(
             Evidence(f"|X₁/F₁| on axis {axis.name}, Eq. 1 solved as a linear system", abs(solved), "m/N"),
             Evidence("the same, corrected diagonal", abs(p2 / chi), "m/N"),
@@ -126,7 +126,7 @@ def misprint_in_letters_of_section_3(base: DyadAxis) -> Misprint:
         where="Section III, second paragraph",
         printed="K = S(K, B, K, B) and Δ = D(K, B, K, B, 2K)",
         true="K = S(M, B, M, B) and Δ = D(M, B, M, B, 2K), as in the caption of Fig. 3",
-        consequence="K would be defined by itself, with a stiffness in the place of a mass.",
+        consequence="K would be defined in terms of itself, with a stiffness in the place of a mass.",
         evidence=(
             Evidence("S(M, B, M, B)", stiffness, "N/m"),
             Evidence("S(K, B, K, B) with that K taken as a mass in kg", as_mass, "N/m"),

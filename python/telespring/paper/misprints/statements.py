@@ -92,7 +92,7 @@ def wrong_statement_on_equation_5() -> Misprint:
             "proof is false. Stability is delay-independent if and only if F has no positive root. For equal "
             "masses Eq. 5 fails as soon as one damping is more than 1+√2 times the other."
         ),
-        consequence="Unequal robots are unstable with a spring that the paper calls safe at every delay.",
+        consequence="Unequal robots are unstable with a spring that the paper calls stable at every delay.",
         evidence=(
             Evidence("masses of both robots", m1, "kg"),
             Evidence("damping of robot 1", b1, "N·s/m"),
@@ -208,7 +208,7 @@ def wrong_statement_on_varying_delay(base: DyadAxis) -> Misprint:
         ),
         evidence=(
             Evidence("kₘ of the base robot", k, "N/m"),
-            Evidence("b²/(4m), safe on any network", damping**2 / (4 * mass), "N/m"),
+            Evidence("b²/(4m), stable on any network", damping**2 / (4 * mass), "N/m"),
             Evidence("at kₘ, hold each position for", hold, "s"),
             Evidence("growth of the distance per hold", growth, "1"),
             Evidence("growth rate", math.log(growth) / hold, "1/s"),

@@ -20,7 +20,7 @@ from telespring.paper.sections.summary.section import SECTION as SUMMARY
 
 __all__ = ["SECTIONS", "order_of_computation"]
 
-#: In the order on the page: the paper's, with what the paper does not have beside what it belongs to.
+#: In the order on the page: that of the paper, with additional sections next to related ones.
 SECTIONS = (
     SUMMARY,
     MODEL,

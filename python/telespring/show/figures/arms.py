@@ -36,7 +36,7 @@ class ArmsPanel:
         Stable delays in arms, at evenly spaced stiffnesses.
     free
         Smallest delay (s) at which stability is lost with free handles, at the same stiffnesses;
-        infinite where none is.
+        infinite if none is.
     conditions
         Stiffness (N/m), delay (s), and whether this axis is stable there in arms.
     """
@@ -77,10 +77,12 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
         black = COLOURS["black"]
         figure.legend(
             handles=[
-                Patch(facecolor=STABLE, edgecolor=COLOURS["blue"], label="stable in arms"),
+                Patch(facecolor=STABLE, edgecolor=COLOURS["blue"], label="stable with arms"),
                 legend_line("free handles: stable below", COLOURS["vermilion"], DASHES[1]),
-                legend_mark("condition, stable in arms", black, "o", markerfacecolor="white", markersize=4.5),
-                legend_mark("condition, unstable in arms", black, "X"),
+                legend_mark(
+                    "condition, stable with arms", black, "o", markerfacecolor="white", markersize=4.5
+                ),
+                legend_mark("condition, unstable with arms", black, "X"),
             ],
             loc="outside upper center",
             ncols=4,

@@ -35,7 +35,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 _FITTED = "#EFEFEF"
-#: Simulated series one after the other: colour, marker, and how far beside its condition.
+#: Simulated series: colour, marker, and horizontal offset from the condition.
 _LOOKS = ((GREY, "x", -0.24), (COLOURS["blue"], "s", 0.16), (COLOURS["vermilion"], "^", 0.32))
 _VARIANTS: tuple[tuple[str, LineStyleType], ...] = (
     (COLOURS["blue"], "solid"),
@@ -95,9 +95,9 @@ def cells_figure(
     null: tuple[float, float],
     highest: float = 0.062,
 ) -> Figure:
-    """Draw simulated beside published errors of every condition, for up to three laboratories.
+    """Draw simulated and published errors of every condition, for up to three laboratories.
 
-    Conditions that the fit has seen (`fitted`, their places) stand on a shaded ground. `null` is the error of
+    Conditions that the fit has seen (`fitted`, their places) have a shaded background. `null` is the error of
     both robots, m, that is predicted where nothing changes from the unconnected mode. What lies above
     `highest`, m, is marked at the edge with its value.
     """
@@ -137,7 +137,7 @@ def cells_figure(
                     elinewidth=0.8,
                 )
                 for outside in np.flatnonzero(~inside):
-                    text = f"{values[outside]:.0f} ↑" if np.isfinite(values[outside]) else "ran away ↑"
+                    text = f"{values[outside]:.0f} ↑" if np.isfinite(values[outside]) else "diverged ↑"
                     axes.annotate(
                         text,
                         (at[outside] + beside, 1e3 * highest),

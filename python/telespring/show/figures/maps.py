@@ -69,7 +69,7 @@ def tier_map(
 
     `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
     `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
-    (s); None where that verdict is not available. Crosses mark the conditions of the paper's experiment.
+    (s); None if that verdict is not available. Crosses mark the conditions of the paper's experiment.
     `extent` is the largest stiffness (N/m) and delay (s) drawn. The legend says by `stable_for` what the
     region holds for.
     """

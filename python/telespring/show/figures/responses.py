@@ -25,7 +25,7 @@ class ResponsePanel:
     Attributes
     ----------
     letter
-        The panel's letter in the paper's figure, or "" where the paper has no such panel.
+        The panel's letter in the paper's figure, or "" if the paper has no such panel.
     setting
         Stiffness and delay in words.
     time

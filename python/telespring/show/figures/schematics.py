@@ -38,9 +38,9 @@ class DrawnSide:
     robot
         Its name.
     agent
-        What is written beside the target, on a line or two.
+        Label next to the target, in one or two lines.
     spots
-        Of the cloud that the agent follows; 0 where it follows the target itself.
+        Of the cloud that the agent follows; 0 if it follows the target itself.
     arm
         What is written below the arm.
     links

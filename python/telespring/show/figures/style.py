@@ -112,7 +112,7 @@ def legend_mark(label: str, colour: str, marker: str, **style: Any) -> Line2D:
 
 
 def to_svg(figure: Figure, name: str, title: str, description: str) -> str:
-    """Render a figure as one `<svg>` element that can stand inside a page and loads nothing from elsewhere.
+    """Render a figure as one `<svg>` element for use inside a page and loads nothing from elsewhere.
 
     The same figure gives the same text every time: no date, no random identifiers. Every identifier inside
     begins with `name`, a word that is unique in the page. Title and description are for readers who cannot

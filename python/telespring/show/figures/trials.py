@@ -27,7 +27,7 @@ _POINTS = 600
 _DOTS = 180
 #: A panel shows at most this multiple of the target's extent; larger motions leave it.
 _WIDEST = 1.6
-#: Margins in inch: at the figure's edges, above each row of panels, and beside each pair.
+#: Margins in inch: at the figure's edges, above each row of panels, and on either side of each pair.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ABOVE, _BESIDE = 0.52, 0.05, 0.22, 0.36, 0.19, 0.16
 
 
@@ -64,7 +64,7 @@ class ErrorGroup:
     family
         Name under which neighbouring groups are bracketed, such as a stiffness.
     errors
-        Per robot the tracking error of each trial, m; NaN where there is none.
+        Per robot the tracking error of each trial, m; NaN if there is none.
     arrows
         Per robot "↑", "↓" or "".
     ended_early
@@ -83,7 +83,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
 
     Every condition shows robot 1 on the left and robot 2 on the right, with the target; all panels share one
     scale, and a note marks motions that leave the panel. The unconnected mode has a column of its own; the
-    grid has a row per stiffness and a column per delay, and None where there is no condition.
+    grid has a row per stiffness and a column per delay, and None if there is no condition.
     """
     columns = max([len(row) for row in grid], default=0) + (unconnected is not None)
     placed: dict[tuple[int, int], TrialPanel] = {}

@@ -14,7 +14,7 @@ from telespring.show.quantities import format_in_column, format_p_value
 
 __all__ = ["analysis_screen"]
 
-#: Measures beside the tracking errors: key, heading, factor to the unit shown, and decimals.
+#: Measures in addition to the tracking errors: key, heading, factor to the unit shown, and decimals.
 _COLUMNS = (
     ("lag", "lag\nms", 1e3, 0),
     ("interaction_force_rms", "spring\nN", 1.0, 2),

@@ -18,8 +18,8 @@ __all__ = [
 
 PATH_SECTIONS = {
     "period": "one period of the target",
-    "part of a period": "the trial of the target",
-    "whole trial": "a whole trial of the target",
+    "part of a period": "the target's path in a trial",
+    "whole trial": "the target's path in a whole trial",
 }
 
 
@@ -47,7 +47,7 @@ def describe_arm_poses(poses: PoseSample) -> str:
     how = "nearly" if poses.axes_are_independent else "not"
     return (
         f"Worst of {len(poses.positions)} poses along {PATH_SECTIONS[poses.section]}; x and y are {how} "
-        f"independent, the cross-axis inertia is up to {one} (robot 1) and {two} (robot 2) of the diagonal"
+        f"independent: the cross-axis inertia is up to {one} (robot 1) and {two} (robot 2) of the diagonal"
     )
 
 
@@ -61,7 +61,7 @@ def describe_arm_operators(operators: EquivalentOperators) -> str:
 
 
 def describe_unavailable_arms(arms: ArmStability) -> str | None:
-    """Describe why there is no verdict in arms; None where there is one."""
+    """Describe why there is no verdict in arms; None if there is one."""
     if arms.unavailable == "agent program":
         programs = [f"agent {number} is the program {name}" for number, name in arms.programs.items()]
         whose = "whose stiffness is" if len(programs) == 1 else "whose stiffnesses are"
@@ -77,6 +77,6 @@ def describe_unavailable_arms(arms: ArmStability) -> str | None:
 def describe_arm_stability(arms: ArmStability) -> str:
     """Describe what the verdicts in arms hold for, or why there are none."""
     if arms.operators is None:
-        return f"not known, {describe_unavailable_arms(arms)}."
+        return f"unknown: {describe_unavailable_arms(arms)}."
     text = f"{describe_arm_operators(arms.operators)}; continuous controllers, constant delay."
     return text if arms.poses is None else f"{text} {describe_arm_poses(arms.poses)}."

@@ -24,7 +24,7 @@ from telespring.theory.verdicts import DelayBudget
 
 __all__ = ["decision_screen"]
 
-#: Whether a tier's promise holds on this network, for a narrow column.
+#: Whether a tier's assumption holds on this network, for a narrow column.
 _APPLIES = {
     "met": Text("yes"),
     "met behind playout buffer": Text("if buffered", style="yellow"),
@@ -96,8 +96,8 @@ def _decision_growth(decision: Decision) -> str:
         why = ""
         growth = worst.spectral_abscissa if worst.sampled_abscissa is None else worst.sampled_abscissa
     if growth > 0.0:
-        return f"{why}: it grows by a factor of e every {format_time(1 / growth)} (axis {worst.name})"
-    return f"{why}: it oscillates without decay (axis {worst.name})"
+        return f"{why}: the motion grows by a factor of e every {format_time(1 / growth)} (axis {worst.name})"
+    return f"{why}: the motion oscillates without decay (axis {worst.name})"
 
 
 def _decision_margins(decision: Decision) -> str:
@@ -221,7 +221,8 @@ def _decision_verdict_notes(decision: Decision) -> list[Text]:
         allowed_text = {"no limit": "any stiffness", "none": "no stiffness"}.get(
             stiffness, f"a stiffness {stiffness} N/m"
         )
-        notes.append(Text(f"This network as it is allows {allowed_text} ({allowed.tier})."))
+        unbuffered = " without a playout buffer" if decision.buffered else ""
+        notes.append(Text(f"This network allows {allowed_text}{unbuffered} ({allowed.tier})."))
     if not decision.verdicts.paper.agrees:
         notes.append(Text("The paper's formulas are wrong here.", style="yellow"))
     if decision.sampled_stable is not None:
@@ -300,7 +301,8 @@ def _describe_decay_rate(decision: Decision) -> list[Padding]:
     stiffness = " or ".join(ranges) or "none"
     if limits := _describe_margin_limits(decision):
         stiffness += f" ({', '.join(limits)})"
-    title = f"Stiffness at which every motion decays at {format_number(decision.decay_rate)} 1/s or faster: "
+    rate = format_number(decision.decay_rate)
+    title = f"Stiffness at which every motion decays at a rate of at least {rate} 1/s: "
     return [Padding(Text.assemble((title, "bold"), stiffness), (1, 0, 0, 0))]
 
 
@@ -313,8 +315,8 @@ def _describe_decision_uncertainty(decision: Decision) -> list[RenderableType]:
     probability = format_probability(stable.value, stable.standard_error, stable.draws)
     limits = "".join(f", {limit}" for limit in _describe_margin_limits(decision))
     sentence = Text.assemble(
-        ("Given the errors of the robots, ", "bold"),
-        f"this constant delay is stable with probability {probability}{limits}.",
+        ("Given the uncertainty of the robots' parameters, ", "bold"),
+        f"the dyad is stable at this constant delay with probability {probability}{limits}.",
     )
     table = _empty_decision_table()
     for name in ("axis", "kₘ, 95 %", "δₘ, 95 %"):
@@ -338,7 +340,7 @@ def _describe_decision_in_arms(decision: Decision) -> list[Padding]:
         return []
     held = "In the rehearsal, arms and agents hold the handles"
     if arms.operators is None:
-        return [Padding(Text(f"{held}. In these arms: {describe_arm_stability(arms)}"), (1, 0, 0, 0))]
+        return [Padding(Text(f"{held}. Stability with them is {describe_arm_stability(arms)}"), (1, 0, 0, 0))]
     (condition,) = arms.conditions
     verdict = ("stable", "bold green") if condition.stable else ("unstable", "bold red")
     places, pace = "", describe_arm_pace(condition)
@@ -349,7 +351,7 @@ def _describe_decision_in_arms(decision: Decision) -> list[Padding]:
     elif condition.unstable_axes:
         places = f" on {' and '.join(condition.unstable_axes)}"
     controllers = "" if decision.sampled_stable is None else " with continuous controllers"
-    held_by = f"{held} ({describe_arm_operators(arms.operators)}). In these arms: "
+    held_by = f"{held} ({describe_arm_operators(arms.operators)}). With them the dyad is "
     lines = [Text.assemble(held_by, verdict, f"{places}{controllers} ({pace}).")]
     if arms.poses is not None:
         lines.append(Text(f"{describe_arm_poses(arms.poses)}."))
@@ -358,7 +360,8 @@ def _describe_decision_in_arms(decision: Decision) -> list[Padding]:
 
 def _suggested_change_lines(decision: Decision) -> Padding:
     if decision.stable:
-        title, lines = "To be safe beyond this constant delay: ", _suggest_stronger_guarantees(decision)
+        title = "To guarantee stability beyond this constant delay: "
+        lines = _suggest_stronger_guarantees(decision)
     else:
         title, lines = "To be stable at a constant delay, one of: ", _suggest_stabilising_changes(decision)
     return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))

@@ -35,7 +35,7 @@ def preflight_sentence(warning: PreflightWarning) -> str:
     --------
     >>> from telespring.rehearsal.preflight import LossWarning
     >>> preflight_sentence(LossWarning())
-    'laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began.'
+    'laboratory.loss = 1: no packet ever arrives: each spring pulls to where the partner began.'
     """
     if isinstance(warning, JitterWarning):
         return (
@@ -43,16 +43,16 @@ def preflight_sentence(warning: PreflightWarning) -> str:
             f"{warning.duration:g} s: most packets arrive after its end."
         )
     if isinstance(warning, LossWarning):
-        return "laboratory.loss = 1: no packet ever arrives, so each spring pulls to where the partner began."
+        return "laboratory.loss = 1: no packet ever arrives: each spring pulls to where the partner began."
     is_far = warning.limit == "farthest"
-    limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside of")
+    limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside")
     room = 1e3 * warning.room
     course = f"comes within {room:.0f} mm of" if room >= 0.0 else f"goes {-room:.0f} mm {past}"
     x, y = (f"{1e3 * coordinate + 0.0:.0f}" for coordinate in warning.position)
     reach = f"{limit} of {1e3 * warning.reach:.0f} mm"
     return (
         f"arm{warning.arm}: the target {course} its {reach}, at ({x}, {y}) mm. "
-        f"A hand that is pushed farther ends the trial as out of reach."
+        f"If the hand is pushed farther, the trial ends as out of reach."
     )
 
 
@@ -97,7 +97,7 @@ def rehearsal_outcome_screen(
     if outcome.resumed == outcome.trials:
         console.print(f"{size}, already complete", markup=False)
     else:
-        resumed = f", after {outcome.resumed} that were kept" if outcome.resumed else ""
+        resumed = f", {outcome.resumed} kept from before" if outcome.resumed else ""
         console.print(
             f"{size}; {outcome.trials - outcome.resumed} run in {seconds:.1f} s{resumed}", markup=False
         )
@@ -106,12 +106,12 @@ def rehearsal_outcome_screen(
 
 
 def rehearsed_conditions_screen(console: Console, summary: RehearsalSummary, stability: ArmStability) -> None:
-    """Print for each condition whether it is stable in the study's arms, and how its trials ended."""
+    """Print for each condition whether it is stable with the study's arms, and how its trials ended."""
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False)
     table.add_column("condition", no_wrap=True)
-    table.add_column("in arms")
+    table.add_column("with arms")
     table.add_column("completed", justify="right", no_wrap=True)
     table.add_column("ended early", no_wrap=True)
     verdicts = iter(stability.conditions)
@@ -129,7 +129,7 @@ def rehearsed_conditions_screen(console: Console, summary: RehearsalSummary, sta
             _format_early_ends(condition) or "–",
         )
     console.print(table)
-    console.print(f"In arms: {describe_arm_stability(stability)}", markup=False)
+    console.print(f"With arms: {describe_arm_stability(stability)}", markup=False)
 
 
 def _format_early_ends(condition: ConditionSummary) -> str:

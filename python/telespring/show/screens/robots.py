@@ -1,4 +1,4 @@
-"""Notes on robots that were identified: what to know before the verdicts are trusted."""
+"""Notes on robots that were identified: what to know before relying on the verdicts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["identification_notes", "robot_notes"]
 def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None]) -> list[str]:
     """Repeat the warnings that identification recorded about either robot."""
     return [
-        f"Robot {number}, when it was identified: {warning}"
+        f"Robot {number}, from its identification: {warning}"
         for number, record in enumerate(records, start=1)
         if record is not None
         for warning in record.warnings
@@ -22,20 +22,20 @@ def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None])
 
 
 def robot_notes(decision: Decision) -> list[str]:
-    """Report coupled axes, warnings of the identification, and a robot without errors beside one with."""
+    """Report coupled axes, identification warnings, and a robot without uncertainty if only one has it."""
     records, exact = decision.robot_records, decision.robots_without_errors
     coupled = [i for i, record in enumerate(records, start=1) if record and record.independent is False]
     notes = []
     if coupled:
         whose = "both robots" if len(coupled) == 2 else f"robot {coupled[0]}"
         notes.append(
-            f"The axes of {whose} are NOT independent. All verdicts and margins here treat the axes one by "
-            "one and do not hold for such a robot; no probability of stability is given."
+            f"The axes of {whose} are NOT independent. All verdicts and margins here treat the axes "
+            "separately and do not hold for such a robot; no probability of stability is given."
         )
     notes += identification_notes(records)
     if len(exact) == 1 and not coupled:
         notes.append(
-            f"Robot {exact[0]} carries no errors and counts as known exactly; intervals and probability "
-            f"reflect the errors of robot {3 - exact[0]} only."
+            f"Robot {exact[0]} has no standard deviations and is treated as exactly known; intervals and "
+            f"probability include the uncertainty of robot {3 - exact[0]} only."
         )
     return notes

@@ -47,7 +47,7 @@ def simulation_summary(
         apart = apart[np.isfinite(apart)]
         largest = float(np.max(np.abs(apart)))
         if largest > _RUNAWAY:
-            yield f"  axis {escape(axis.name)}: unstable, the robots run away from each other"
+            yield f"  axis {escape(axis.name)}: unstable, the robots drift apart without limit"
             continue
         text = f"  axis {escape(axis.name)}: ends at {_distance_mm(apart[-1])}, peak {_distance_mm(largest)}"
         rest = None

@@ -146,7 +146,7 @@ fn check_initial(dimension: usize, initial: Option<&[f64]>) -> Result<()> {
         return Err(InvalidInput::new(
             "initial",
             format!("{} value(s)", values.len()),
-            format!("{dimension} values are needed, one per component"),
+            format!("{dimension} values are required, one per component"),
             "Give the state at the start, or omit it to use the history.",
         ));
     }

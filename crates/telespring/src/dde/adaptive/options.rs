@@ -35,7 +35,7 @@ impl Tolerance {
             return Err(InvalidInput::new(
                 field,
                 format!("{} value(s)", values.len()),
-                format!("{dimension} values are needed, one per component"),
+                format!("{dimension} values are required, one per component"),
                 "Give one number for all components or one for each.",
             ));
         }

@@ -177,7 +177,7 @@ impl<E> Solution<E> {
             return Err(InvalidInput::new(
                 "out",
                 format!("{length} value(s)"),
-                format!("{expected} are needed"),
+                format!("{expected} are required"),
                 "Give an array with one value per component and time.",
             ));
         }

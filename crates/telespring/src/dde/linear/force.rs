@@ -1,4 +1,4 @@
-//! Forces on a robot as functions of its own time.
+//! Forces on a robot as functions of its local time.
 
 use super::MAGNITUDE_LIMIT;
 use super::piecewise::PiecewisePolynomial;
@@ -280,7 +280,7 @@ pub(super) fn check_magnitude(field: &str, value: f64, unit: &str) -> Result<()>
     Err(InvalidInput::new(
         field,
         value,
-        format!("a finite number of at most {MAGNITUDE_LIMIT:e} {unit} in magnitude is needed"),
+        format!("a finite number of at most {MAGNITUDE_LIMIT:e} {unit} in magnitude is required"),
         "Replace missing or infinite values by numbers.",
     ))
 }

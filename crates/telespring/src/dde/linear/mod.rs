@@ -399,9 +399,9 @@ fn check_axis(axis: &DyadAxis) -> Result<()> {
             return Ok(());
         }
         let allowed = if positive {
-            "a finite number above 0 is needed"
+            "a finite number above 0 is required"
         } else {
-            "a finite number of 0 or more is needed"
+            "a finite number of 0 or more is required"
         };
         Err(InvalidInput::new(field, value, allowed, "Build the axis with DyadAxis::new, which checks it."))
     };

@@ -283,7 +283,7 @@ fn check_edges(field: &str, edges: &[f64]) -> Result<()> {
     Err(InvalidInput::new(
         field,
         format!("{} time(s)", edges.len()),
-        "at least two times are needed, each later than the one before",
+        "at least two times are required, each later than the one before",
         "Sort the times and drop repeated ones.",
     ))
 }

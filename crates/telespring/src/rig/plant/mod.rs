@@ -84,7 +84,7 @@ impl Plant {
                         format!("{:?}", arm.base),
                         format!("{outside}, where the handle starts"),
                         "Move the base so that its distance from there is between the difference and the sum of \
-                         the links' lengths, with room to both.",
+                         the links' lengths, with a margin to both.",
                     )
                 })?;
                 Ok(Self::TwoLink(plant))

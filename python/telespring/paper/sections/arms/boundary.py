@@ -72,7 +72,7 @@ class ArmsBoundary:
     conditions: tuple[tuple[float, float], ...]
 
     def numbers(self) -> dict[str, Any]:
-        """Boundary in arms for JSON, in SI units; None where there is no bound."""
+        """Boundary in arms for JSON, in SI units; None if there is no bound."""
         return {
             "agent_stiffness": list(self.agent_stiffness),
             "horizon": self.horizon,
@@ -128,11 +128,11 @@ class ArmsBoundary:
                     stability = "stable at every constant delay"
                 else:
                     stability = f"stable at every constant delay up to {1e3 * self.horizon:.0f} ms"
-                sentences.append(f"Axis {free.name} in arms at {stiffness:.4g} N/m: {stability}.")
+                sentences.append(f"Axis {free.name} with arms at {stiffness:.4g} N/m: {stability}.")
         sentences += [
             f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
             f"{_verdict_word(free)}{_on_unstable_axes(free)} with free handles, "
-            f"{_verdict_word(held)}{_on_unstable_axes(held)} in arms."
+            f"{_verdict_word(held)}{_on_unstable_axes(held)} with arms."
             for (stiffness, delay), free, held in self._unstable_axes()
             if free or held
         ]

@@ -35,7 +35,7 @@ def find_arms(scene: Scene) -> Findings:
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
     stability = arm_stability(scene.study, connected, scene.modules)
     if stability.operators is None:
-        reason = f"Not known: {describe_unavailable_arms(stability)}."
+        reason = f"Unknown: {describe_unavailable_arms(stability)}."
         return Findings(numbers={"arms": {"known": False, "statements": [reason], "conditions": []}})
     numbers = {
         "known": True,
@@ -54,8 +54,8 @@ def find_arms(scene: Scene) -> Findings:
 SECTION = Section(
     name="arms",
     anchor="arms",
-    title="How arms move the stability boundary",
-    step="stability in arms",
+    title="How arms shift the stability boundary",
+    step="stability with arms",
     find=find_arms,
 )
 
@@ -86,7 +86,7 @@ def _boundary_findings(
     drawing = figures.to_svg(
         draw_arms_boundary(boundary),
         "arms",
-        "Stability over stiffness and delay with the handles in arms",
+        "Stability over stiffness and delay with the handles held by arms",
         "One panel per axis. Shaded: stable while arms and agents hold both handles. Dashed: the boundary "
         "with free handles. Marks: the experiment's conditions. " + " ".join(boundary.statements()),
     )

@@ -23,14 +23,14 @@ def find_calibration(scene: Scene) -> Findings:
             "calibration": figures.to_svg(
                 draw_cells(calibration),
                 "calibration",
-                "Simulated beside published tracking error, every cell of Table I",
+                "Simulated and published tracking error, every cell of Table I",
                 "Fitted conditions are separate from predicted ones.",
             ),
             "profiles": figures.to_svg(
                 draw_profiles(calibration),
                 "profiles",
                 "Profile likelihood of each unknown",
-                "A panel per unknown: the rise of the deviance with the other unknowns fitted again.",
+                "One panel per unknown: rise of the deviance with the other unknowns refitted.",
             ),
             "pairs": figures.to_svg(
                 draw_pairs(calibration),

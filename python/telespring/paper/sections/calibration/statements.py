@@ -284,10 +284,10 @@ def _predicted_growth_sentences(
         return []
     return [
         (
-            f"In the study's own laboratory the handles run away in {', '.join(grown)}; the paper reports "
-            "nothing similar. More damping or friction in the real arms and robots is one possible "
-            "explanation; others are less delay or stiffness than was set, or agents who behave differently "
-            "from the model. These data cannot tell them apart."
+            f"In the study's own laboratory the motion grows far too large in {', '.join(grown)}; the "
+            "paper reports nothing similar. More damping or friction in the real arms and robots is one "
+            "possible explanation; others are less delay or stiffness than was set, or agents who behave "
+            "differently from the model. These data cannot tell them apart."
         )
     ]
 
@@ -306,8 +306,8 @@ def _predicted_scatter_sentences(
     return [
         (
             f"In the unconnected mode TE1 has a standard deviation of {theirs:.1f} mm over the published "
-            f"trials and of {ours} over the simulated ones: the real skilled agent repeats itself less "
-            "exactly, and no unknown here represents that."
+            f"trials and of {ours} over the simulated ones: the real skilled agent is less "
+            "repeatable, and no unknown of the fit represents that."
         )
     ]
 

@@ -1,4 +1,4 @@
-"""Statistical tests that Section V of the paper reports, beside the same tests of our trials."""
+"""Statistical tests reported in Section V of the paper, and the same tests on our trials."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["compare_reported_tests"]
 
 
 def compare_reported_tests(analysed: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Set each test that Section V of the paper reports beside the same test of our trials.
+    """Compare each test reported in Section V of the paper with the same test on our trials.
 
     A row's `agrees` is whether our raw `p` is on the same side of the printed `level`. Statements on
-    conditions that were not run are left out; `p` is None where a group has no trial.
+    conditions that were not run are left out; `p` is None if a group has no trial.
     """
     printed = read_reference("du2025")["section5"]
     rows = []

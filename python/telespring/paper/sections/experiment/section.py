@@ -29,7 +29,7 @@ def find_experiment(scene: Scene) -> Findings:
     experiment = scene.study.experiment
     if experiment is None:
         if scene.rehearsal is not None:
-            # otherwise the page would stand beside another study's trials
+            # otherwise the page would be next to another study's trials
             remove_rehearsal(scene.rehearsal)
         return Findings()
     trials = Trials.from_dataset(_rehearse_experiment(scene))

@@ -66,11 +66,10 @@ def find_frequency(scene: Scene) -> Findings:
         figures.frequency_figure(frequency, families),
         "frequency",
         "Magnitude and phase under stiffness, delay, inertia and damping",
-        "Magnitude of the motion of one robot per motion of the other above its phase. "
-        "More stiffness or inertia "
-        "or less damping lifts the magnitude above one; more delay only lowers the "
-        "phase. A dot marks where the "
-        "magnitude falls through one; the dyad is stable where the phase there is above −180 degree.",
+        "Top: magnitude of the motion of one robot per motion of the other. Bottom: phase. "
+        "More stiffness or inertia or less damping raises the magnitude above one; more delay only lowers "
+        "the phase. A dot marks where the magnitude falls below one; the dyad is stable if the phase there "
+        "is above −180 degrees.",
     )
     return Findings(
         numbers={

@@ -46,7 +46,7 @@ class IdentificationStudy:
     ----------
     numbers
         Plain values in SI units, as JSON has them: ``excitation``, ``noise``, ``arm``, ``axes`` (per robot
-        and axis, measured at the handle, beside the true values), ``methods``, ``reweightings``,
+        and axis, measured at the handle, with the true values), ``methods``, ``reweightings``,
         ``axes_independent``, ``seed`` and ``verdict``.
     movements
         Name and movement: the paper's command and the designed one (Fig. 9).

@@ -68,7 +68,7 @@ def find_laboratory(scene: Scene) -> Findings:
         for part, name, value, unit in (
             ("controllers", "lag of the actuators", settings.actuator_lag, "s"),
             ("controllers", "resolution of the encoders", settings.encoder_resolution, "m"),
-            ("network", "jitter, the most that a packet is later", settings.jitter, "s"),
+            ("network", "jitter, largest additional delay of a packet", settings.jitter, "s"),
             ("network", "probability that a packet is lost", settings.loss, "1"),
         )
         if value
@@ -77,7 +77,7 @@ def find_laboratory(scene: Scene) -> Findings:
         _laboratory_row("protocol", "conditions", len(experiment.conditions), "1"),
         _laboratory_row("protocol", "trials of each", experiment.trials, "1"),
         _laboratory_row("protocol", "length of a trial", experiment.duration, "s"),
-        _laboratory_row("protocol", "left out at its start", experiment.discard, "s"),
+        _laboratory_row("protocol", "discarded at its start", experiment.discard, "s"),
         _laboratory_row("protocol", "samples recorded per second", experiment.record_rate, "Hz"),
         _laboratory_row("protocol", "order of the trials", experiment.order, ""),
         _laboratory_row("protocol", "seed", experiment.seed, "1"),
@@ -152,7 +152,7 @@ def _draw_figure_6(scene: Scene, experiment: Experiment) -> str:
         figures.laboratory_schematic(target_path(experiment, scene.modules), sides),
         "laboratory",
         "The laboratory: two robots, each held by an agent's arm",
-        "The target's path, once for each agent, above the robots from above. "
+        "Top: the target's path for each agent. Bottom: the robots seen from above. "
         + " ".join(
             f"{side.robot}: agent {' '.join(side.agent.split())}, {' '.join(side.arm.split())}."
             for side in sides

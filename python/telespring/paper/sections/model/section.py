@@ -19,7 +19,7 @@ def draw_model(_scene: Scene) -> Findings:
                 "Two robots joined by a virtual spring",
                 "Two masses m1 and m2, each with a damper b1 or b2 to the ground, with a virtual spring k "
                 "between them. The operators push with f1 and f2. Each end of the spring receives the "
-                "partner's position one delay late.",
+                "partner's position after one delay.",
             ),
             "loop": figures.to_svg(
                 figures.loop_schematic(),

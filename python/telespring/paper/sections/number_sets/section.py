@@ -49,7 +49,7 @@ def table_2_set(value: complex, size: float) -> str:
 
 
 def find_number_sets(scene: Scene) -> Findings:
-    """Compute Table II for two identical robots, beside the printed one."""
+    """Compute Table II for two identical robots, and compare it with the printed one."""
     mass, damping = scene.identical_axis.masses[0], scene.identical_axis.dampings[0]
     critical = damping**2 / (2 * mass)
     changes = (math.sqrt(2) - 1) * critical
