@@ -21,6 +21,7 @@ pub enum Argument<T> {
 impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
     type Error = Infallible;
 
+    /// The argument in its type, or as written text if Python passed another type.
     fn extract(value: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
         Ok(value.extract().map_or_else(|_| Self::Other(written(&value)), Self::Given))
     }
@@ -48,21 +49,21 @@ impl<T> Argument<T> {
 pub type Number = Argument<f64>;
 
 impl Number {
-    /// The number, or a refusal with this field.
+    /// The argument as a number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<f64> {
         Ok(self.or_refuse(field, "a real number is required", "Give one number.")?)
     }
 }
 
 impl Argument<Option<f64>> {
-    /// The number or `None`, or a refusal with this field.
+    /// The argument as a number or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<f64>> {
         Ok(self.or_refuse(field, "a real number or None is required", "Give one number, or None.")?)
     }
 }
 
 impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
-    /// The pair or `None`, or a refusal with this field.
+    /// The argument as a pair or `None`, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Option<[Option<Py<PyAny>>; 2]>> {
         let allowed = "a pair is required, for each robot a program or None";
         Ok(self.or_refuse(field, allowed, "Write it such as (agent, None).")?)
@@ -70,7 +71,7 @@ impl Argument<Option<[Option<Py<PyAny>>; 2]>> {
 }
 
 impl Argument<u64> {
-    /// The whole number, or a refusal with this field.
+    /// The argument as a whole number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<u64> {
         let allowed = format!("a whole number from 0 to {} is required", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give an int in this range.")?)
@@ -78,14 +79,14 @@ impl Argument<u64> {
 }
 
 impl Argument<Vec<f64>> {
-    /// The numbers, or a refusal with this field.
+    /// The argument as numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<f64>> {
         Ok(self.or_refuse(field, "a row of real numbers is required", "Give a flat array of floats.")?)
     }
 }
 
 impl Argument<Vec<u64>> {
-    /// The whole numbers, or a refusal with this field.
+    /// The argument as whole numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<Vec<u64>> {
         let allowed = format!("a row of whole numbers from 0 to {} is required", u64::MAX);
         Ok(self.or_refuse(field, allowed, "Give a flat array of integers.")?)
@@ -93,7 +94,7 @@ impl Argument<Vec<u64>> {
 }
 
 impl Argument<[f64; 2]> {
-    /// The numbers, or a refusal with this field.
+    /// The argument as numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<[f64; 2]> {
         Ok(self.or_refuse(
             field,
@@ -104,7 +105,7 @@ impl Argument<[f64; 2]> {
 }
 
 impl Argument<PerAxis> {
-    /// The numbers, or a refusal with this field.
+    /// The argument as numbers, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<PerAxis> {
         let allowed = "a number, or one number per axis, is required";
         Ok(self.or_refuse(field, allowed, "Give a number or a list of numbers.")?)
@@ -132,7 +133,7 @@ impl FromPyObject<'_, '_> for PerAxis {
 }
 
 impl PerAxis {
-    /// How many axes it is written for; None if one number applies to all.
+    /// How many axes the argument is written for; None if one number applies to all.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::All(_) => None,
@@ -140,7 +141,7 @@ impl PerAxis {
         }
     }
 
-    /// One number for each of that many axes.
+    /// The argument as one number for each of that many axes.
     pub fn on(&self, axes: usize) -> Vec<f64> {
         match self {
             Self::All(value) => vec![*value; axes],
@@ -148,7 +149,7 @@ impl PerAxis {
         }
     }
 
-    /// As Python passed it.
+    /// The argument as Python passed it.
     pub fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(match self {
             Self::All(value) => value.into_pyobject(py)?.into_any(),
@@ -156,7 +157,7 @@ impl PerAxis {
         })
     }
 
-    /// As Python writes it.
+    /// The argument as Python writes it.
     pub fn text(&self) -> String {
         match self {
             Self::All(value) => format!("{value:?}"),
@@ -169,7 +170,7 @@ impl PerAxis {
 pub type Count = Argument<usize>;
 
 impl Count {
-    /// The number of roots; the core checks its range.
+    /// The argument as a number of roots; the core checks its range.
     pub fn check(self) -> telespring::Result<usize> {
         let allowed = format!("the number of roots must be a whole number from 1 to {MAX_ROOTS}");
         self.or_refuse("count", allowed, "Give an int.")
@@ -192,12 +193,12 @@ impl AxisChoice {
     /// The first axis, the default.
     pub const FIRST: Self = Self::Given(AxisKind::Index(0));
 
-    /// The axis with this name.
+    /// The argument for the axis with this name.
     pub fn named(name: &str) -> Self {
         Self::Given(AxisKind::Name(name.to_owned()))
     }
 
-    /// The index of that axis of the dyad.
+    /// The index of the axis that the argument chooses in the dyad.
     pub fn index(&self, dyad: &telespring::Dyad) -> telespring::Result<usize> {
         let names = dyad.axis_names();
         let (index, text) = match self {
@@ -217,7 +218,7 @@ impl AxisChoice {
         })
     }
 
-    /// That axis of the dyad.
+    /// The axis that the argument chooses in the dyad.
     pub fn of(&self, dyad: &telespring::Dyad) -> telespring::Result<telespring::DyadAxis> {
         dyad.axis(self.index(dyad)?)
     }
@@ -246,7 +247,7 @@ impl FromPyObject<'_, '_> for DelayChoice {
 }
 
 impl DelayChoice {
-    /// The delay, checked.
+    /// The argument as a delay, checked.
     pub fn check(&self) -> telespring::Result<Delay> {
         let text = match self {
             Self::EachWay(delay) => return Delay::each_way(*delay),
@@ -265,7 +266,7 @@ impl DelayChoice {
     }
 }
 
-/// Reads any array_like of rows (x, y).
+/// Reads an argument of rows (x, y) from any array_like.
 pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
     let array = as_numbers(name, value)?;
     if let Ok(array) = array.extract::<PyReadonlyArray2<'_, f64>>()

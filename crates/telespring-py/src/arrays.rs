@@ -31,7 +31,7 @@ pub fn as_numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<
 }
 
 impl<'py> Numbers<'py> {
-    /// One number.
+    /// One number of an argument that may be an array.
     pub fn one(name: &'static str, value: f64) -> Self {
         Self { name, values: Values::One(value) }
     }
@@ -53,7 +53,7 @@ impl<'py> Numbers<'py> {
         })
     }
 
-    /// One number, where an array has no meaning.
+    /// A single number, where an array has no meaning.
     pub fn single(&self) -> Result<f64> {
         match &self.values {
             Values::One(value) => Ok(*value),
@@ -69,7 +69,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// A row of numbers, where more dimensions have no meaning; one number is a row of one.
+    /// A row of numbers, where arrays of more dimensions have no meaning; one number is a row of one.
     pub fn row(&self) -> Result<Vec<f64>> {
         match &self.values {
             Values::One(value) => Ok(vec![*value]),
@@ -83,6 +83,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
+    /// The shape of the array; empty for a number.
     fn shape(&self) -> &[usize] {
         match &self.values {
             Values::One(_) => &[],
@@ -91,7 +92,7 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// A shape as Python writes it.
+/// The shape of an array as Python writes it.
 fn tuple(shape: &[usize]) -> String {
     match shape {
         [one] => format!("({one},)"),
@@ -99,7 +100,7 @@ fn tuple(shape: &[usize]) -> String {
     }
 }
 
-/// The shape that all broadcast to.
+/// The shape that all arrays broadcast to.
 fn common_shape(arguments: &[Numbers<'_>]) -> Result<Vec<usize>> {
     let dimensions = arguments.iter().map(|argument| argument.shape().len()).max().unwrap_or(0);
     let mut shape = vec![1; dimensions];

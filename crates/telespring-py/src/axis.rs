@@ -82,28 +82,28 @@ pub fn unknown_method(written: String) -> InvalidInput {
     InvalidInput::new("method", written, "the methods are \"exact\" and \"paper\"", "Omit it for \"exact\".")
 }
 
-/// The critical stiffness, N/m, exact or by Eq. 5 of the paper.
+/// The critical stiffness of a Python axis, N/m, exact or by Eq. 5 of the paper.
 pub fn critical_stiffness(axis: &telespring::DyadAxis, paper: bool) -> Result<f64> {
     if paper { criteria::paper_critical_stiffness(axis) } else { Ok(criteria::critical_stiffness(axis)) }
 }
 
-/// The maximum delay, s, exact or by Eqs. 5 to 9 of the paper.
+/// The maximum delay of a Python axis, s, exact or by Eqs. 5 to 9 of the paper.
 pub fn maximum_delay(axis: &telespring::DyadAxis, k: f64, paper: bool) -> Result<f64> {
     let k = STIFFNESS.check("k", k)?;
     if paper { criteria::paper_maximum_delay(axis, k) } else { criteria::maximum_delay(axis, k) }
 }
 
-/// The maximum stiffness, N/m.
+/// The maximum stiffness of a Python axis, N/m.
 pub fn maximum_stiffness(axis: &telespring::DyadAxis, delay: f64) -> Result<f64> {
     criteria::maximum_stiffness(axis, DELAY.check("delay", delay)?)
 }
 
-/// The damping to add, N·s/m.
+/// The damping to add to a Python axis, N·s/m.
 pub fn minimum_damping(axis: &telespring::DyadAxis, k: f64, delay: f64) -> Result<f64> {
     criteria::minimum_damping(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?)
 }
 
-/// How many roots lie in the right half-plane.
+/// How many roots of a Python axis lie in the right half-plane.
 pub fn unstable_root_count(axis: &telespring::DyadAxis, k: f64, delay: f64) -> Result<i64> {
     criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?).map(i64::from)
 }
@@ -111,7 +111,7 @@ pub fn unstable_root_count(axis: &telespring::DyadAxis, k: f64, delay: f64) -> R
 /// Rows of a stability map that one thread takes at a time.
 const ROWS: usize = 16;
 
-/// Whether each pair of stiffness and delay is stable on all axes, a row per stiffness.
+/// Whether each pair of stiffness and delay is stable on all these Python axes, a row per stiffness.
 pub fn stability_map<'py>(
     py: Python<'py>,
     axes: &[telespring::DyadAxis],
@@ -177,7 +177,7 @@ impl DyadAxis {
         &self.name
     }
 
-    /// Its place in the dyad, counted from 0.
+    /// Place of the axis in the dyad, counted from 0.
     #[getter]
     fn index(&self) -> usize {
         self.index
@@ -207,14 +207,14 @@ impl DyadAxis {
         self.axis.coupling_damping
     }
 
-    /// m1, b1, m2, b2 in kg and N·s/m.
+    /// The axis' m1, b1, m2, b2 in kg and N·s/m.
     #[getter]
     fn parameters(&self) -> (f64, f64, f64, f64) {
         let [first, second] = self.axis.sides;
         (first.mass, first.damping, second.mass, second.damping)
     }
 
-    /// The other three numbers, kh1, kh2 (N/m) and c (N·s/m), as keyword arguments.
+    /// The axis' other three numbers, kh1, kh2 (N/m) and c (N·s/m), as keyword arguments.
     #[getter]
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let [first, second] = self.axis.sides;

@@ -26,6 +26,7 @@ enum Subject<'py> {
 const NUMBERS: [&str; 7] = ["m1", "b1", "m2", "b2", "kh1", "kh2", "c"];
 
 impl<'py> Subject<'py> {
+    /// The dyad or axis that a documented criterion was called with, if it is one.
     fn read(value: &Bound<'py, PyAny>) -> Option<Self> {
         if let Ok(dyad) = value.cast::<Dyad>() {
             return Some(Self::Dyad(dyad.get().0.axes().collect()));
@@ -33,7 +34,7 @@ impl<'py> Subject<'py> {
         value.cast::<DyadAxis>().ok().map(|axis| Self::Axis(axis.get().axis))
     }
 
-    /// Each axis by itself, where arrays have no meaning.
+    /// Each axis that a criterion is called with by itself, where arrays have no meaning.
     fn axes(&self) -> Result<Vec<telespring::DyadAxis>> {
         match self {
             Self::Numbers([m1, b1, m2, b2, kh1, kh2, c]) => {
@@ -46,7 +47,7 @@ impl<'py> Subject<'py> {
         }
     }
 
-    /// One number per element, and of a dyad's axes the `worst` of two.
+    /// A criterion as one number per element, and of a dyad's axes the `worst` of two.
     fn evaluate<T: numpy::Element + Copy + Default + IntoPyObject<'py>, const N: usize>(
         self,
         py: Python<'py>,
@@ -80,7 +81,7 @@ impl<'py> Subject<'py> {
     }
 }
 
-/// The arguments of a call in which a dyad or an axis may replace the seven numbers.
+/// The arguments of a criterion in which a dyad or an axis may replace the seven numbers.
 ///
 /// `names` are the arguments after m1, b1, m2, b2; those that are optional come last.
 fn bind<'py, const N: usize>(
@@ -164,13 +165,13 @@ fn bind<'py, const N: usize>(
     Ok((Subject::Numbers(read), others))
 }
 
-/// The method as text, refused by its name where it is something else.
+/// The `method` of a criterion as text, refused by its name where it is something else.
 fn paper(method: Option<&Bound<'_, PyAny>>) -> Result<bool> {
     let text = method.map(|method| method.extract::<String>().map_err(|_| unknown_method(written(method))));
     is_paper(text.transpose()?.as_deref())
 }
 
-/// What `bind` has found to be there.
+/// The numbers of a criterion that `bind` has found to be there.
 fn numbers<'py>(name: &'static str, value: Option<Bound<'py, PyAny>>) -> Outcome<Numbers<'py>> {
     Numbers::read(name, &value.expect("a required argument was bound"))
 }
@@ -523,7 +524,7 @@ pub fn decay_stiffness<'py>(
     in_all(py, &axes, |axis| criteria::decay_stiffness(axis, delay, rate))
 }
 
-/// The intervals that every axis has.
+/// The intervals of a criterion that every axis has.
 fn in_all(
     py: Python<'_>,
     axes: &[telespring::DyadAxis],

@@ -34,6 +34,7 @@ pub struct OptionValues {
 }
 
 impl From<PerAxis> for Tolerance {
+    /// The tolerance for `solve_dde`, from Python's number or array.
     fn from(value: PerAxis) -> Self {
         match value {
             PerAxis::All(value) => Self::Uniform(value),
@@ -43,6 +44,7 @@ impl From<PerAxis> for Tolerance {
 }
 
 impl From<OptionValues> for Options {
+    /// The options for `solve_dde`, from its Python arguments.
     fn from(values: OptionValues) -> Self {
         Self {
             rtol: values.rtol.into(),
@@ -59,7 +61,7 @@ impl From<OptionValues> for Options {
     }
 }
 
-/// Copies the return value of the user's function into `out`.
+/// Copies the return value of the user's function in `solve_dde` into `out`.
 fn read_into(returned: &Bound<'_, PyAny>, field: &str, out: &mut [f64]) -> PyResult<()> {
     if let Ok(array) = returned.extract::<PyReadonlyArray1<'_, f64>>()
         && let Ok(values) = array.as_slice()
@@ -85,6 +87,7 @@ fn read_into(returned: &Bound<'_, PyAny>, field: &str, out: &mut [f64]) -> PyRes
     Ok(())
 }
 
+/// The kind of a delay in `solve_dde`: a number or a function.
 fn kind<'a>(delay: DelayValue) -> DelayKind<'a, PyErr> {
     match delay {
         DelayValue::Constant(delay) => DelayKind::Constant(delay),
@@ -167,7 +170,7 @@ impl DelaySolution {
         self.solution.status.to_string()
     }
 
-    /// The times between the solver's steps.
+    /// The times between the steps of `solve_dde`.
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.t.bind(py).clone()
@@ -185,25 +188,25 @@ impl DelaySolution {
         self.solution.discontinuities.iter().map(|point| (point.time, point.order)).collect()
     }
 
-    /// Steps kept.
+    /// Steps that `solve_dde` kept.
     #[getter]
     fn steps(&self) -> usize {
         self.solution.steps
     }
 
-    /// Steps rejected.
+    /// Steps that `solve_dde` rejected.
     #[getter]
     fn rejected(&self) -> usize {
         self.solution.rejected
     }
 
-    /// Calls of the right-hand side.
+    /// Calls of the right-hand side by `solve_dde`.
     #[getter]
     fn evaluations(&self) -> usize {
         self.solution.evaluations
     }
 
-    /// Whether the whole span was solved.
+    /// Whether `solve_dde` reached the end of the span.
     #[getter]
     fn completed(&self) -> bool {
         matches!(self.solution.status, Status::Completed)

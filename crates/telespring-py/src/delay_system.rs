@@ -58,6 +58,7 @@ fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
     Ok(DMatrix::from_row_iterator(array.nrows(), array.ncols(), array.iter().copied()))
 }
 
+/// The delay system's matrix as a numpy array.
 fn to_python<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py>> {
     // columns are contiguous in a DMatrix
     matrix.as_slice().to_pyarray(py).reshape([matrix.ncols(), matrix.nrows()])?.transpose()
@@ -77,19 +78,19 @@ impl DelaySystem {
         Ok(Self(telespring::delay_system::DelaySystem::new(a0, delayed)?))
     }
 
-    /// The matrix A0, terms of delay 0 added, 1/s.
+    /// The Python attribute `a0`: matrix A0, terms of delay 0 added, 1/s.
     #[getter]
     fn a0<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
         to_python(py, self.0.instantaneous())
     }
 
-    /// The pairs of delay, s, and matrix, 1/s, by delay.
+    /// The pairs of delay, s, and matrix, 1/s, as numpy arrays by delay.
     #[getter]
     fn delayed<'py>(&self, py: Python<'py>) -> PyResult<Vec<(f64, Matrix<'py>)>> {
         self.0.delayed().iter().map(|(delay, matrix)| Ok((*delay, to_python(py, matrix)?))).collect()
     }
 
-    /// The `count` rightmost characteristic roots, 1/s.
+    /// The `count` rightmost characteristic roots as an array, 1/s.
     ///
     /// They are the zeros of det(s I - A0 - Σ Aj exp(-s τj)). A root at s = 0, such as the common
     /// motion of free robots, is one of them, exactly 0; `telespring.characteristic_roots` divides it out.
@@ -185,13 +186,13 @@ impl DelaySystem {
         Ok(abscissa.value)
     }
 
-    /// Multiplicity of the root s = 0, within rounding: 1 for two free robots, which can drift together.
+    /// Multiplicity of the root s = 0 as an int, within rounding: 1 for two free robots, which can drift together.
     #[getter]
     fn roots_at_zero(&self) -> usize {
         self.0.roots_at_zero()
     }
 
-    /// The rightmost characteristic roots together with their certificate.
+    /// The delay system's rightmost characteristic roots together with their certificate.
     ///
     /// Parameters
     /// ----------

@@ -29,18 +29,21 @@ impl Failure {
 pub type Outcome<T> = Result<T, Failure>;
 
 impl From<InvalidInput> for Failure {
+    /// The failure for a refusal by the core.
     fn from(refusal: InvalidInput) -> Self {
         Self::Refused(refusal)
     }
 }
 
 impl From<PyErr> for Failure {
+    /// The failure for an exception from Python.
     fn from(error: PyErr) -> Self {
         Self::Python(error)
     }
 }
 
 impl From<Failure> for PyErr {
+    /// The Python exception for a failure.
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Python(error) => error,
@@ -51,6 +54,7 @@ impl From<Failure> for PyErr {
     }
 }
 
+/// The Python exception `InvalidInput` for a refusal.
 fn exception(py: Python<'_>, refusal: &InvalidInput) -> PyResult<PyErr> {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     let class = CLASS.import(py, "telespring._errors", "InvalidInput")?;

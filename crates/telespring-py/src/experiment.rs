@@ -83,6 +83,7 @@ impl Experiment {
         Ok(Self { study: study.clone(), protocol: study.protocol()?, sample_period: study.sample_period()? })
     }
 
+    /// The schedule of one trial in this experiment.
     fn schedule(&self) -> Outcome<Schedule> {
         Ok(Schedule::new(self.protocol.duration, self.protocol.record_rate, self.sample_period)?)
     }
@@ -96,7 +97,7 @@ impl Experiment {
         Self::of(&telespring::study::Study::from_toml(text)?)
     }
 
-    /// The conditions in order.
+    /// The conditions of the experiment in order.
     #[getter]
     fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let conditions = self.protocol.conditions.iter();
@@ -112,19 +113,19 @@ impl Experiment {
         self.protocol.trials
     }
 
-    /// Duration of a trial, s.
+    /// Duration of a trial in the experiment, s.
     #[getter]
     fn duration(&self) -> f64 {
         self.protocol.duration
     }
 
-    /// First part of a trial that the analysis leaves out, s.
+    /// First part of a trial that the experiment's analysis leaves out, s.
     #[getter]
     fn discard(&self) -> f64 {
         self.protocol.discard
     }
 
-    /// Recorded samples per second, Hz.
+    /// Recorded samples per second in the experiment, Hz.
     #[getter]
     fn record_rate(&self) -> f64 {
         self.protocol.record_rate
@@ -142,19 +143,19 @@ impl Experiment {
         if self.protocol.shuffled { "shuffled" } else { "blocks" }
     }
 
-    /// Sample period of the controllers, s.
+    /// Sample period of the controllers in the experiment, s.
     #[getter]
     fn sample_period(&self) -> f64 {
         self.sample_period
     }
 
-    /// Number of sample periods of a trial.
+    /// Number of sample periods of the experiment's trials.
     #[getter]
     fn tick_count(&self) -> Outcome<usize> {
         Ok(self.schedule()?.ticks())
     }
 
-    /// Number of sample periods between two recorded instants.
+    /// Number of sample periods between two recorded instants of the experiment.
     #[getter]
     fn tick_stride(&self) -> Outcome<usize> {
         Ok(self.schedule()?.stride())
@@ -168,25 +169,25 @@ impl Experiment {
         Ok(times.collect::<Vec<_>>().into_pyarray(py))
     }
 
-    /// Both agents, defaults filled in.
+    /// Both agents in the experiment, defaults filled in.
     #[getter]
     fn agents(&self) -> (Agent, Agent) {
         self.study.setup().agents.clone().map(Agent).into()
     }
 
-    /// The target that both agents follow, defaults filled in.
+    /// The target that both agents in the experiment follow, defaults filled in.
     #[getter]
     fn task(&self) -> Task {
         Task(self.study.setup().task.clone())
     }
 
-    /// Both arms, defaults filled in.
+    /// Both arms in the experiment, defaults filled in.
     #[getter]
     fn arms(&self) -> (Arm, Arm) {
         self.study.setup().arms.map(Arm).into()
     }
 
-    /// Imperfections of the controllers and the network.
+    /// Imperfections of the controllers and the network in the experiment.
     #[getter]
     fn settings(&self) -> LaboratorySettings {
         let setup = self.study.setup();
@@ -199,13 +200,13 @@ impl Experiment {
         }
     }
 
-    /// Damping in parallel with the spring, N·s/m.
+    /// Damping in parallel with the spring in the experiment, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
         self.study.coupling().damping
     }
 
-    /// The virtual laboratory: robots, arms, agents, target, controllers and network.
+    /// The experiment's virtual laboratory: robots, arms, agents, target, controllers and network.
     ///
     /// Its `run` needs the agents and the target that are written in Python as arguments.
     #[getter]

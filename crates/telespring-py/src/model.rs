@@ -76,7 +76,7 @@ impl Robot {
     }
 }
 
-/// A list of names as Python writes it.
+/// A list of the axes' names as Python writes it.
 fn names(axes: &[String]) -> String {
     let quoted: Vec<_> =
         axes.iter().map(|name| format!("'{}'", name.replace('\\', "\\\\").replace('\'', "\\'"))).collect();
@@ -115,7 +115,7 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// On a dyad with that many axes.
+    /// The Python operator on a dyad with that many axes.
     pub fn on(&self, axes: usize) -> telespring::Result<telespring::Operator> {
         let values = [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)];
         for (name, values) in values {
@@ -131,17 +131,19 @@ impl Operator {
         telespring::Operator::new(self.mass.on(axes), self.damping.on(axes), self.stiffness.on(axes))
     }
 
+    /// The values of a Python operator as an array.
     fn array<'py>(&self, py: Python<'py>, values: &PerAxis) -> Bound<'py, PyArray1<f64>> {
         values.on(self.count()).to_pyarray(py)
     }
 
-    /// How many axes it was written for: 1 if all values are single numbers.
+    /// How many axes the Python operator was written for: 1 if all values are single numbers.
     pub fn count(&self) -> usize {
         [&self.mass, &self.damping, &self.stiffness].iter().find_map(|v| v.count()).unwrap_or(1)
     }
 }
 
 impl From<&telespring::Operator> for Operator {
+    /// The Python operator with the values of one of the core.
     fn from(operator: &telespring::Operator) -> Self {
         Self {
             mass: PerAxis::Each(operator.mass().to_vec()),
@@ -260,7 +262,7 @@ impl Dyad {
         Ok(Self(telespring::Dyad::new(robot1, robot2, operators, coupling_damping)?))
     }
 
-    /// Both robots.
+    /// Both robots of the Python dyad.
     #[getter]
     fn robots(&self) -> (Robot, Robot) {
         let [first, second] = self.0.robots();
@@ -280,7 +282,7 @@ impl Dyad {
         self.0.coupling_damping()
     }
 
-    /// The axes' names.
+    /// The names of the dyad's axes as a list.
     #[getter]
     fn axes(&self) -> Vec<String> {
         self.0.axis_names().to_vec()
@@ -339,7 +341,7 @@ impl Dyad {
         (robot1, robot2, self.operators(), self.coupling_damping())
     }
 
-    /// One axis, operators added to the robots.
+    /// One axis of the dyad by name or index, operators added to the robots.
     ///
     /// Parameters
     /// ----------

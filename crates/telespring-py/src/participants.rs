@@ -143,6 +143,7 @@ impl Agent {
 }
 
 impl Agent {
+    /// The spots of the agent if it is blurred.
     fn cloud(&self) -> Option<&Spots> {
         match &self.0 {
             AgentChoice::Blurred { spots, .. } => Some(spots),
@@ -150,6 +151,7 @@ impl Agent {
         }
     }
 
+    /// The Python object of the agent if it has one.
     fn program(&self) -> Option<&PythonObject> {
         match &self.0 {
             AgentChoice::Python(object) => Some(object),
@@ -217,7 +219,7 @@ impl Arm {
         self.lumped().map(|(_, damping)| damping.into())
     }
 
-    /// Place of the shoulder, m, in the coordinates of the task.
+    /// Place of the arm's shoulder, m, in the coordinates of the task.
     #[getter]
     fn base(&self) -> Option<Pair> {
         self.links().map(|arm| arm.base.into())
@@ -229,13 +231,13 @@ impl Arm {
         self.links().map(|arm| if arm.elbow == Elbow::Left { "left" } else { "right" })
     }
 
-    /// Lengths of the links, m.
+    /// Lengths of the arm's links, m.
     #[getter]
     fn link_length(&self) -> Option<Pair> {
         self.links().map(|arm| arm.link_length.into())
     }
 
-    /// Masses of the links, kg.
+    /// Masses of the arm's links, kg.
     #[getter]
     fn link_mass(&self) -> Option<Pair> {
         self.links().map(|arm| arm.link_mass.into())
@@ -253,7 +255,7 @@ impl Arm {
         self.links().map(|arm| arm.link_inertia.into())
     }
 
-    /// Viscous damping of the joints, N·m·s/rad.
+    /// Viscous damping of the arm's joints, N·m·s/rad.
     #[getter]
     fn joint_damping(&self) -> Option<Pair> {
         self.links().map(|arm| arm.joint_damping.into())
@@ -324,6 +326,7 @@ impl Arm {
         }
     }
 
+    /// The links of a two-link arm; none of another.
     fn links(&self) -> Option<&TwoLinkArm> {
         match &self.0 {
             rig::Arm::TwoLink(arm) => Some(arm),
@@ -388,7 +391,7 @@ impl Task {
         }
     }
 
-    /// The function of a target written in Python, as "module:name".
+    /// The function of a task's target written in Python, as "module:name".
     #[getter]
     fn function(&self) -> Option<&str> {
         match &self.0 {
@@ -397,7 +400,7 @@ impl Task {
         }
     }
 
-    /// The options of a target written in Python.
+    /// The options of a task's target written in Python.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         match &self.0 {
@@ -478,22 +481,25 @@ impl Task {
     }
 }
 
-/// The keywords of a constructor as a section of a study file.
+/// The keywords of an agent, arm or task as a section of a study file.
 fn keywords(name: &str, keys: Option<&Bound<'_, PyDict>>) -> Outcome<Table> {
     keys.map_or_else(|| Ok(Table::new()), |keys| to_table(name, keys.as_mapping()))
 }
 
+/// A dict for an agent, arm or task that begins with its kind.
 fn with_kind<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("kind", kind)?;
     Ok(dict)
 }
 
+/// Sets the Python object of an agent or a task in its dict.
 fn set_program(dict: &Bound<'_, PyDict>, key: &str, object: &PythonObject) -> PyResult<()> {
     dict.set_item(key, &object.path)?;
     dict.set_item("options", options(dict.py(), object)?)
 }
 
+/// The options of an agent or a task written in Python as a dict.
 fn options<'py>(py: Python<'py>, object: &PythonObject) -> PyResult<Bound<'py, PyDict>> {
     let options = PyDict::new(py);
     for (name, value) in &object.options {
@@ -502,7 +508,7 @@ fn options<'py>(py: Python<'py>, object: &PythonObject) -> PyResult<Bound<'py, P
     Ok(options)
 }
 
-/// The value of a key in brackets, as in the dicts that these classes replace; it warns.
+/// The value of a key in brackets, as agents, arms and tasks had when they were dicts; it warns.
 fn deprecated_item<'py>(class: &str, dict: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
     let value = dict.get_item(key)?.ok_or_else(|| PyKeyError::new_err(key.to_owned()))?;
     let attribute = if key == "class" { "class_" } else { key };
@@ -514,6 +520,7 @@ fn deprecated_item<'py>(class: &str, dict: &Bound<'py, PyDict>, key: &str) -> Py
     Ok(value)
 }
 
+/// An agent, arm or task as its constructor's call is written.
 fn written_out(class: &str, dict: &Bound<'_, PyDict>) -> PyResult<String> {
     let keys = dict.iter().map(|(key, value)| Ok(format!("{key}={}", value.repr()?)));
     Ok(format!("{class}({})", keys.collect::<PyResult<Vec<_>>>()?.join(", ")))

@@ -15,7 +15,7 @@ use crate::recording::HandleMotion;
 use crate::records::Array;
 use crate::study_values::to_table;
 
-/// A mapping of the keys that a robot has in a study file.
+/// The handle to simulate, from a mapping of the keys that a robot has in a study file.
 fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
     let Ok(keys) = value.cast::<PyMapping>() else {
         let allowed = "a mapping with mass and damping, and possibly coulomb, is required";
@@ -24,7 +24,7 @@ fn handle_of(value: &Bound<'_, PyAny>) -> Outcome<Handle> {
     Ok(Handle::from_table(&to_table("handle", keys)?)?)
 }
 
-/// An `Arm`, or a mapping of the keys that it has in a study file.
+/// The arm to simulate: an `Arm`, or a mapping of the keys that it has in a study file.
 pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
     if let Ok(arm) = value.cast::<Arm>() {
         return Ok(arm.get().0);
@@ -36,7 +36,7 @@ pub fn arm_of(value: &Bound<'_, PyAny>) -> Outcome<rig::Arm> {
     Ok(rig::Arm::from_table(&to_table("arm", keys)?)?)
 }
 
-/// Rows (x, y) of forces, N, each in its range.
+/// Rows (x, y) of forces on the plant, N, each in its range.
 fn forces(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
     let forces = rows(name, value)?;
     for (tick, force) in forces.iter().enumerate() {
@@ -50,7 +50,7 @@ fn forces(name: &str, value: &Bound<'_, PyAny>) -> Outcome<Vec<[f64; 2]>> {
     Ok(forces)
 }
 
-/// Two numbers, each in its range.
+/// Two numbers of the plant, each in its range.
 fn pair(name: &str, given: Argument<[f64; 2]>, quantity: Quantity) -> Outcome<[f64; 2]> {
     let values = given.named(name)?;
     for (axis, value) in values.into_iter().enumerate() {
@@ -59,6 +59,7 @@ fn pair(name: &str, given: Argument<[f64; 2]>, quantity: Quantity) -> Outcome<[f
     Ok(values)
 }
 
+/// Two columns of the plant's recorded motion as an array.
 fn columns(py: Python<'_>, values: Vec<[f64; 2]>) -> PyResult<Array<f64, Ix2>> {
     let shape = [values.len(), 2];
     Ok(values.into_flattened().into_pyarray(py).reshape(shape)?.into())
@@ -121,6 +122,7 @@ pub fn simulate_handle(
     })
 }
 
+/// Moves the plant under all forces and records its motion.
 fn run(mut plant: Plant, hand: &[[f64; 2]], robot: &[[f64; 2]], period: f64) -> Record {
     let mut record = Record::default();
     let keep = |plant: &Plant, tick: usize, record: &mut Record| {
@@ -174,6 +176,7 @@ pub fn arm_operator<'py>(
     Ok((mass.into_pyarray(py).reshape(shape)?, damping.into_pyarray(py).reshape(shape)?))
 }
 
+/// A diagonal matrix for a robot in an arm.
 fn diagonal([x, y]: [f64; 2]) -> [[f64; 2]; 2] {
     [[x, 0.0], [0.0, y]]
 }

@@ -14,6 +14,7 @@ use crate::plant::arm_of;
 
 type Arms<'py> = [Option<Bound<'py, PyAny>>; 2];
 
+/// The dyad as held in its arms, for the poses.
 fn held(dyad: &Bound<'_, Dyad>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> Outcome<DyadInArms> {
     let arm = |robot: usize| match &arms[robot] {
         None => Ok(Arm::Lumped { mass: [0.0; 2], damping: [0.0; 2] }),
@@ -28,6 +29,7 @@ fn held(dyad: &Bound<'_, Dyad>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> O
     Ok(DyadInArms::new(&dyad.get().0, [arm(0)?, arm(1)?], agent_stiffness)?)
 }
 
+/// Both sides of the dyad in every pose.
 fn sides(held: &DyadInArms, positions: &[[f64; 2]]) -> telespring::Result<Vec<[FrozenSide; 2]>> {
     positions
         .iter()

@@ -9,18 +9,18 @@ use pyo3::types::{PyList, PyTuple};
 
 /// A value that a record holds, on its way to Python and back.
 pub trait Value: Sized {
-    /// What the attribute reads as.
+    /// What the attribute of a Python record reads as.
     fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// From what the constructor takes.
+    /// A record's value from what its Python constructor takes.
     fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self>;
 
-    /// What the constructor takes to build this value again.
+    /// What the constructor of a Python record takes to build this value again.
     fn to_argument<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.to_python(py)
     }
 
-    /// What `json.dumps` takes: None if a number is infinite, lists for tuples and arrays.
+    /// What `json.dumps` takes of a record: None if a number is infinite, lists for tuples and arrays.
     fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         static JSON_READY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         JSON_READY.import(py, "telespring._json", "json_ready")?.call1((self.to_python(py)?,))
@@ -30,10 +30,12 @@ pub trait Value: Sized {
 macro_rules! plain_values {
     ($($type:ty),*) => {$(
         impl Value for $type {
+            /// A plain value of a record as Python reads it.
             fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
                 self.into_bound_py_any(py)
             }
 
+            /// A plain value of a record from Python.
             fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
                 value.extract()
             }
@@ -44,29 +46,35 @@ macro_rules! plain_values {
 plain_values!(f64, bool, usize, i64, i8, String);
 
 impl<T: Value> Value for Option<T> {
+    /// An optional value of a record as Python reads it.
     fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.as_ref().map_or_else(|| Ok(py.None().into_bound(py)), |value| value.to_python(py))
     }
 
+    /// An optional value of a record from Python.
     fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
         if value.is_none() { Ok(None) } else { T::from_python(value).map(Some) }
     }
 
+    /// An optional value of a record for `json.dumps`.
     fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.as_ref().map_or_else(|| Ok(py.None().into_bound(py)), |value| value.to_json(py))
     }
 }
 
 impl<T: Value> Value for Vec<T> {
+    /// A list in a record as Python reads it.
     fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let items: Vec<_> = self.iter().map(|item| item.to_python(py)).collect::<PyResult<_>>()?;
         Ok(PyTuple::new(py, items)?.into_any())
     }
 
+    /// A list in a record from Python.
     fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
         value.try_iter()?.map(|item| T::from_python(&item?)).collect()
     }
 
+    /// A list in a record for `json.dumps`.
     fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let items: Vec<_> = self.iter().map(|item| item.to_json(py)).collect::<PyResult<_>>()?;
         Ok(PyList::new(py, items)?.into_any())
@@ -96,28 +104,32 @@ impl<T: Value + Clone, const N: usize> Value for [T; N] {
 pub struct Array<T, D>(pub Py<PyArray<T, D>>);
 
 impl<T, D> From<Bound<'_, PyArray<T, D>>> for Array<T, D> {
+    /// The array of a record from one of numpy.
     fn from(array: Bound<'_, PyArray<T, D>>) -> Self {
         Self(array.unbind())
     }
 }
 
 impl<T: Element + PartialEq, D: numpy::ndarray::Dimension> PartialEq for Array<T, D> {
+    /// Whether the arrays of two records are equal.
     fn eq(&self, other: &Self) -> bool {
         Python::attach(|py| self.0.bind(py).readonly().as_array() == other.0.bind(py).readonly().as_array())
     }
 }
 
 impl<T: Element, D: numpy::ndarray::Dimension> Value for Array<T, D> {
+    /// The array of a record as Python reads it.
     fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(self.0.bind(py).clone().into_any())
     }
 
+    /// The array of a record from Python.
     fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
         Ok(Self(value.cast::<PyArray<T, D>>().map_err(PyErr::from)?.clone().unbind()))
     }
 }
 
-/// An attribute as `repr` shows it: whole where it is short, else its type.
+/// A record's attribute as `repr` shows it: whole where it is short, else its type.
 pub fn short(value: &Bound<'_, PyAny>) -> PyResult<String> {
     let text = value.repr()?.to_string();
     if text.chars().count() <= 40 && !text.contains('\n') {
@@ -130,6 +142,7 @@ pub fn short(value: &Bound<'_, PyAny>) -> PyResult<String> {
 macro_rules! words {
     ($type:ty { $($variant:ident = $word:literal),* $(,)? }) => {
         impl $crate::records::Value for $type {
+            /// A status in a record as its Python word.
             fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
                 let word = match self {
                     $(Self::$variant => $word,)*
@@ -139,6 +152,7 @@ macro_rules! words {
                 Ok(pyo3::types::PyString::intern(py, word).into_any())
             }
 
+            /// A status in a record from its Python word.
             fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
                 match value.extract::<std::borrow::Cow<'_, str>>()?.as_ref() {
                     $($word => Ok(Self::$variant),)*
@@ -170,20 +184,24 @@ macro_rules! record {
 
         impl std::ops::Deref for $class {
             type Target = $core;
+            /// The value of the core that a record holds.
             fn deref(&self) -> &$core {
                 &self.0
             }
         }
 
         impl $crate::records::Value for $core {
+            /// The record around a value of the core.
             fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
                 Ok(Bound::new(py, $class(self.clone()))?.into_any())
             }
 
+            /// The value of the core in a Python record.
             fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Self> {
                 Ok(value.cast::<$class>()?.get().0.clone())
             }
 
+            /// The record around a value of the core, for `json.dumps`.
             fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
                 Ok($class(self.clone()).to_dict(py)?.into_any())
             }
@@ -257,7 +275,7 @@ macro_rules! record {
                 }
             )*
 
-            /// The attributes as a dict that `json.dumps(..., allow_nan=False)` takes.
+            /// The attributes of the record as a dict that `json.dumps(..., allow_nan=False)` takes.
             ///
             /// JSON has no infinity: an infinite number is None.
             fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {

@@ -18,6 +18,7 @@ type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
 pub struct ConventionName(String);
 
 impl ConventionName {
+    /// The convention of a frequency response by its Python name, checked.
     fn check(&self) -> telespring::Result<Convention> {
         match self.0.as_str() {
             "exact" => Ok(Convention::Exact),
@@ -46,6 +47,7 @@ pub struct Loop<'py> {
 }
 
 impl Loop<'_> {
+    /// The loop of a frequency response, checked: axis, stiffness and delay.
     fn check(self) -> Outcome<(DyadAxis, f64, Delay)> {
         // one of its axes would be a natural mistake: the criteria take it
         let Ok(dyad) = self.dyad.cast::<Dyad>() else {
@@ -57,6 +59,7 @@ impl Loop<'_> {
     }
 }
 
+/// Matrices of a frequency response as one array.
 fn blocks<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
     values: Vec<[[T; 2]; 2]>,
@@ -65,7 +68,7 @@ fn blocks<'py, T: numpy::Element + Copy>(
     values.into_iter().flatten().flatten().collect::<Vec<T>>().into_pyarray(py).reshape(shape)
 }
 
-/// Evaluates a matrix at each complex s, 1/s.
+/// Evaluates a transfer or mobility matrix at each complex s, 1/s.
 fn matrices<'py>(
     py: Python<'py>,
     of: Loop<'py>,
@@ -227,6 +230,7 @@ pub fn frequency_response<'py>(
 }
 
 impl ResponseCurve {
+    /// A response curve as Python reads it.
     fn of(py: Python<'_>, curve: response::ResponseCurve) -> Self {
         Self {
             frequency: curve.frequency.into_pyarray(py).into(),
@@ -237,7 +241,7 @@ impl ResponseCurve {
     }
 }
 
-/// The open loop over angular frequencies.
+/// The open loop as a `ResponseCurve` over angular frequencies.
 #[pyfunction]
 pub fn open_loop<'py>(
     py: Python<'py>,
@@ -250,7 +254,7 @@ pub fn open_loop<'py>(
     Ok(ResponseCurve::of(py, curve))
 }
 
-/// How a robot follows its partner, over angular frequencies.
+/// How a robot follows its partner, as a `ResponseCurve` over angular frequencies.
 #[pyfunction]
 pub fn partner_response<'py>(
     py: Python<'py>,
@@ -264,7 +268,7 @@ pub fn partner_response<'py>(
     Ok(ResponseCurve::of(py, curve))
 }
 
-/// The status of a grid as a word, and the poles on the axis.
+/// The status of a frequency grid as a word, and the poles on the axis.
 fn grid_status(status: GridStatus) -> (String, Vec<f64>) {
     match status {
         GridStatus::Resolved => ("resolved".to_owned(), Vec::new()),
@@ -273,7 +277,7 @@ fn grid_status(status: GridStatus) -> (String, Vec<f64>) {
     }
 }
 
-/// A grid of angular frequencies.
+/// A grid of angular frequencies for a frequency response.
 #[pyfunction]
 pub fn frequency_grid(
     py: Python<'_>,
@@ -290,7 +294,7 @@ pub fn frequency_grid(
     Ok(FrequencyGrid { frequency: grid.frequency.into_pyarray(py).into(), status, poles_on_axis })
 }
 
-/// The Nyquist locus of one axis.
+/// The Nyquist locus of one axis of a Python dyad.
 #[pyfunction]
 pub fn nyquist(py: Python<'_>, of: Loop<'_>) -> Outcome<Nyquist> {
     let (axis, stiffness, delay) = of.check()?;

@@ -42,7 +42,7 @@ enum Source {
 }
 
 impl Laboratory {
-    /// The laboratory of a study.
+    /// The Python laboratory of a study.
     pub fn of(study: &telespring::study::Study) -> telespring::Result<Self> {
         Ok(Self { inner: study.laboratory()?, source: Source::Study(study.to_toml()) })
     }
@@ -53,7 +53,7 @@ type AgentFunction = Py<PyAny>;
 
 #[pymethods]
 impl Laboratory {
-    /// The paper's laboratory: the robots of Table III, massless arms, a skilled and a less-skilled agent.
+    /// The paper's laboratory for Python: robots of Table III, massless arms, a skilled and a less-skilled agent.
     #[staticmethod]
     fn paper() -> Self {
         Self { inner: rig::Laboratory::paper(), source: Source::Paper }
@@ -411,10 +411,12 @@ fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) ->
     })
 }
 
+/// The coupling in the trials of a laboratory; none if unconnected.
 fn coupling(stiffness: Option<f64>, delay: Delay, damping: f64) -> Option<ConnectedMode> {
     stiffness.map(|stiffness| ConnectedMode { stiffness, damping, delay })
 }
 
+/// A laboratory's target sampled at every tick, refused in the wrong shape.
 fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target> {
     if target.len() != expected {
         return Err(InvalidInput::new(
@@ -427,7 +429,9 @@ fn sampled(target: Vec<[f64; 2]>, expected: usize) -> telespring::Result<Target>
     Ok(Target::Sampled(target))
 }
 
-/// Refuses recordings that would fill the memory: the largest has 10 GB, with six signals of four numbers.
+/// Refuses recordings of a laboratory that would fill the memory.
+///
+/// The largest has 10 GB, with six signals of four numbers.
 fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
     const MOST: usize = 50_000_000;
     let all = rows.saturating_mul(trials);
@@ -442,6 +446,7 @@ fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
     ))
 }
 
+/// The refusal of a laboratory's agent that is no function.
 fn refuse_uncallable(side: usize, text: String) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),
@@ -451,6 +456,7 @@ fn refuse_uncallable(side: usize, text: String) -> InvalidInput {
     )
 }
 
+/// The refusal of a function for an agent of the laboratory that is not external.
 fn refuse_superfluous(side: usize) -> InvalidInput {
     let number = side + 1;
     InvalidInput::new(
@@ -481,6 +487,7 @@ fn call_agent(program: &AgentFunction, seen: &Observation) -> Outcome<[f64; 2]> 
     })
 }
 
+/// The recorded instants of a laboratory's trial as an array, s.
 fn times<'py>(
     py: Python<'py>,
     schedule: &Schedule,
@@ -490,7 +497,7 @@ fn times<'py>(
     (0..rows).map(|row| schedule.time(row, sample_period)).collect::<Vec<_>>().into_pyarray(py)
 }
 
-/// The status by its name, and the time (s) of an early end.
+/// The status of a laboratory's trial by its name, and the time (s) of an early end.
 fn ended(outcome: &TrialOutcome) -> (&'static str, Option<f64>) {
     match outcome.status {
         Status::Diverged { at } => ("diverged", Some(at)),

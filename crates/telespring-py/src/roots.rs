@@ -10,6 +10,7 @@ use crate::errors::Outcome;
 use crate::model::Dyad;
 use crate::spectrum::{Spectrum, warn};
 
+/// The arguments of the functions on a dyad's roots, checked.
 fn check(
     dyad: &Bound<'_, Dyad>,
     stiffness: Number,

@@ -20,6 +20,7 @@ pub struct SineValue {
 }
 
 impl From<&SineValue> for Sine {
+    /// A sine of a simulated force from Python's three numbers.
     fn from(value: &SineValue) -> Self {
         Self { amplitude: value.amplitude, angular_frequency: value.angular_frequency, phase: value.phase }
     }
@@ -72,7 +73,7 @@ pub enum HistoryValue {
     Function(Py<PyAny>),
 }
 
-/// Converts a Python function; its exceptions pass through unchanged.
+/// Converts a Python function for a simulation; its exceptions pass through unchanged.
 fn sampled_function<T>(
     py: Python<'_>,
     function: &Py<PyAny>,
@@ -95,6 +96,7 @@ fn sampled_function<T>(
 }
 
 impl ForceValue {
+    /// The force of the core for what Python passed to `simulate`.
     fn lower(&self, py: Python<'_>, duration: f64) -> Outcome<Force> {
         Ok(match self {
             Self::Step(value) => Force::Step(*value),
@@ -115,6 +117,7 @@ impl ForceValue {
     }
 }
 
+/// The interpolation of a simulated force by its Python name.
 fn hold_of(name: &str) -> telespring::Result<Hold> {
     match name {
         "linear" => Ok(Hold::Linear),
@@ -129,6 +132,7 @@ fn hold_of(name: &str) -> telespring::Result<Hold> {
 }
 
 impl HistoryValue {
+    /// The history of the core for what Python passed to `simulate`.
     fn lower(&self, py: Python<'_>, delay: &Delay) -> Outcome<History> {
         // the partner needs one delay of history; without delay only value and slope at 0
         let span = delay.round_trip().max(1e-3);
@@ -145,7 +149,7 @@ impl HistoryValue {
     }
 }
 
-/// Converts the values of both robots, axis by axis; a refusal names robot and axis.
+/// Converts the values of both robots in `simulate`, axis by axis; a refusal names robot and axis.
 fn lowered<V, T>(
     name: &str,
     axes: usize,
@@ -244,7 +248,7 @@ fn on_axis(mut refusal: InvalidInput, axis: usize) -> InvalidInput {
     refusal
 }
 
-/// The rows of both robots on one axis in a block (robot, axis, time).
+/// The rows of both robots on one axis in a simulated block (robot, axis, time).
 fn rows(block: &mut [f64], axis: usize, count: usize) -> [&mut [f64]; 2] {
     let (first, second) = block.split_at_mut(block.len() / 2);
     let row = axis * count..(axis + 1) * count;

@@ -26,7 +26,7 @@ record! {
 }
 
 impl Spectrum {
-    /// As Python reads it.
+    /// The spectrum of the core as Python reads it.
     pub fn of(py: Python<'_>, spectrum: telespring::spectrum::Spectrum) -> Self {
         Self {
             roots: spectrum.roots.into_pyarray(py).into(),
@@ -38,7 +38,7 @@ impl Spectrum {
     }
 }
 
-/// Warns that a root may have been missed, where the certificate does not exclude it.
+/// Warns that a root of the spectrum may have been missed, where the certificate does not exclude it.
 pub fn warn(py: Python<'_>, whose: &str, certificate: &Certificate) -> PyResult<()> {
     static WARNING: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     if certificate.is_complete() {

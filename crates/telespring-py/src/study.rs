@@ -49,13 +49,13 @@ impl Coupling {
         }))
     }
 
-    /// Stiffness, N/m.
+    /// Stiffness of the study's coupling, N/m.
     #[getter]
     fn stiffness(&self) -> f64 {
         self.0.stiffness
     }
 
-    /// Damping, N·s/m.
+    /// Damping of the study's coupling, N·s/m.
     #[getter]
     fn damping(&self) -> f64 {
         self.0.damping
@@ -123,7 +123,7 @@ impl Network {
         Ok(Self(verdicts::Network::new(delay, jitter, max_gap, sample_period, computing_time)?))
     }
 
-    /// The constant part of the one-way delays, s: forward and backward.
+    /// The constant part of the study network's one-way delays, s: forward and backward.
     #[getter]
     fn delay(&self) -> (f64, f64) {
         (self.0.delay().forward(), self.0.delay().backward())
@@ -218,7 +218,7 @@ pub struct OperatorRange {
 }
 
 impl OperatorRange {
-    /// On a dyad with that many axes.
+    /// The Python operator range on a dyad with that many axes.
     pub fn on(&self, axes: usize) -> telespring::Result<verdicts::OperatorRange> {
         let low = self.low.on(axes).map_err(|refusal| refusal.within("low"))?;
         let high = self.high.on(axes).map_err(|refusal| refusal.within("high"))?;
@@ -227,6 +227,7 @@ impl OperatorRange {
 }
 
 impl From<&verdicts::OperatorRange> for OperatorRange {
+    /// The Python operator range with the values of one of the core.
     fn from(range: &verdicts::OperatorRange) -> Self {
         Self { low: range.low().into(), high: range.high().into() }
     }
@@ -241,13 +242,13 @@ impl OperatorRange {
         Ok(range)
     }
 
-    /// The lower end.
+    /// The lower `Operator` of the range.
     #[getter]
     fn low(&self) -> Operator {
         self.low.clone()
     }
 
-    /// The upper end.
+    /// The upper `Operator` of the range.
     #[getter]
     fn high(&self) -> Operator {
         self.high.clone()
@@ -359,7 +360,7 @@ impl Study {
         Self(telespring::study::Study::paper())
     }
 
-    /// Read a study from TOML text.
+    /// Read a Python `Study` from TOML text.
     ///
     /// Parameters
     /// ----------
@@ -525,7 +526,7 @@ impl Study {
         self.0.to_toml()
     }
 
-    /// The study's name.
+    /// The study's name as a str.
     #[getter]
     fn name(&self) -> &str {
         self.0.name()
@@ -537,7 +538,7 @@ impl Study {
         self.0.robot_names().into()
     }
 
-    /// The dyad; where the operators are ranges, with the middle of each.
+    /// The study's `Dyad`; where the operators are ranges, with the middle of each.
     #[getter]
     fn dyad(&self) -> Dyad {
         Dyad(self.0.dyad().clone())
@@ -549,25 +550,25 @@ impl Study {
         self.0.operator_ranges().map(|[first, second]| (first.into(), second.into()))
     }
 
-    /// The coupling: the virtual spring and the damper in parallel with it.
+    /// The study's `Coupling`: the virtual spring and the damper in parallel with it.
     #[getter]
     fn coupling(&self) -> Coupling {
         Coupling(self.0.coupling())
     }
 
-    /// Stiffness of the virtual spring, N/m.
+    /// Stiffness of the virtual spring in the study, N/m.
     #[getter]
     fn stiffness(&self) -> f64 {
         self.0.coupling().stiffness
     }
 
-    /// The network, and the timing of the controllers.
+    /// The study's `Network`, and the timing of the controllers.
     #[getter]
     fn network(&self) -> Network {
         Network(*self.0.network())
     }
 
-    /// The constant part of the one-way delays, s: forward and backward.
+    /// The constant part of the study's one-way delays, s: forward and backward.
     #[getter]
     fn delay(&self) -> (f64, f64) {
         self.network().delay()
@@ -579,7 +580,7 @@ impl Study {
         self.0.uncertainty().map(|robot| robot.cloned().map(Uncertainty)).into()
     }
 
-    /// Coulomb friction of both robots per axis, N, (2, axes).
+    /// Coulomb friction of both robots of the study per axis, N, as an array (2, axes).
     #[getter]
     fn coulomb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let friction = self.0.coulomb();
@@ -657,7 +658,7 @@ fn read_robot_file(path_or_text: &Bound<'_, PyAny>) -> Outcome<RobotFile> {
     })
 }
 
-/// The text of a file in UTF-8; `kind` names it in a refusal.
+/// The text of a study or robot file in UTF-8; `kind` names it in a refusal.
 fn read_text(path: &Bound<'_, PyAny>, kind: &str) -> Outcome<String> {
     // Python's own reading raises OSError with the file's name
     let bytes = path.py().import("pathlib")?.getattr("Path")?.call1((path,))?.call_method0("read_bytes")?;

@@ -95,7 +95,7 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
         .collect()
 }
 
-/// An option of an agent or a target written in Python, as Python holds it.
+/// The value of an option in a study, for an agent or a target written in Python, as Python holds it.
 pub fn option<'py>(py: Python<'py>, value: &OptionValue) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         OptionValue::Boolean(value) => value.into_pyobject(py)?.to_owned().into_any(),

@@ -54,6 +54,7 @@ impl Value for Assumption {
     }
 }
 
+/// The playout buffer's delays if a verdict's assumption is met only behind one.
 fn buffer_delay(assumption: &Assumption) -> Option<[f64; 2]> {
     match assumption {
         Assumption::MetBehindPlayoutBuffer { delay } => Some(*delay),
@@ -133,7 +134,7 @@ record! {
         buffer_delay = |verdict| buffer_delay(&verdict.assumption),
     }
     methods {
-        /// Whether the network fulfils the assumption of the tier without a buffer.
+        /// Whether the network fulfils the assumption of the verdict's tier without a buffer.
         #[getter]
         fn assumption_met(&self) -> bool {
             self.0.assumption == Assumption::Met
@@ -312,7 +313,7 @@ pub enum Ranges<'py> {
     Each(Bound<'py, OperatorRange>, Bound<'py, OperatorRange>),
 }
 
-/// The four verdicts on a dyad over a network.
+/// The four `Verdicts` on a dyad over a network.
 #[pyfunction]
 pub fn verdicts(
     py: Python<'_>,

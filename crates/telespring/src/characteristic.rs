@@ -21,7 +21,7 @@ pub(crate) struct Jet {
     pub slope: Complex64,
 }
 
-/// e^z − 1 without cancellation near 0.
+/// e^z − 1 without cancellation near 0, for the delay term of a characteristic function.
 pub(crate) fn exp_m1(z: Complex64) -> Complex64 {
     let grown = z.re.exp_m1();
     let (sin, cos) = (0.5 * z.im).sin_cos();
@@ -77,17 +77,17 @@ pub(crate) struct SideFactor {
 }
 
 impl SideFactor {
-    /// The value of Pᵢ(s).
+    /// The value of one side's factor Pᵢ(s) in the characteristic function.
     pub fn value(&self, s: Complex64) -> Complex64 {
         (s * self.mass + self.damping) * s + self.stiffness
     }
 
-    /// The derivative of Pᵢ(s).
+    /// The derivative of one side's factor Pᵢ(s) in the characteristic function.
     pub fn slope(&self, s: Complex64) -> Complex64 {
         s * (2.0 * self.mass) + self.damping
     }
 
-    /// Upper bounds on |Pᵢ| and |Pᵢ′| at this |s|.
+    /// Upper bounds on |Pᵢ| and |Pᵢ′| of the characteristic function at this |s|.
     pub fn bounds(&self, size: f64) -> [f64; 2] {
         [(self.mass * size + self.damping) * size + self.stiffness, 2.0 * self.mass * size + self.damping]
     }
@@ -164,12 +164,13 @@ impl Characteristic {
         Self { rigid_body: false, ..self }
     }
 
-    /// The coupling impedance q(s) = k + c s.
+    /// The coupling impedance q(s) = k + c s in the characteristic function.
     pub fn coupling(&self, s: Complex64) -> Complex64 {
         s * self.coupling_damping + self.stiffness
     }
 
-    /// Coefficients of R, constant term first; of R/s if the rigid-body root is divided out.
+    /// Coefficients of the remainder R of the characteristic function, constant term first; of R/s if the
+    /// rigid-body root is divided out.
     pub fn deflated_remainder(&self) -> &[f64] {
         &self.remainder[usize::from(self.rigid_body)..]
     }
@@ -223,7 +224,7 @@ impl Characteristic {
         Jet { value, slope: (slope - value) / s }
     }
 
-    /// N(s) and its derivative, in the form that loses fewer digits at `s`.
+    /// The characteristic function N(s) and its derivative, in the form that loses fewer digits at `s`.
     pub fn jet(&self, s: Complex64) -> Jet {
         let exponential = DelayExponential::at(s, self.round_trip);
         let q2 = self.coupling(s).norm_sqr();

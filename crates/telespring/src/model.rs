@@ -21,7 +21,7 @@ fn default_axes(count: usize) -> Vec<String> {
         .collect()
 }
 
-/// Checks that every value of a list is in the range of its quantity.
+/// Checks that every value in a list of the model is in the range of its quantity.
 fn check_each(quantity: quantity::Quantity, field: &str, values: &[f64]) -> Result<()> {
     for (i, &value) in values.iter().enumerate() {
         quantity.check(&format!("{field}[{i}]"), value)?;
@@ -29,7 +29,7 @@ fn check_each(quantity: quantity::Quantity, field: &str, values: &[f64]) -> Resu
     Ok(())
 }
 
-/// Checks that a list has one value per axis.
+/// Checks that a list of the model has one value per axis.
 fn check_length(field: &str, got: usize, expected: usize, of: &str) -> Result<()> {
     if got == expected {
         return Ok(());

@@ -24,16 +24,20 @@ pub(crate) trait Real:
     const EPSILON: f64;
     /// Relative Halley step below which the next error is below `EPSILON`: the iteration is cubic.
     const SETTLED: f64;
+    /// The value in f64, from the number type of the polynomial.
     fn to_f64(self) -> f64;
+    /// The square root in the number type of the polynomial.
     fn sqrt(self) -> Self;
 }
 
 impl Real for f64 {
     const EPSILON: f64 = f64::EPSILON;
     const SETTLED: f64 = 1e-6;
+    /// The value in f64: itself.
     fn to_f64(self) -> f64 {
         self
     }
+    /// The square root in f64.
     fn sqrt(self) -> Self {
         self.sqrt()
     }
@@ -42,9 +46,11 @@ impl Real for f64 {
 impl Real for TwoFloat {
     const EPSILON: f64 = 1e-30;
     const SETTLED: f64 = 1e-11;
+    /// The value in f64 of a double-double number.
     fn to_f64(self) -> f64 {
         self.into()
     }
+    /// The square root of a double-double number.
     fn sqrt(self) -> Self {
         self.sqrt()
     }
@@ -87,6 +93,7 @@ impl<R: Real, const N: usize> Roots<R, N> {
 
 impl<R, const N: usize> std::ops::Deref for Roots<R, N> {
     type Target = [Root<R>];
+    /// The roots of a polynomial as a slice.
     fn deref(&self) -> &[Root<R>] {
         &self.items[..self.length]
     }
@@ -286,14 +293,14 @@ fn isolate_roots<R: Real, const N: usize>(
     Some(())
 }
 
-/// The sign of a value with an error bound; 0 if uncertain.
+/// The sign of a polynomial's value with an error bound; 0 if uncertain.
 #[inline(always)]
 fn sign_of<R: Real>(value: R, bound: f64) -> i8 {
     let value = value.to_f64();
     i8::from(value > bound) - i8::from(value < -bound)
 }
 
-/// The number of sign changes of the coefficients, and whether every sign is certain.
+/// The number of sign changes of a polynomial's coefficients, and whether every sign is certain.
 #[inline(always)]
 fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) {
     let mut changes = 0;
@@ -308,7 +315,7 @@ fn sign_changes<R: Real>(coefficients: &[R], magnitudes: &[f64]) -> (u32, bool) 
     (changes, certain)
 }
 
-/// A starting scale: a power of two near the geometric mean of the root magnitudes.
+/// A starting scale for a polynomial: a power of two near the geometric mean of the root magnitudes.
 #[inline(always)]
 fn typical_root<R: Real, const N: usize>(p: &Polynomial<R, N>, low: usize, high: usize) -> R {
     let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i64;
@@ -354,7 +361,7 @@ fn quadratic_slope<R: Real>(coefficients: &[R], x: R) -> f64 {
     coefficients[1].to_f64() + 2.0 * coefficients[2].to_f64() * x.to_f64()
 }
 
-/// Whether the rounding error of the value displaces a root by less than [`ROOT_ACCURACY`].
+/// Whether the rounding error of the polynomial's value displaces a root by less than [`ROOT_ACCURACY`].
 #[inline(always)]
 fn is_accurate<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
@@ -366,7 +373,7 @@ fn is_accurate<R: Real, const N: usize>(
     p.value(low, high, at).1 <= ROOT_ACCURACY * (slope * at.to_f64()).abs()
 }
 
-/// The root between `left` (sign `left_sign`) and `right`, by a bracketed Halley iteration.
+/// The polynomial's root between `left` (sign `left_sign`) and `right`, by a bracketed Halley iteration.
 fn root_in_bracket<R: Real, const N: usize>(
     p: &Polynomial<R, N>,
     low: usize,
@@ -388,7 +395,7 @@ fn root_in_bracket<R: Real, const N: usize>(
     trusted.then_some(at)
 }
 
-/// A point well inside a bracket: the geometric mean if the bracket spans decades.
+/// A point well inside a bracket of a polynomial's root: the geometric mean if it spans decades.
 fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     if right >= R::from(FAR) {
         left * R::from(16.0)
@@ -401,7 +408,7 @@ fn point_in_bracket<R: Real>(left: R, right: R) -> R {
     }
 }
 
-/// Halley's iteration from `x`: the root and the derivative next to it, 0 if it did not converge.
+/// Halley's iteration for a polynomial: the root and the derivative next to it, 0 if it did not converge.
 #[inline(always)]
 fn halley<R: Real>(coefficients: &[R], mut left: R, mut right: R, left_sign: i8, mut x: R) -> (R, f64) {
     let zero = R::from(0.0);

@@ -36,16 +36,17 @@ pub struct FrozenSide {
 }
 
 impl FrozenSide {
-    /// |m_xy| over the geometric mean of m_xx and m_yy.
+    /// |m_xy| over the geometric mean of m_xx and m_yy, in a frozen pose.
     pub fn cross_inertia(&self) -> f64 {
         self.mass[(0, 1)].abs() / (self.mass[(0, 0)] * self.mass[(1, 1)]).sqrt()
     }
 
+    /// Whether x and y are independent on this side of a frozen pose.
     fn is_diagonal(&self) -> bool {
         [self.mass, self.damping].iter().all(|matrix| matrix[(0, 1)] == 0.0 && matrix[(1, 0)] == 0.0)
     }
 
-    /// One axis without what couples it to the other.
+    /// One axis of a frozen pose without what couples it to the other.
     fn on_axis(&self, axis: usize) -> Side {
         Side {
             mass: self.mass[(axis, axis)],
@@ -108,7 +109,7 @@ impl DyadInArms {
         Ok(Self { sides, arms, coupling_damping: dyad.coupling_damping() })
     }
 
-    /// Both sides with their handles at `position`, m.
+    /// Both sides of the frozen pose with their handles at `position`, m.
     ///
     /// # Errors
     ///
@@ -195,6 +196,7 @@ impl DyadInArms {
     }
 }
 
+/// A diagonal matrix of x and y for a frozen pose.
 fn diagonal([x, y]: [f64; 2]) -> [[f64; 2]; 2] {
     [[x, 0.0], [0.0, y]]
 }

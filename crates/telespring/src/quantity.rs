@@ -90,6 +90,7 @@ pub const TRIAL_DURATION: Quantity =
     Quantity::new("a trial's duration", "s", 1e-3, 3600.0, Some(("ms", 1e-3)));
 
 impl Quantity {
+    /// A quantity with its unit and its range.
     const fn new(
         name: &'static str,
         unit: &'static str,
@@ -110,6 +111,7 @@ impl Quantity {
         self.maximum
     }
 
+    /// Whether a value lies in the range of the quantity.
     #[inline]
     fn contains(&self, value: f64) -> bool {
         value >= self.minimum && value <= self.maximum
@@ -125,7 +127,7 @@ impl Quantity {
         if self.contains(value) { Ok(value) } else { Err(self.refusal(field, value)) }
     }
 
-    /// Not inlined: a check in a loop over a million axes then costs two comparisons.
+    /// The refusal of a value out of the quantity's range; inlined, it would slow loops over many axes.
     #[cold]
     #[inline(never)]
     fn refusal(&self, field: &str, value: f64) -> InvalidInput {

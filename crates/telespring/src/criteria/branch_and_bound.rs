@@ -28,11 +28,11 @@ pub(super) struct Curvature {
 
 /// A characteristic function on a vertical line, as a function of frequency and parameter.
 pub(super) trait LineFunction {
-    /// The value and derivatives on the line at a frequency and a parameter.
+    /// The value and derivatives on the line that the box search scans, at a frequency and a parameter.
     fn jet(&self, frequency: f64, parameter: f64) -> LineJet;
-    /// Bounds on the second derivatives over a box of frequencies and parameters.
+    /// Bounds on the second derivatives over a box of the search.
     fn curvature(&self, region: &Region) -> Curvature;
-    /// Whether the magnitudes of the two terms alone exclude a zero in the box, for any phase of the delay.
+    /// Whether the magnitudes of the two terms alone exclude a zero in a box of the search, for any delay phase.
     fn magnitudes_differ(&self, region: &Region) -> bool;
 }
 
@@ -61,23 +61,27 @@ struct QueuedBox {
 }
 
 impl PartialEq for QueuedBox {
+    /// Whether two boxes in the search's queue have the same priority.
     fn eq(&self, other: &Self) -> bool {
         self.priority == other.priority
     }
 }
 impl Eq for QueuedBox {}
 impl PartialOrd for QueuedBox {
+    /// The order of two boxes in the search's queue.
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 impl Ord for QueuedBox {
+    /// The order of two boxes in the search's queue, largest priority last.
     fn cmp(&self, other: &Self) -> Ordering {
         self.priority.total_cmp(&other.priority)
     }
 }
 
-/// The parameters at which a root lies on the line, ascending; a single value if only an extreme is wanted.
+/// The parameters at which a root lies on the line, by box search, ascending; a single value if only an
+/// extreme is wanted.
 pub(super) fn crossing_parameters(function: &impl LineFunction, region: Region, wanted: Wanted) -> Vec<f64> {
     let mut solutions: Vec<(f64, f64)> = Vec::new();
     let mut waiting = BinaryHeap::new();
@@ -147,12 +151,12 @@ enum BoxContent {
     Undecided { halve_frequency: bool },
 }
 
-/// Im(conj(a) b): the component of b perpendicular to a, times |a|.
+/// Im(conj(a) b), the component of b perpendicular to a times |a|, for the box search.
 fn cross_product(a: Complex64, b: Complex64) -> f64 {
     a.re * b.im - a.im * b.re
 }
 
-/// Decides whether a box holds no solution, at most one, or must be halved.
+/// Decides whether a box of the search holds no solution, at most one, or must be halved.
 fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> BoxContent {
     if function.magnitudes_differ(part) {
         return BoxContent::Nothing;
@@ -190,7 +194,7 @@ fn examine_box(function: &impl LineFunction, part: &Region, whole: &Region) -> B
     }
 }
 
-/// Newton's iteration from the middle of a box with at most one solution.
+/// Newton's iteration from the middle of a box of the search with at most one solution.
 fn newton_in_box(
     function: &impl LineFunction,
     mut w: f64,

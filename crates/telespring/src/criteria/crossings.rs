@@ -43,6 +43,7 @@ pub struct Crossings {
 
 impl Deref for Crossings {
     type Target = [Crossing];
+    /// The crossings as a slice.
     fn deref(&self) -> &[Crossing] {
         &self.items[..self.length]
     }

@@ -126,7 +126,7 @@ fn permanent_instability_delay(crossings: &[Crossing]) -> f64 {
     (offset + std::f64::consts::PI) / net
 }
 
-/// The number of characteristic roots with positive real part at a one-way delay (s), without the
+/// Counts, from the stable intervals, the roots with positive real part at a one-way delay (s), without the
 /// rigid-body root.
 ///
 /// # Errors
@@ -203,12 +203,12 @@ pub fn stability_map(axis: &DyadAxis, stiffness: &[f64], delay: &[f64]) -> Resul
     Ok(stable)
 }
 
-/// Whether a delay lies in one of the stable intervals.
+/// Whether a delay lies in one of the intervals of stable delays.
 pub(crate) fn is_in_any(intervals: &[(f64, f64)], delay: f64) -> bool {
     intervals.iter().any(|&(start, end)| delay < end && (delay > start || delay == 0.0 && start == 0.0))
 }
 
-/// The intervals that two lists of intervals have in common; both ascend, and so does the result.
+/// The intervals that two lists of stable intervals have in common; both ascend, and so does the result.
 ///
 /// # Examples
 ///

@@ -227,13 +227,13 @@ pub fn decay_stiffness(axis: &DyadAxis, delay: f64, decay_rate: f64) -> Result<V
     Ok(ranges)
 }
 
-/// Whether every root but the rigid-body one lies left of −`decay_rate`.
+/// Whether, in the search for a stiffness, every root but the rigid-body one lies left of −`decay_rate`.
 fn decays_faster_than(axis: &DyadAxis, stiffness: f64, delay: f64, decay_rate: f64) -> Result<bool> {
     let delay = crate::model::Delay::each_way(delay)?;
     Ok(crate::spectrum::spectral_abscissa(axis, stiffness, &delay)?.value < -decay_rate)
 }
 
-/// A typical stiffness of the dyad, N/m, for dyads whose critical stiffness is 0.
+/// A typical stiffness for the inverse criteria, N/m, for dyads whose critical stiffness is 0.
 fn stiffness_scale(axis: &DyadAxis, round_trip: f64) -> f64 {
     let [first, second] = &axis.sides;
     let mass = first.mass + second.mass;
@@ -327,7 +327,7 @@ fn real_root_stiffnesses(axis: &DyadAxis, round_trip: f64, decay_rate: f64) -> V
         .collect()
 }
 
-/// N(s) and its derivative with respect to s; N is χ(s), divided by s for free handles.
+/// N(s) and its derivative for the inverse criteria; N is χ(s), divided by s for free handles.
 fn characteristic_jet(
     chi: &Characteristic,
     s: Complex64,
@@ -373,7 +373,7 @@ fn magnitudes_differ(
     product.0 > returned.1 * returned.1 * (1.0 + 1e-12) || product.1 * (1.0 + 1e-12) < returned.0 * returned.0
 }
 
-/// The smallest and largest |s| of a box on the line Re s = −σ.
+/// The smallest and largest |s| of a box on the line Re s = −σ of an inverse criterion.
 fn magnitude_range(region: &Region, decay_rate: f64) -> (f64, f64) {
     (region.frequency.0.hypot(decay_rate), region.frequency.1.hypot(decay_rate))
 }
@@ -386,6 +386,7 @@ struct StiffnessLine<'a> {
 }
 
 impl LineFunction for StiffnessLine<'_> {
+    /// The value and derivatives for an unknown stiffness on the line Re s = −σ.
     fn jet(&self, frequency: f64, stiffness: f64) -> LineJet {
         let s = Complex64::new(-self.decay_rate, frequency);
         let chi = Characteristic::new(self.axis, stiffness, self.round_trip);
@@ -403,11 +404,13 @@ impl LineFunction for StiffnessLine<'_> {
         LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
+    /// Whether no stiffness of the box puts a root on the line.
     fn magnitudes_differ(&self, region: &Region) -> bool {
         let Region { frequency, parameter } = *region;
         magnitudes_differ(self.axis, frequency, parameter, (0.0, 0.0), self.round_trip, self.decay_rate)
     }
 
+    /// Bounds on the second derivatives over a box of stiffnesses and frequencies.
     fn curvature(&self, region: &Region) -> Curvature {
         let (least, most) = magnitude_range(region, self.decay_rate);
         let chi = Characteristic::new(self.axis, region.parameter.1, self.round_trip);
@@ -441,7 +444,7 @@ struct DampingLine<'a> {
 }
 
 impl DampingLine<'_> {
-    /// The characteristic function with a damping added to both sides.
+    /// The characteristic function with the unknown damping added to both sides.
     fn characteristic(&self, added: f64) -> Characteristic {
         let sides = self.axis.sides.map(|side| Side { damping: side.damping + added, ..side });
         Characteristic::new(&DyadAxis { sides, ..*self.axis }, self.stiffness, self.round_trip)
@@ -449,6 +452,7 @@ impl DampingLine<'_> {
 }
 
 impl LineFunction for DampingLine<'_> {
+    /// The value and derivatives for an unknown damping, at j`frequency`.
     fn jet(&self, frequency: f64, added: f64) -> LineJet {
         let s = Complex64::new(0.0, frequency);
         let chi = self.characteristic(added);
@@ -462,12 +466,14 @@ impl LineFunction for DampingLine<'_> {
         LineJet { value: jet.value, by_frequency: jet.slope * Complex64::I, by_parameter }
     }
 
+    /// Whether no damping of the box puts a root on the axis.
     fn magnitudes_differ(&self, region: &Region) -> bool {
         let Region { frequency, parameter } = *region;
         let stiffness = (self.stiffness, self.stiffness);
         magnitudes_differ(self.axis, frequency, stiffness, parameter, self.round_trip, 0.0)
     }
 
+    /// Bounds on the second derivatives over a box of dampings and frequencies.
     fn curvature(&self, region: &Region) -> Curvature {
         let (least, most) = magnitude_range(region, 0.0);
         let chi = self.characteristic(region.parameter.1);

@@ -86,7 +86,7 @@ impl Resonance<'_> {
         returned.im
     }
 
-    /// The smallest stiffness up to `limit` at which the resonance becomes unstable; `None` if it stays
+    /// The smallest stiffness up to `limit` at which the undamped resonance becomes unstable; `None` if it stays
     /// stable.
     pub fn first_unstable_stiffness(&self, limit: f64) -> Option<f64> {
         if self.destabilising_part(1e-9 * limit) > 0.0 {
@@ -106,7 +106,7 @@ impl Resonance<'_> {
         Some(low)
     }
 
-    /// The frequency range (rad/s) of the resonance for stiffnesses up to `limit`.
+    /// The frequency range (rad/s) of the undamped resonance for stiffnesses up to `limit`.
     pub fn frequency_band(&self, limit: f64) -> (f64, f64) {
         let own = &self.axis.sides[self.side];
         let frequency = |shift: f64| ((own.ground_stiffness + shift * limit) / own.mass).sqrt();

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use super::matrix::CharacteristicMatrix;
 
-/// The indices of the states of a delay system with a delayed term.
+/// The indices of the states with a delayed term, which collocation needs in the past.
 pub(super) fn delayed_states(system: &CharacteristicMatrix) -> Vec<usize> {
     (0..system.size())
         .filter(|&column| system.delayed.iter().any(|(_, matrix)| matrix.column(column).amax() > 0.0))

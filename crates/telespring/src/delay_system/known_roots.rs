@@ -18,13 +18,13 @@ pub(super) struct KnownRoot {
 }
 
 impl KnownRoot {
-    /// The number of characteristic roots it stands for, the conjugate included.
+    /// The number of characteristic roots that a known root stands for, the conjugate included.
     pub fn weight(&self) -> usize {
         if self.s.im == 0.0 { self.multiplicity } else { 2 * self.multiplicity }
     }
 }
 
-/// The root s = 0 of a delay system with its multiplicity, if it is a root.
+/// The root s = 0 of a delay system with its multiplicity, if it is one of the known roots.
 pub(super) fn root_at_zero(matrix: &CharacteristicMatrix) -> Vec<KnownRoot> {
     match zero::multiplicity_at_zero(matrix) {
         0 => Vec::new(),
@@ -37,7 +37,7 @@ pub(super) fn sort_by_real_part(known: &mut [KnownRoot]) {
     known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));
 }
 
-/// Newton's method on the determinant, with a multiplied step at a multiple root.
+/// Newton's method on the determinant towards a known root, with a multiplied step at a multiple one.
 fn refine_by_newton(matrix: &CharacteristicMatrix, start: Complex64) -> Option<KnownRoot> {
     let scale = matrix.scale();
     let mut s = start;
@@ -82,7 +82,7 @@ fn refine_by_newton(matrix: &CharacteristicMatrix, start: Complex64) -> Option<K
     None
 }
 
-/// Refines a start and stores the root if it is new; returns whether it was.
+/// Refines a start and stores the root among the known ones if it is new; returns whether it was.
 pub(super) fn refine_and_insert(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -140,7 +140,7 @@ pub(super) fn count_in_rectangle(known: &[KnownRoot], low: Complex64, high: Comp
         .sum()
 }
 
-/// Sets the multiplicity of each root from a count in a small square around it.
+/// Sets the multiplicity of each known root from a count in a small square around it.
 pub(super) fn assign_multiplicities(matrix: &CharacteristicMatrix, known: &mut [KnownRoot], depth: f64) {
     for i in 0..known.len() {
         let s = known[i].s;

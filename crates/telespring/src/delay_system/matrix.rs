@@ -70,7 +70,7 @@ impl CharacteristicMatrix {
         Self { instantaneous, delayed }
     }
 
-    /// The number of states.
+    /// The number of rows of the characteristic matrix: the states.
     pub(super) fn size(&self) -> usize {
         self.instantaneous.nrows()
     }
@@ -80,13 +80,13 @@ impl CharacteristicMatrix {
         self.delayed.last().map_or(0.0, |(delay, _)| *delay)
     }
 
-    /// A rate that roots can be compared with, 1/s.
+    /// A rate of the characteristic matrix that roots can be compared with, 1/s.
     pub(super) fn scale(&self) -> f64 {
         let size = self.instantaneous.norm() + self.delayed.iter().map(|(_, m)| m.norm()).sum::<f64>();
         if size > 0.0 { size } else { 1.0 }
     }
 
-    /// An upper bound on |s| of every root with Re s ≥ `sigma`.
+    /// An upper bound on |s| of every root of the characteristic matrix with Re s ≥ `sigma`.
     pub(super) fn root_radius(&self, sigma: f64) -> f64 {
         self.instantaneous.norm()
             + self.delayed.iter().map(|(delay, matrix)| matrix.norm() * (-delay * sigma).exp()).sum::<f64>()
@@ -131,7 +131,7 @@ impl CharacteristicMatrix {
         product
     }
 
-    /// The Newton step det Δ / (det Δ)′ at `s`; 0 if Δ is singular.
+    /// The Newton step det Δ / (det Δ)′ of the characteristic matrix at `s`; 0 if Δ is singular.
     pub(super) fn newton_step(&self, s: Complex64) -> Complex64 {
         let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else { return Complex64::ZERO };
         let product = self.logarithmic_derivative(s, &inverse.entries);
@@ -139,7 +139,8 @@ impl CharacteristicMatrix {
         trace.inv()
     }
 
-    /// How much Δ⁻¹ Δ may change while the argument of the determinant changes by less than π.
+    /// How much Δ⁻¹ Δ of the characteristic matrix may change while the argument of the determinant changes
+    /// by less than π.
     ///
     /// With X = Δ⁻¹(s)(Δ(s + h) − Δ(s)), det Δ(s + h) / det Δ(s) = Π (1 + μᵢ) over the eigenvalues of X,
     /// and Σ |arg(1 + μᵢ)| ≤ (π/2) Σ |μᵢ| ≤ (π/2) √n ‖X‖ (Weyl; Frobenius norm) if ‖X‖ < 1.
@@ -153,7 +154,7 @@ impl CharacteristicMatrix {
         self.rebalanced(sigma).count_on_contour(sigma, steps)
     }
 
-    /// Counts the roots right of a line along a contour, with the balancing as it is.
+    /// Counts the roots of the characteristic matrix right of a line along a contour, with the balancing as it is.
     fn count_on_contour(&self, sigma: f64, mut steps: usize) -> Result<usize, ContourError> {
         // Beyond this, det Δ is sⁿ times a factor whose argument stays within π of its limit.
         let far = self.root_radius(sigma) / self.argument_room();
@@ -173,7 +174,7 @@ impl CharacteristicMatrix {
 }
 
 impl Winding for CharacteristicMatrix {
-    /// Certifies a step of the determinant by the norm of Δ⁻¹ Δ′.
+    /// Certifies a step of the characteristic matrix's determinant by the norm of Δ⁻¹ Δ′.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
         let Some(inverse) = invert_complex(self.evaluate(s), self.size()) else {
             return Probe { value: Complex64::ZERO, step: 0.0 };

@@ -96,7 +96,7 @@ impl DelaySystem {
         self.instantaneous.nrows()
     }
 
-    /// The `count` rightmost characteristic roots, each refined by Newton's method.
+    /// The `count` rightmost characteristic roots of the delay system, each refined by Newton's method.
     ///
     /// A root at s = 0, such as the rigid-body motion of free robots, is listed like any other, as exactly
     /// 0 ([`Spectrum::rigid_body`] is false); [`crate::spectrum::characteristic_roots`] divides it out. A
@@ -155,7 +155,7 @@ impl DelaySystem {
         zero::multiplicity_at_zero(&CharacteristicMatrix::balanced(self, 0.0))
     }
 
-    /// The largest real part of the roots other than s = 0, 1/s.
+    /// The delay system's largest real part of the roots other than s = 0, 1/s.
     ///
     /// If negative, every motion decays but those counted by [`DelaySystem::roots_at_zero`]. Minus infinity
     /// if s = 0 is the only root.

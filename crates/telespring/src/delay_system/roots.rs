@@ -64,7 +64,7 @@ pub(super) fn rightmost_roots(system: &DelaySystem, count: usize) -> Spectrum {
     }
 }
 
-/// Finds the roots that collocation missed, guided by the count.
+/// Finds the roots of a delay system that collocation missed, guided by the count.
 fn find_missing_roots(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -94,7 +94,7 @@ fn find_missing_roots(
     Some((depth, certificate))
 }
 
-/// Counts the roots right of a line below the `count`-th root, in the widest of the next gaps.
+/// Counts the delay system's roots right of a line below the `count`-th root, in the widest of the next gaps.
 ///
 /// `None` if fewer roots than requested are known.
 fn certify_by_count(
@@ -148,7 +148,7 @@ fn certify_by_count(
     stopped
 }
 
-/// The characteristic roots of a system without delay, as many as states.
+/// The characteristic roots of a delay system without delay, as many as states.
 fn roots_without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum {
     let mut known = root_at_zero(matrix);
     for start in collocation_eigenvalues(matrix, 0).unwrap_or_default() {
@@ -167,7 +167,7 @@ fn roots_without_delay(matrix: &CharacteristicMatrix, count: usize) -> Spectrum 
     spectrum_of(&known, count, f64::NEG_INFINITY, certificate)
 }
 
-/// The list of the `count` rightmost known roots with its certificate.
+/// The list of the `count` rightmost known roots of a delay system with its certificate.
 fn spectrum_of(known: &[KnownRoot], count: usize, depth: f64, certificate: Certificate) -> Spectrum {
     let mut roots = Vec::with_capacity(count + 1);
     for root in known.iter().filter(|root| root.s.re >= depth) {

@@ -17,12 +17,12 @@ const MAX_REFUSED: usize = 4;
 /// With more roots than this right of a line, the search continues further right.
 pub(super) const MAX_TO_FIND: usize = 6_000;
 
-/// The affordable number of Newton starts: inverting n × n matrices costs n³.
+/// The affordable number of Newton starts in the search for roots: inverting n × n matrices costs n³.
 fn newton_start_limit(matrix: &CharacteristicMatrix) -> usize {
     (1_300_000 / matrix.size().pow(3)).clamp(200, 20_000)
 }
 
-/// A vertical line with at least `count` roots to its right and not many more, with their number.
+/// A line for the search with at least `count` roots to its right and not many more, with their number.
 ///
 /// `hint` is the first line to try. `None` if no such line could be counted.
 pub(super) fn line_with_roots_right_of(
@@ -114,7 +114,7 @@ pub(super) fn search_right_of(
     }
 }
 
-/// Starts Newton's method along the line Re s = `sigma`, so densely that det Δ turns little between starts.
+/// Searches by Newton's method along the line Re s = `sigma`, so densely that det Δ turns little between starts.
 fn start_newton_along_line(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,
@@ -139,7 +139,8 @@ fn start_newton_along_line(
     }
 }
 
-/// Counts the roots in rectangles, halves those with unknown roots, and starts Newton's method in them.
+/// Searches rectangles: counts the roots in them, halves those with unknown roots, and starts Newton's method
+/// in them.
 fn bisect_rectangles(
     matrix: &CharacteristicMatrix,
     known: &mut Vec<KnownRoot>,

@@ -26,7 +26,7 @@ pub(super) fn multiplicity_at_zero(matrix: &CharacteristicMatrix) -> usize {
     missing
 }
 
-/// The block Toeplitz matrix of the first Taylor coefficients of Δ(s).
+/// The block Toeplitz matrix of the first Taylor coefficients of Δ(s) at the zero s = 0.
 fn block_toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> {
     let size = matrix.size();
     let norm = matrix.scale();
@@ -54,7 +54,7 @@ fn block_toeplitz(matrix: &CharacteristicMatrix, blocks: usize) -> DMatrix<f64> 
     whole
 }
 
-/// The number of singular values of a matrix that are zero within rounding.
+/// The number of singular values of a block Toeplitz matrix that are zero within rounding.
 fn rank_deficiency(matrix: &DMatrix<f64>) -> usize {
     let order = matrix.nrows();
     let values = matrix.singular_values();

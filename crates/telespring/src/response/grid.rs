@@ -95,8 +95,8 @@ enum Interval {
     Pole,
 }
 
-/// Halves every interval that is too coarse, all of them once before any of them twice, so that the limit
-/// leaves an even grid.
+/// Halves every interval of the frequency grid that is too coarse, all of them once before any of them twice,
+/// so that the limit leaves an even grid.
 pub(super) fn refine_grid(
     open_loop: &OpenLoop,
     low: f64,
@@ -150,7 +150,7 @@ pub(super) fn refine_grid(
     FrequencyGrid { frequency: points.into_iter().map(|(w, _)| w).collect(), status }
 }
 
-/// Decides whether an interval of frequencies is fine, too coarse, or holds a pole.
+/// Decides whether an interval of the frequency grid is fine, too coarse, or holds a pole.
 fn classify_interval(open_loop: &OpenLoop, low: f64, high: f64, resolution: f64, floor: f64) -> Interval {
     let half = 0.5 * (high - low);
     let middle = Complex64::new(0.0, 0.5 * (low + high));

@@ -73,7 +73,7 @@ pub struct Nyquist {
 }
 
 impl Nyquist {
-    /// True if every root but the rigid-body one provably lies in the open left half-plane.
+    /// True if, by its Nyquist locus, every root but the rigid-body one provably lies in the open left half-plane.
     pub fn is_stable(&self) -> bool {
         self.unstable_roots == 0 && self.status == NyquistStatus::Counted
     }
@@ -173,7 +173,7 @@ fn count_unstable_roots(open_loop: &OpenLoop) -> (usize, NyquistStatus) {
     (zeros.round().max(0.0) as usize, status)
 }
 
-/// The distance |L(jω) + 1| of the locus from the critical point.
+/// The distance |L(jω) + 1| of the Nyquist locus from the critical point.
 fn critical_point_distance(open_loop: &OpenLoop, frequency: f64) -> f64 {
     open_loop.return_difference(Complex64::new(0.0, frequency)).norm()
 }
@@ -199,7 +199,7 @@ fn minimum_distance(open_loop: &OpenLoop, frequency: &[f64]) -> Margin {
     least
 }
 
-/// The minimiser of a unimodal function on (low, high), by golden-section search.
+/// The minimiser of a unimodal function on (low, high), here the Nyquist locus's distance, by golden section.
 fn golden_section(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_9;
     let mut points = [high - RATIO * (high - low), low + RATIO * (high - low)];
@@ -254,8 +254,8 @@ fn gain_margins(open_loop: &OpenLoop, frequency: &[f64]) -> [Option<Margin>; 2] 
     nearest
 }
 
-/// The frequencies where a phase that is monotone on (low, high] equals a multiple of 2π; at most the first
-/// three.
+/// The frequencies where a phase of the Nyquist locus that is monotone on (low, high] equals a multiple of
+/// 2π; at most the first three.
 fn phase_crossings(phase: &impl Fn(f64) -> f64, low: f64, high: f64) -> Vec<f64> {
     let (start, end) = (phase(low), phase(high));
     let falling = end < start;

@@ -56,18 +56,18 @@ impl OpenLoop {
         Ok(Self { chi, delay: *delay, excess: excess_of(-1.0), excess_size: excess_of(1.0) })
     }
 
-    /// The degree of N at infinity: 3 for free handles, else 4.
+    /// The degree of the open loop's N at infinity: 3 for free handles, else 4.
     pub fn degree(&self) -> usize {
         self.chi.deflated_remainder().len() - 1
     }
 
-    /// The excess, divided by ω² for free handles, and the magnitudes of its terms.
+    /// The open loop's excess, divided by ω² for free handles, and the magnitudes of its terms.
     fn deflated_excess(&self) -> (&[f64], &[f64]) {
         let first = usize::from(self.chi.rigid_body);
         (&self.excess[first..], &self.excess_size[first..])
     }
 
-    /// The rigid-body factor χ/N: s for free handles, else 1.
+    /// The rigid-body factor χ/N of the open loop: s for free handles, else 1.
     pub fn rigid_body_factor(&self, s: Complex64) -> Complex64 {
         if self.chi.rigid_body { s } else { Complex64::ONE }
     }
@@ -78,7 +78,7 @@ impl OpenLoop {
         -one * two * (-s * self.chi.round_trip).exp()
     }
 
-    /// The return difference 1 + L(s), without cancellation near s = 0.
+    /// The return difference 1 + L(s) of the open loop, without cancellation near s = 0.
     pub fn return_difference(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.chi.sides;
         (self.rigid_body_factor(s) / one.value(s)) * (self.chi.value(s) / two.value(s))
@@ -92,12 +92,12 @@ impl OpenLoop {
             - frequency * self.chi.round_trip
     }
 
-    /// The phase of the coupling term (k + cjω)², from 0 to π.
+    /// The phase of the open loop's coupling term (k + cjω)², from 0 to π.
     fn coupling_phase(&self, frequency: f64) -> f64 {
         2.0 * (self.chi.coupling_damping * frequency).atan2(self.chi.stiffness)
     }
 
-    /// A frequency above which |L| < 1, from Kioustelidis' bound on the positive roots of the excess.
+    /// A frequency above which the open loop has |L| < 1, from Kioustelidis' bound on the excess's positive roots.
     pub fn crossover_bound(&self) -> f64 {
         let (coefficients, size) = self.deflated_excess();
         let degree = coefficients.len() - 1;
@@ -113,7 +113,7 @@ impl OpenLoop {
         1.01 * bound.max(natural).sqrt()
     }
 
-    /// The sign of |P₁P₂| − |k + cjω|² if it is provably constant on (low, high).
+    /// The sign of the open loop's |P₁P₂| − |k + cjω| if it is provably constant on (low, high).
     fn excess_sign(&self, low: f64, high: f64) -> Option<f64> {
         let (bernstein, noise) = self.excess_bernstein(low * low, high * high);
         let used = &bernstein[..=self.degree()];
@@ -126,8 +126,8 @@ impl OpenLoop {
         }
     }
 
-    /// Bernstein coefficients of the deflated excess over a range of ω², which bound it, and their rounding
-    /// error.
+    /// Bernstein coefficients of the open loop's deflated excess over a range of ω², which bound it, and
+    /// their rounding error.
     fn excess_bernstein(&self, low: f64, high: f64) -> ([f64; 5], f64) {
         let degree = self.degree();
         let (coefficients, sizes) = self.deflated_excess();
@@ -157,7 +157,7 @@ impl OpenLoop {
         (bernstein, ROUNDING * size)
     }
 
-    /// An upper bound on |dN/dω| on j[`low`, `high`].
+    /// An upper bound on |dN/dω| of the open loop on j[`low`, `high`].
     pub fn slope_bound(&self, low: f64, high: f64) -> f64 {
         let mut slope = 0.0;
         for (power, &coefficient) in self.chi.deflated_remainder().iter().enumerate().skip(1).rev() {
@@ -169,8 +169,8 @@ impl OpenLoop {
         slope + coupling * (2.0 * c * lag + coupling * lag_slope)
     }
 
-    /// Upper bounds on |1 − e^(−T s)|, divided by |s| for free handles, and on its slope on j[`low`,
-    /// `high`].
+    /// Upper bounds, for the open loop, on |1 − e^(−T s)|, divided by |s| for free handles, and on its slope
+    /// on j[`low`, `high`].
     fn lag_bounds(&self, low: f64, high: f64) -> [f64; 2] {
         let round_trip = self.chi.round_trip;
         if !self.chi.rigid_body {
@@ -180,7 +180,7 @@ impl OpenLoop {
         [value, slope]
     }
 
-    /// The rounding error of N on j[`low`, `high`].
+    /// The rounding error of the open loop's N on j[`low`, `high`].
     pub fn rounding_error(&self, low: f64, high: f64) -> f64 {
         let round_trip = self.chi.round_trip;
         let polynomial = self.chi.deflated_remainder().iter().rev().fold(0.0, |sum, &c| sum * high + c);
@@ -190,7 +190,7 @@ impl OpenLoop {
             + f64::EPSILON * coupling * coupling * turn
     }
 
-    /// Follows the continuous argument of N from rest along the ascending `nodes`.
+    /// Follows the continuous argument of the open loop's N from rest along the ascending `nodes`.
     ///
     /// Each piece is accepted by one of three proofs, or halved: |L| < 1 on it (1 + L stays in the right
     /// half-plane); |L| > 1 on it (1 + 1/L does, and the argument of L is known); or N stays in a disc that
@@ -241,7 +241,7 @@ impl OpenLoop {
         followed
     }
 
-    /// True if no finer subdivision of j[`low`, `high`] can distinguish N from zero.
+    /// True if no finer subdivision of j[`low`, `high`] can distinguish the open loop's N from zero.
     pub fn is_undecidable(&self, low: f64, high: f64) -> bool {
         let noise = self.rounding_error(low, high);
         0.5 * (high - low) * self.slope_bound(low, high) <= 2.0 * noise
@@ -250,7 +250,7 @@ impl OpenLoop {
                 .all(|&w| self.chi.value(Complex64::new(0.0, w)).norm() <= self.rounding_error(w, w))
     }
 
-    /// The change of the argument of N from `low` to `high`, if one of the three proofs holds.
+    /// The change of the argument of the open loop's N from `low` to `high`, if one of the three proofs holds.
     fn proven_turn(&self, low: f64, high: f64) -> Option<f64> {
         let sides = |w: f64| self.chi.sides[0].phase(w) + self.chi.sides[1].phase(w);
         match self.excess_sign(low, high) {
@@ -278,8 +278,8 @@ impl OpenLoop {
         }
     }
 
-    /// The principal argument of `value` at j`frequency`, or its limit at rest, where it is zero for free
-    /// handles.
+    /// The principal argument of the open loop's `value` at j`frequency`, or its limit at rest, where it is
+    /// zero for free handles.
     fn principal_argument(
         &self,
         frequency: f64,
@@ -292,13 +292,13 @@ impl OpenLoop {
         value(Complex64::new(0.0, frequency)).arg()
     }
 
-    /// The change of the argument of N over an interval on which it is less than π.
+    /// The change of the argument of the open loop's N over an interval on which it is less than π.
     fn argument_change(&self, low: f64, high: f64) -> f64 {
         let at = |w| self.chi.value(Complex64::new(0.0, w));
         (at(high) * at(low).conj()).arg()
     }
 
-    /// The change of the argument past a zero on the axis, counted as lying on the left: about +π.
+    /// The change of the open loop's argument past a zero on the axis, counted as lying on the left: about +π.
     fn turn_past_zero(&self, low: f64, high: f64) -> f64 {
         let turn = if low == 0.0 {
             self.chi.value(Complex64::new(0.0, high)).arg()
@@ -308,7 +308,7 @@ impl OpenLoop {
         if turn < -FRAC_PI_2 { turn + 2.0 * PI } else { turn }
     }
 
-    /// The change of the argument of N from `frequency` to infinity, where |L| < 1.
+    /// The change of the argument of the open loop's N from `frequency` to infinity, where |L| < 1.
     pub fn remaining_turn(&self, frequency: f64) -> f64 {
         let s = Complex64::new(0.0, frequency);
         2.0 * PI
@@ -318,7 +318,7 @@ impl OpenLoop {
     }
 }
 
-/// Checks an angular frequency (rad/s).
+/// Checks an angular frequency (rad/s) of the open loop.
 pub(super) fn check_frequency(field: &str, value: f64) -> Result<f64> {
     if (0.0..=1e12).contains(&value) {
         return Ok(value);

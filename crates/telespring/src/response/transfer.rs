@@ -318,7 +318,7 @@ fn pole_error(field: &str, place: impl ToString) -> InvalidInput {
     )
 }
 
-/// A response curve at angular frequencies, from its value and phase at one frequency.
+/// The transfer of a signal as a curve at angular frequencies, from its value and phase at one frequency.
 fn response_curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Result<ResponseCurve> {
     let mut value = Vec::with_capacity(frequency.len());
     let mut phase = Vec::with_capacity(frequency.len());
@@ -336,7 +336,7 @@ fn response_curve(frequency: &[f64], at: impl Fn(f64) -> (Complex64, f64)) -> Re
     Ok(ResponseCurve { frequency: frequency.to_vec(), value, magnitude, phase })
 }
 
-/// Checks the index of a robot.
+/// Checks the index of a robot in a transfer matrix.
 fn check_robot(field: &str, robot: usize) -> Result<usize> {
     if robot < 2 {
         return Ok(robot);
@@ -344,7 +344,7 @@ fn check_robot(field: &str, robot: usize) -> Result<usize> {
     Err(InvalidInput::new(field, robot, "a dyad has the robots 0 and 1", "Count from 0."))
 }
 
-/// Checks a Laplace variable: far into the left half-plane e^(−T s) overflows.
+/// Checks the point s of a transfer matrix: far into the left half-plane e^(−T s) overflows.
 fn check_laplace_point(delay: &Delay, s: Complex64) -> Result<Complex64> {
     if s.is_finite() && s.norm() <= 1e12 && s.re * delay.round_trip() >= -600.0 {
         return Ok(s);

@@ -46,7 +46,7 @@ pub(crate) struct SpotCloud {
 }
 
 impl SpotCloud {
-    /// A cloud of spots at the start of a trial.
+    /// An agent's cloud of spots at the start of a trial.
     fn new(scale: Spots, random: ChaCha8Rng) -> Self {
         let mut cloud =
             Self { scale, random, spots: Vec::with_capacity(scale.count), renewals: 0, mean: [[0.0; 2]; 2] };
@@ -59,7 +59,7 @@ impl SpotCloud {
         cloud
     }
 
-    /// Draws the random velocity of a spot relative to the target.
+    /// Draws the random velocity of one of an agent's spots relative to the target.
     fn draw_spot_velocity(&mut self) -> [f64; 2] {
         [(); 2].map(|()| {
             let normal: f64 = StandardNormal.sample(&mut self.random);
@@ -67,7 +67,7 @@ impl SpotCloud {
         })
     }
 
-    /// Recomputes the mean velocity of the spots and the mean of velocity times start time.
+    /// Recomputes the mean velocity of the agent's spots and the mean of velocity times start time.
     fn update_cloud_mean(&mut self) {
         let share = 1.0 / self.scale.count as f64;
         let mut mean = [[0.0; 2]; 2];
@@ -80,7 +80,7 @@ impl SpotCloud {
         self.mean = mean;
     }
 
-    /// The mean position of the spots relative to the target at `time`, m; `time` must not decrease.
+    /// The mean position of the agent's spots relative to the target at `time`, m; `time` must not decrease.
     pub(crate) fn mean_offset(&mut self, time: f64) -> [f64; 2] {
         let count = self.scale.count as u64;
         let mut renewed = false;

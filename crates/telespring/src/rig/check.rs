@@ -4,7 +4,7 @@ use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spot
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
-/// Checks the x and y values of a quantity of the laboratory.
+/// Checks the x and y values of a quantity in a laboratory.
 fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<()> {
     for (index, value) in values.into_iter().enumerate() {
         quantity.check(&format!("{field}[{index}]"), value)?;
@@ -13,9 +13,9 @@ fn check_per_axis(quantity: Quantity, field: &str, values: [f64; 2]) -> Result<(
 }
 
 impl Laboratory {
-    /// The paper's laboratory: both H-MAN robots of Table III without Coulomb friction, ideal massless
-    /// arms, the skilled agent of Eq. 13 and the less-skilled agent of Eq. 14 with ten spots, the figure of
-    /// eight of Eq. 12, controllers at 1 kHz, and a network with a constant delay only.
+    /// The paper's laboratory, all values in range: both H-MAN robots of Table III without Coulomb friction,
+    /// ideal massless arms, the skilled agent of Eq. 13 and the less-skilled agent of Eq. 14 with ten spots,
+    /// the figure of eight of Eq. 12, controllers at 1 kHz, and a network with a constant delay only.
     ///
     /// A spot lives 0.2 s: by then a typical spot is 0.06 m away, about the size of the figure. A much
     /// wider cloud would hide the target rather than blur it. The paper gives no lifetime.
@@ -51,7 +51,7 @@ impl Laboratory {
         }
     }
 
-    /// Checks all values; errors use the field names of a study file, such as `arm1.link_length[0]`.
+    /// Checks all values of the laboratory; errors use field names of a study file, such as `arm1.link_length[0]`.
     ///
     /// # Errors
     ///
@@ -94,7 +94,7 @@ impl Laboratory {
 }
 
 impl Handle {
-    /// Checks that mass, damping and friction of the handle are in range.
+    /// Checks that the laboratory's handle has mass, damping and friction in range.
     ///
     /// # Errors
     ///
@@ -107,7 +107,7 @@ impl Handle {
 }
 
 impl Arm {
-    /// Checks that all values of the arm are in range.
+    /// Checks that all values of the laboratory's arm are in range.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl Arm {
 }
 
 impl Agent {
-    /// Checks that all values of the agent are in range.
+    /// Checks that all values of the laboratory's agent are in range.
     ///
     /// # Errors
     ///
@@ -149,7 +149,7 @@ impl Spots {
     /// The maximum number of spots.
     pub const MAX_COUNT: usize = 10_000;
 
-    /// Checks that number, velocity and lifetime of the spots are in range.
+    /// Checks that number, velocity and lifetime of the laboratory's spots are in range.
     ///
     /// # Errors
     ///
@@ -170,7 +170,7 @@ impl Spots {
 }
 
 impl Target {
-    /// Checks that all values of the target are in range.
+    /// Checks that all values of the laboratory's target are in range.
     ///
     /// # Errors
     ///
@@ -205,7 +205,7 @@ impl Controller {
     /// The finest nonzero resolution of a position sensor, m.
     pub const FINEST_RESOLUTION: f64 = 1e-12;
 
-    /// Checks that all values of the controller are in range.
+    /// Checks that all values of the laboratory's controller are in range.
     ///
     /// # Errors
     ///
@@ -232,7 +232,7 @@ impl Controller {
 }
 
 impl NetworkImpairments {
-    /// Checks that jitter and loss of the network are in range.
+    /// Checks that jitter and loss of the laboratory's network are in range.
     ///
     /// # Errors
     ///

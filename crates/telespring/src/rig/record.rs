@@ -23,7 +23,7 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// The number of rows that fit into all arrays of the record.
+    /// The number of rows that fit into all arrays of the record of a trial.
     pub(super) fn len(&self) -> usize {
         [
             self.target.len(),

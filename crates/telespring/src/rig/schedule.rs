@@ -57,23 +57,23 @@ impl Schedule {
         Ok(Self { ticks: ticks as usize, stride: stride as usize })
     }
 
-    /// The number of sample periods of a trial.
+    /// The number of sample periods in the schedule of a trial.
     pub fn ticks(&self) -> usize {
         self.ticks
     }
 
-    /// The number of ticks between recorded rows.
+    /// The number of ticks between recorded rows of the schedule.
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// The time of a recorded row at this sample period (s), s.
+    /// The time of a recorded row of the schedule at this sample period (s), s.
     pub fn time(&self, row: usize, sample_period: f64) -> f64 {
         // Dividing by the rate gives 0.35 s at 1 kHz exactly as written.
         (row * self.stride) as f64 / (1.0 / sample_period)
     }
 
-    /// The number of recorded rows of a complete trial.
+    /// The number of recorded rows in the schedule of a complete trial.
     pub fn rows(&self) -> usize {
         self.ticks / self.stride + 1
     }

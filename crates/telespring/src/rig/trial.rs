@@ -33,7 +33,7 @@ pub struct ConnectedMode {
 }
 
 impl ConnectedMode {
-    /// Checks that stiffness and damping of the connected mode are in range.
+    /// Checks that stiffness and damping of a trial's connected mode are in range.
     ///
     /// # Errors
     ///
@@ -93,13 +93,13 @@ struct RunningStation {
 }
 
 impl RunningStation {
-    /// Whether a handle is beyond the position limit or too fast for a packet.
+    /// Whether, in the running trial, a handle is beyond the position limit or too fast for a packet.
     fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
         beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
     }
 
-    /// Measures position and velocity with the sensor's resolution.
+    /// Measures position and velocity with the sensor's resolution at a tick of the trial.
     fn measure_motion(&self, resolution: f64) -> Motion {
         let position = self.plant.position();
         let position = if resolution > 0.0 {
@@ -119,7 +119,7 @@ impl RunningStation {
         Ok(endpoint.force(now))
     }
 
-    /// The forces that act until the next tick, given the newly computed ones, N.
+    /// The forces that act in the trial until the next tick, given the newly computed ones, N.
     fn acting_forces(&mut self, spring: [f64; 2], hand: [f64; 2], controller: &Controller) -> ActingForces {
         let computed = [spring, hand];
         let before = std::mem::replace(&mut self.computed, computed);
@@ -128,7 +128,7 @@ impl RunningStation {
         ActingForces { command, robot, hand }
     }
 
-    /// Moves the plant of one side over one sample period.
+    /// Moves the plant of one side of the trial over one sample period.
     fn advance_plant(
         &mut self,
         acting: &ActingForces,
@@ -145,7 +145,7 @@ impl RunningStation {
 }
 
 impl Trial<'_> {
-    /// Both sides at the start of the trial.
+    /// Both stations at the start of the trial.
     fn start_stations(&self) -> Result<[RunningStation; 2]> {
         let Laboratory { stations: sides, target, controller, network } = self.laboratory;
         let period = Nanoseconds::from_seconds(controller.sample_period);
@@ -322,7 +322,7 @@ impl Trial<'_> {
     }
 }
 
-/// The error for a missing external agent.
+/// The error for an external agent that a trial lacks.
 fn missing_agent(side: usize) -> InvalidInput {
     InvalidInput::new(
         format!("agents[{side}]"),
@@ -332,7 +332,7 @@ fn missing_agent(side: usize) -> InvalidInput {
     )
 }
 
-/// Checks the force of an external agent.
+/// Checks the force of an external agent in a trial.
 fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
     for (axis, value) in force.into_iter().enumerate() {
         quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {

@@ -39,7 +39,7 @@ impl Endpoint {
         Self { law, playout: Playout::new(delay), sequence: 0, own: None }
     }
 
-    /// Stores the own motion measured at `now` and returns the packet for the partner.
+    /// Stores the endpoint's own motion measured at `now` and returns the packet for the partner.
     ///
     /// # Errors
     ///
@@ -52,7 +52,7 @@ impl Endpoint {
         Ok(packet.encode())
     }
 
-    /// Receives the bytes of a packet that arrived at `now`.
+    /// Receives at the endpoint the bytes of a packet that arrived at `now`.
     ///
     /// # Errors
     ///
@@ -63,7 +63,7 @@ impl Endpoint {
         Ok(())
     }
 
-    /// The force on the own handle per axis, N; zero until both motions are known.
+    /// The endpoint's force on its own handle per axis, N; zero until both motions are known.
     pub fn force(&self, now: Nanoseconds) -> [f64; 2] {
         match (&self.own, self.playout.motion(now)) {
             (Some(own), Some(partner)) => self.law.force(own, &partner),

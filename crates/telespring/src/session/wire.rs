@@ -37,7 +37,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Returns the motion if every value is finite and at most [`MAX_VALUE`].
+    /// Returns the motion, fit for a packet, if every value is finite and at most [`MAX_VALUE`].
     ///
     /// # Errors
     ///
@@ -100,7 +100,7 @@ pub enum PacketError {
     },
 }
 
-/// The `N` bytes from index `at`.
+/// The `N` bytes of a packet from index `at`.
 fn bytes_at<const N: usize>(bytes: &[u8; LENGTH], at: usize) -> [u8; N] {
     let mut out = [0; N];
     out.copy_from_slice(&bytes[at..at + N]);

@@ -9,8 +9,8 @@ use num_complex::Complex64;
 
 /// A function whose argument can be followed along a straight line.
 pub trait Winding {
-    /// The value at `point`, and a step along `direction` (of modulus 1) over which the argument provably
-    /// changes by less than π.
+    /// The value at `point` of the contour, and a step along `direction` (of modulus 1) over which the
+    /// argument provably changes by less than π.
     ///
     /// `longest` is the distance to the end of the segment; a longer step is useless.
     fn probe(&self, point: Complex64, direction: Complex64, longest: f64) -> Probe;
@@ -42,6 +42,7 @@ pub enum ContourError {
 }
 
 impl std::fmt::Display for ContourError {
+    /// Writes why the zeros in a contour were not counted.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NearZero { at } => write!(f, "the contour passes too close to a root near {at}"),
@@ -55,7 +56,7 @@ impl std::fmt::Display for ContourError {
 /// The fraction of |f| that a step may use; the rest covers rounding.
 const SHARE: f64 = 0.9;
 
-/// A safe step from the value, the derivative and a bound on the second derivative of a function.
+/// A safe step along a contour from the value, the derivative and a bound on the second derivative of a function.
 ///
 /// The step h satisfies |f'| h + M h²/2 ≤ 0.9 |f|, where M = `curvature(radius)` bounds |f''| over the next
 /// `radius` of the line. f then stays in a disc around its value that excludes 0, and its argument changes
@@ -93,7 +94,7 @@ pub fn taylor_step(value: f64, derivative: f64, curvature: impl Fn(f64) -> f64, 
     best
 }
 
-/// The change of the argument along the segment from `from` to `to`, rad.
+/// The change of the argument along the segment of a contour from `from` to `to`, rad.
 ///
 /// # Errors
 ///
@@ -243,7 +244,7 @@ pub fn zeros_right_of<F: Winding + ?Sized>(
     Ok(whole_turns(2.0 * turn))
 }
 
-/// The number of whole turns in an angle (rad): an integer up to rounding, never negative.
+/// The number of whole turns along a closed contour in an angle (rad): an integer up to rounding, never negative.
 fn whole_turns(turn: f64) -> usize {
     (turn / std::f64::consts::TAU).round().max(0.0) as usize
 }

@@ -79,7 +79,7 @@ pub(super) fn rightmost_roots(chi: &Characteristic, count: usize) -> RightmostRo
     search.certified_roots(count, line.sigma, certificate)
 }
 
-/// Roots of s² + βs + κ in the closed upper half-plane.
+/// Roots of s² + βs + κ in the closed upper half-plane, where a dyad's search starts.
 fn quadratic_roots(beta: f64, kappa: f64) -> Vec<Complex64> {
     let half = -0.5 * beta;
     let discriminant = half * half - kappa;
@@ -91,7 +91,7 @@ fn quadratic_roots(beta: f64, kappa: f64) -> Vec<Complex64> {
 }
 
 impl RootSearch<'_> {
-    /// Refines a start by Newton's method and stores the root if it is new.
+    /// Refines a start by Newton's method and stores the dyad's root if it is new.
     fn refine_start(&mut self, start: Complex64) -> bool {
         match self.chi.refine_root(start) {
             Some(RefinedRoot::Simple(s)) => self.add_root(s),
@@ -100,7 +100,7 @@ impl RootSearch<'_> {
         }
     }
 
-    /// Stores a simple root if it is new, on the real axis if it is real up to rounding.
+    /// Stores a simple root of the dyad if it is new, on the real axis if it is real up to rounding.
     fn add_root(&mut self, s: Complex64) -> bool {
         let mut s = Complex64::new(s.re, s.im.abs());
         if s.im > 0.0 && s.im <= SAME * s.norm() {
@@ -119,7 +119,7 @@ impl RootSearch<'_> {
         true
     }
 
-    /// Stores two roots too close together to be found one by one.
+    /// Stores two roots of the dyad too close together to be found one by one.
     fn add_pair(&mut self, centre: Complex64, half: Complex64) -> bool {
         let mut centre = Complex64::new(centre.re, centre.im.abs());
         let mut half = half;
@@ -148,12 +148,12 @@ impl RootSearch<'_> {
         true
     }
 
-    /// The number of known roots right of a vertical line, with conjugates.
+    /// The number of the dyad's known roots right of a vertical line, with conjugates.
     fn count_right_of(&self, sigma: f64) -> usize {
         self.known.iter().filter(|known| known.s.re > sigma).map(|known| known.weight).sum()
     }
 
-    /// A vertical line at or near `sigma` with no root on it.
+    /// A vertical line at or near `sigma` with no root of the dyad on it.
     fn line_clear_of_roots(&self, sigma: f64) -> VerticalLine {
         // Roots of undamped sides accumulate at the imaginary axis, so no line is placed there.
         let sigma = if sigma == 0.0 { -1e-3 / self.chi.round_trip } else { sigma };
@@ -169,7 +169,7 @@ impl RootSearch<'_> {
         line
     }
 
-    /// A vertical line with at least `count` roots to its right, and few more if possible.
+    /// A vertical line with at least `count` roots of the dyad to its right, and few more if possible.
     fn line_with_roots_right_of(&self, count: usize) -> VerticalLine {
         let chi = self.chi;
         let t = chi.round_trip;
@@ -289,7 +289,7 @@ impl RootSearch<'_> {
         self.refine_start(s);
     }
 
-    /// Finds roots that the starts missed, by bisecting on the root count.
+    /// Finds roots of the dyad that the starts missed, by bisecting on the root count.
     fn find_missed_roots(&mut self, sigma: f64, counted: usize) {
         for _ in 0..64 {
             if self.count_right_of(sigma) >= counted {
@@ -301,7 +301,7 @@ impl RootSearch<'_> {
         }
     }
 
-    /// Finds the rightmost missed root; returns whether it succeeded.
+    /// Finds the dyad's rightmost missed root; returns whether it succeeded.
     fn find_missed_root(&mut self, sigma: f64) -> bool {
         let mut low = sigma;
         let mut high = sigma;
@@ -344,7 +344,7 @@ impl RootSearch<'_> {
         self.find_missed_multiplicity(low, high)
     }
 
-    /// Finds a second root next to a known one, where the count jumps by more than the known roots.
+    /// Finds a second root of the dyad next to a known one, where the count jumps by more than the known roots.
     fn find_missed_multiplicity(&mut self, low: f64, high: f64) -> bool {
         let margin = 1e-5 * low.abs().max(high.abs());
         let near: Vec<KnownRoot> = self
@@ -390,7 +390,7 @@ impl RootSearch<'_> {
         false
     }
 
-    /// The roots without delay: those of a polynomial of degree four, or three without the rigid-body root.
+    /// The dyad's roots without delay: those of a polynomial of degree four, or three without the rigid-body root.
     fn roots_without_delay(mut self, count: usize) -> RightmostRoots {
         let polynomial = self.chi.deflated_remainder();
         let degree = polynomial.len() - 1;
@@ -418,7 +418,7 @@ impl RootSearch<'_> {
         self.certified_roots(count, f64::NEG_INFINITY, certificate)
     }
 
-    /// The list of the `count` rightmost known roots with its certificate.
+    /// The list of the dyad's `count` rightmost known roots with its certificate.
     fn certified_roots(mut self, count: usize, depth: f64, certificate: Certificate) -> RightmostRoots {
         self.known.retain(|known| known.s.re > depth);
         self.known.sort_by(|a, b| b.s.re.total_cmp(&a.s.re).then(a.s.im.total_cmp(&b.s.im)));

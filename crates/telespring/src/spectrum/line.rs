@@ -53,7 +53,7 @@ struct Moduli {
 }
 
 impl Moduli {
-    /// The modulus |p₁ p₂| of both sides on the line at w = y².
+    /// The modulus |p₁ p₂| of both sides on the vertical line at w = y².
     fn sides_modulus(&self, w: f64) -> f64 {
         let square = |i: usize| {
             let real = self.value[i] - w;
@@ -62,12 +62,12 @@ impl Moduli {
         square(0).sqrt() * square(1).sqrt()
     }
 
-    /// The modulus of the coupling term q² e^(−Ts) at w = y².
+    /// The modulus of the coupling term q² e^(−Ts) on the vertical line at w = y².
     fn coupling_modulus(&self, w: f64) -> f64 {
         self.growth * (self.q0 * self.q0 + self.g1 * self.g1 * w)
     }
 
-    /// The excess |p₁ p₂| − |q² e^(−Ts)| of the sides over the coupling on the line.
+    /// The excess |p₁ p₂| − |q² e^(−Ts)| of the sides over the coupling on the vertical line.
     fn excess(&self, w: f64) -> f64 {
         self.sides_modulus(w) - self.coupling_modulus(w)
     }
@@ -82,7 +82,7 @@ impl Moduli {
         0.5 * self.sides_modulus(w) * (term(0) + term(1)) - self.growth * self.g1 * self.g1
     }
 
-    /// The turning points of |p₁ p₂| / |q|² at w > 0, ascending.
+    /// The turning points of |p₁ p₂| / |q|² along the vertical line at w > 0, ascending.
     fn turning_points(&self) -> Vec<f64> {
         let rising = |i: usize| self.slope[i] * self.slope[i] - 2.0 * self.value[i];
         if self.g1 == 0.0 && rising(0) >= 0.0 && rising(1) >= 0.0 {
@@ -115,7 +115,7 @@ impl Moduli {
         roots.into_iter().map(|v| v + origin).filter(|&w| w > 0.0).collect()
     }
 
-    /// The zero of the excess between `low` and `high`, where its signs differ.
+    /// The zero of the excess on the vertical line between `low` and `high`, where its signs differ.
     fn excess_zero(&self, mut low: f64, mut high: f64, low_is_large: bool) -> f64 {
         let mut w = high;
         for _ in 0..200 {

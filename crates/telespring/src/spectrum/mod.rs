@@ -55,6 +55,7 @@ impl Certificate {
 }
 
 impl std::fmt::Display for Certificate {
+    /// Writes the certificate of a spectrum.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Complete => write!(f, "complete"),
@@ -158,7 +159,7 @@ pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Resu
     })
 }
 
-/// Checks the requested number of characteristic roots.
+/// Checks the requested number of characteristic roots of a spectrum.
 pub(crate) fn check_root_count(count: usize) -> Result<()> {
     if (1..=MAX_ROOTS).contains(&count) {
         return Ok(());
@@ -171,7 +172,7 @@ pub(crate) fn check_root_count(count: usize) -> Result<()> {
     ))
 }
 
-/// The characteristic function of one axis with checked arguments.
+/// The characteristic function of one axis with checked arguments, for its spectrum.
 fn checked_characteristic(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Result<Characteristic> {
     axis.check()?;
     quantity::STIFFNESS.check("stiffness", stiffness)?;

@@ -16,7 +16,7 @@ pub(super) enum RefinedRoot {
 }
 
 impl Characteristic {
-    /// The value of χ, with the rigid-body root, on the real axis, and its rounding error.
+    /// The value of χ, with the rigid-body root, on the real axis, and its rounding error, for Newton's method.
     pub(super) fn value_on_real_axis(&self, x: f64) -> (f64, f64) {
         let polynomial = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x + c);
         let size = self.remainder.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c);
@@ -25,8 +25,8 @@ impl Characteristic {
         (polynomial - delayed, 8.0 * f64::EPSILON * (size + delayed.abs()))
     }
 
-    /// The value and first two derivatives of χ, with the rigid-body root, and the rounding error of the
-    /// value.
+    /// For Newton's method, the value and first two derivatives of χ, with the rigid-body root, and the
+    /// rounding error of the value.
     fn value_and_derivatives(&self, s: Complex64) -> ([Complex64; 3], f64) {
         let jet = self.with_rigid_body().jet(s);
         let (t, q, g) = (self.round_trip, self.coupling(s), self.coupling_damping);
@@ -43,7 +43,7 @@ impl Characteristic {
         ([jet.value, jet.slope, bend], 4.0 * f64::EPSILON * noise)
     }
 
-    /// The derivative of −log(q² e^(−T s) / (P₁ P₂)).
+    /// The derivative of −log(q² e^(−T s) / (P₁ P₂)), for Newton's method.
     pub(super) fn log_slope(&self, s: Complex64) -> Complex64 {
         let [one, two] = self.sides.map(|side| side.slope(s) / side.value(s));
         one + two - self.coupling(s).inv() * (2.0 * self.coupling_damping) + self.round_trip
@@ -98,7 +98,7 @@ impl Characteristic {
         None
     }
 
-    /// The two characteristic roots next to a zero of χ′ near `s`, if there are two.
+    /// By Newton's method, the two characteristic roots next to a zero of χ′ near `s`, if there are two.
     pub(super) fn double_root_near(&self, s: Complex64) -> Option<RefinedRoot> {
         let mut centre = s;
         for _ in 0..20 {
@@ -124,7 +124,7 @@ impl Characteristic {
 
 /// Follows χ with the rigid-body root.
 impl Winding for Characteristic {
-    /// A safe step for χ from bounds on its second derivative.
+    /// A safe step for χ from bounds on its second derivative, next to Newton's method.
     fn probe(&self, s: Complex64, direction: Complex64, longest: f64) -> Probe {
         let ([value, slope, _], _) = self.value_and_derivatives(s);
         let step = taylor_step(

@@ -46,7 +46,7 @@ pub(super) fn complex_roots(coefficients: &[f64]) -> Vec<Complex64> {
     roots
 }
 
-/// One start per root, on circles whose radii follow from the upper hull of (i, ln|aᵢ|).
+/// One start per root of the polynomial, on circles whose radii follow from the upper hull of (i, ln|aᵢ|).
 fn polygon_starts(polynomial: &[f64]) -> Vec<Complex64> {
     let heights: Vec<f64> = polynomial.iter().map(|c| c.abs().ln()).collect();
     let degree = polynomial.len() - 1;

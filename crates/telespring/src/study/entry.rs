@@ -23,7 +23,7 @@ pub(super) enum PerAxis {
 }
 
 impl PerAxis {
-    /// The number of axes in a list; `None` for a single value.
+    /// The number of axes in an entry's list; `None` for a single value.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Every(_) => None,
@@ -31,7 +31,7 @@ impl PerAxis {
         }
     }
 
-    /// One value for each of `count` axes; a list must have that length.
+    /// One value of an entry for each of `count` axes; a list must have that length.
     pub fn spread(&self, count: usize) -> Vec<Span> {
         match self {
             Self::Every(value) => vec![*value; count],
@@ -48,17 +48,17 @@ pub(super) struct Entry<'r, 'a> {
 }
 
 impl<'r, 'a> Entry<'r, 'a> {
-    /// The error for this value of the study file.
+    /// The error for this entry of the study file.
     pub fn reject(&self, allowed: impl Into<String>, remedy: impl Into<String>) -> InvalidInput {
         self.source.reject(&self.field, self.value, allowed, remedy)
     }
 
-    /// Adds the line of this value in the study file to an error.
+    /// Adds the line of this entry in the study file to an error.
     pub fn place(&self, error: InvalidInput) -> InvalidInput {
         self.source.with_line(error, self.value.span().start)
     }
 
-    /// Reads a string of the study file.
+    /// Reads an entry of the study file as a string.
     pub fn text(&self) -> Result<String> {
         match self.value.get_ref() {
             DeValue::String(text) if text.contains('\0') => Err(self.reject(
@@ -70,7 +70,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         }
     }
 
-    /// Reads one of several words of the study file.
+    /// Reads an entry of the study file as one of several words.
     pub fn choice<'w>(&self, words: &[&'w str]) -> Result<&'w str> {
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
         let given = match self.value.get_ref() {
@@ -84,7 +84,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         })
     }
 
-    /// Reads a boolean of the study file.
+    /// Reads an entry of the study file as a boolean.
     pub fn boolean(&self) -> Result<bool> {
         self.value
             .get_ref()
@@ -92,7 +92,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             .ok_or_else(|| self.reject("true or false is required", "Write it without quotes."))
     }
 
-    /// Reads a whole number of the study file within a range.
+    /// Reads an entry of the study file as a whole number within a range.
     pub fn whole_number(&self, what: &str, least: i64, most: i64) -> Result<i64> {
         let remedy = match self.value.get_ref() {
             // A number beyond 64 bits is out of range too.
@@ -105,7 +105,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Err(self.reject(format!("{what} must be a whole number from {least} to {most}"), remedy))
     }
 
-    /// The items of a list in the study file.
+    /// The items of a list entry in the study file.
     pub fn items(&self, what: &str) -> Result<Vec<Self>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(self.reject(format!("a list of {what} is required"), "Put it in square brackets."));
@@ -113,7 +113,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item)).collect())
     }
 
-    /// The members of a table in the study file with their keys.
+    /// The members of a table entry in the study file with their keys.
     pub fn members(&self) -> Result<Vec<(String, Self)>> {
         let Some(table) = self.value.get_ref().as_table() else {
             return Err(
@@ -127,12 +127,12 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(table.iter().map(|(key, value)| member((key, value))).collect())
     }
 
-    /// The parsed TOML value.
+    /// The parsed TOML value of an entry.
     pub fn value(&self) -> &'r DeValue<'a> {
         self.value.get_ref()
     }
 
-    /// Reads two numbers, or with `one` also a single number for both.
+    /// Reads an entry as two numbers, or with `one` also a single number for both.
     pub fn two_numbers(&self, quantity: Quantity, one: bool) -> Result<[f64; 2]> {
         let values = self.per_axis(quantity, false)?;
         match values.count() {
@@ -153,7 +153,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok([values[0].low, values[1].low])
     }
 
-    /// Reads a list of strings in the study file.
+    /// Reads an entry of the study file as a list of strings.
     pub fn text_list(&self) -> Result<Vec<String>> {
         let Some(items) = self.value.get_ref().as_array() else {
             return Err(self.reject(
@@ -164,12 +164,12 @@ impl<'r, 'a> Entry<'r, 'a> {
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
-    /// An item or member of this value of the study file, with its own field.
+    /// An item or member of this entry of the study file, with its own field.
     fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
         Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
     }
 
-    /// Reads a table with exactly these two keys, such as min and max; `None` if it is not a table.
+    /// Reads an entry as a table with exactly these two keys, such as min and max; `None` if it is not a table.
     /// `instead` describes the alternative.
     pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
         let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
@@ -202,7 +202,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Some([part(keys[0])?, part(keys[1])?]))
     }
 
-    /// Reads a number of the study file within the range of a quantity.
+    /// Reads an entry of the study file as a number within the range of a quantity.
     pub fn number(&self, quantity: Quantity, kinds: &str) -> Result<f64> {
         let value = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -221,7 +221,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         quantity.check(&self.field, value).map_err(|error| self.place(error))
     }
 
-    /// Reads a number of the study file, or with `ranges` also {min = …, max = …}.
+    /// Reads an entry as a number, or with `ranges` also {min = …, max = …}.
     fn number_or_range(&self, quantity: Quantity, ranges: bool, kinds: &str) -> Result<Span> {
         if ranges && let Some([low, high]) = self.pair(["min", "max"], "or give one number")? {
             let (from, to) = (low.number(quantity, "a number")?, high.number(quantity, "a number")?);
@@ -234,7 +234,7 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Span { low: value, high: value })
     }
 
-    /// Reads a number or a list with one per axis; with `ranges` any number may be {min = …, max = …}.
+    /// Reads an entry as a number or a list, one per axis; with `ranges` any number may be {min = …, max = …}.
     pub fn per_axis(&self, quantity: Quantity, ranges: bool) -> Result<PerAxis> {
         let kinds = if ranges {
             "a number, a range {min = …, max = …} or a list of these, one per axis,"

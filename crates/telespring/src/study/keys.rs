@@ -99,7 +99,7 @@ pub(super) const REHEARSAL: [&str; 7] =
     ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
 
 impl Keys {
-    /// The kinds of a section; empty if it has none.
+    /// The kinds of a section, which decide its keys; empty if it has none.
     pub fn kinds(self) -> Vec<&'static str> {
         match self {
             Self::Fixed(_) => Vec::new(),
@@ -119,7 +119,7 @@ impl Keys {
         }
     }
 
-    /// The kind that has this key, if the section has kinds.
+    /// The kind that has this key, if the section's keys depend on a kind.
     pub fn kind_with_key(self, key: &str) -> Option<&'static str> {
         match self {
             Self::Fixed(_) => None,
@@ -144,13 +144,13 @@ impl Keys {
     }
 }
 
-/// A key in TOML syntax, quoted if it is not a bare key.
+/// A key of a study file in TOML syntax, quoted if it is not a bare key.
 pub(super) fn toml_key(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !key.is_empty() && key.chars().all(bare) { key.to_owned() } else { format!("{key:?}") }
 }
 
-/// The allowed word nearest to a misspelt one, if any is near enough.
+/// The allowed key or word nearest to a misspelt one, if any is near enough.
 pub(super) fn nearest_word<'w>(word: &str, allowed: &[&'w str]) -> Option<&'w str> {
     const LONGEST_WORD: usize = 40;
     if word.is_empty() || word.chars().count() > LONGEST_WORD {

@@ -119,13 +119,13 @@ pub(super) fn read_setup(reader: &Reader<'_>) -> Result<Setup> {
     })
 }
 
-/// Reads a number, or returns `default` if the key is missing.
+/// Reads a number of the laboratory, or returns `default` if the key is missing.
 fn number_or(reader: &Reader<'_>, section: &str, key: &str, quantity: Quantity, default: f64) -> Result<f64> {
     // +0 removes the sign of −0, which has no meaning and would not be written.
     reader.get(section, key).map_or(Ok(default), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
-/// Reads a section `[arm1]` or `[arm2]`.
+/// Reads an arm of the laboratory from the section `[arm1]` or `[arm2]`.
 pub(super) fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     let pair = |key: &str, quantity: Quantity| {
         reader
@@ -161,7 +161,7 @@ pub(super) fn read_arm(reader: &Reader<'_>, section: &str) -> Result<Arm> {
     }
 }
 
-/// Reads a section `[agent1]` or `[agent2]`.
+/// Reads an agent of the laboratory from the section `[agent1]` or `[agent2]`.
 pub(super) fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoice) -> Result<AgentChoice> {
     if !reader.has(section) {
         return Ok(default);
@@ -186,7 +186,7 @@ pub(super) fn read_agent(reader: &Reader<'_>, section: &str, default: AgentChoic
     })
 }
 
-/// Reads the section `[task]`.
+/// Reads the task in the laboratory from the section `[task]`.
 pub(super) fn read_task(reader: &Reader<'_>, default: Task) -> Result<Task> {
     let Task::FigureEight { amplitude, angular_frequency } = default else { return Ok(default) };
     if reader.has("task") && reader.kind("task")? == "python" {

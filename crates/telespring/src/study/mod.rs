@@ -111,6 +111,7 @@ pub struct Study {
 struct NamedHolders(bool);
 
 impl PartialEq for NamedHolders {
+    /// Always true: whether a study names its holders does not make it another.
     fn eq(&self, _: &Self) -> bool {
         true
     }
@@ -141,9 +142,9 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) if the text is not TOML, a key is unknown or missing, a value has the wrong type or
-    /// is out of range, or axes do not match. It gives the dotted field, the value, the allowed values, the
-    /// nearest remedy and the line. No text causes a panic.
+    /// [`InvalidInput`](crate::InvalidInput) if the text is not TOML, a key is unknown or missing, a value
+    /// has the wrong type or is out of range, or axes do not match. It gives the dotted field, the value, the
+    /// allowed values, the nearest remedy and the line. No text causes a panic.
     ///
     /// # Examples
     ///
@@ -155,6 +156,7 @@ impl Study {
         Self::read(Source::file(text))
     }
 
+    /// The study from a file's source.
     fn read(source: Source<'_>) -> Result<Self> {
         let reader = Reader::new(source)?;
         let [(robot1, section1), (robot2, section2)] = read_robots(&reader)?;
@@ -190,37 +192,37 @@ impl Study {
         writer::to_toml(self)
     }
 
-    /// The study's name.
+    /// The name of the study.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The names of the robots, if given.
+    /// The names of the study's robots, if given.
     pub fn robot_names(&self) -> [Option<&str>; 2] {
         self.robots.each_ref().map(|robot| robot.name.as_deref())
     }
 
-    /// The dyad; for operator ranges with the middle of each range.
+    /// The study's dyad; for operator ranges with the middle of each range.
     pub fn dyad(&self) -> &Dyad {
         &self.dyad
     }
 
-    /// The ranges of both operators, if any value is a range.
+    /// The study's ranges of both operators, if any value is a range.
     pub fn operator_ranges(&self) -> Option<&[OperatorRange; 2]> {
         self.operator_ranges.as_ref()
     }
 
-    /// The coupling: spring and damper.
+    /// The study's coupling: spring and damper.
     pub fn coupling(&self) -> Coupling {
         Coupling { stiffness: self.stiffness, damping: self.dyad.coupling_damping() }
     }
 
-    /// The network and the timing of the controllers.
+    /// The study's network and the timing of its controllers.
     pub fn network(&self) -> &Network {
         &self.network
     }
 
-    /// The uncertainty of each robot's parameters; `None` if they are certain.
+    /// The study's uncertainty of each robot's parameters; `None` if they are certain.
     pub fn uncertainty(&self) -> [Option<&Uncertainty>; 2] {
         self.robots.each_ref().map(|robot| robot.uncertainty.as_ref())
     }

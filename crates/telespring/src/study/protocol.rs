@@ -159,7 +159,7 @@ impl ProtocolChoice {
     }
 }
 
-/// The conditions of every stiffness with every delay.
+/// The conditions of a protocol from every stiffness with every delay.
 fn combinations(stiffness: &[f64], delay: &[f64]) -> Vec<(Option<f64>, f64)> {
     stiffness.iter().flat_map(|&k| delay.iter().map(move |&delay| (Some(k), delay))).collect()
 }
@@ -177,7 +177,7 @@ fn check_condition_count(count: usize) -> Result<()> {
     ))
 }
 
-/// The reference stiffness K and delay Δ of Eq. 11 by the exact criteria, with free handles: the smallest
+/// The protocol's reference stiffness K and delay Δ of Eq. 11 by the exact criteria, with free handles: the smallest
 /// critical stiffness of any axis, and the smallest delay at which twice that stiffness is unstable.
 fn reference_condition(dyad: &Dyad) -> Result<(f64, f64)> {
     let [one, two] = dyad.robots();

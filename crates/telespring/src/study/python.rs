@@ -33,7 +33,7 @@ pub struct PythonObject {
     pub options: BTreeMap<String, OptionValue>,
 }
 
-/// Whether a word is a valid Python identifier, as far as its letters decide.
+/// Whether a word of a Python path is a valid identifier, as far as its letters decide.
 fn is_identifier(word: &str) -> bool {
     let mut letters = word.chars();
     letters.next().is_some_and(|first| first.is_alphabetic() || first == '_')
@@ -73,7 +73,7 @@ pub(super) fn read_python_object(
     Ok(PythonObject { path, options })
 }
 
-/// Reads the value of an option.
+/// Reads the value of an option of a Python object.
 fn read_option(entry: &Entry<'_, '_>) -> Result<OptionValue> {
     let refused = |remedy: &str| {
         entry.reject("an option is a finite number, a string, true, false or a list of these", remedy)

@@ -46,7 +46,7 @@ impl<'a> Reader<'a> {
         Ok(reader)
     }
 
-    /// Checks that all sections are known, and the keys in them.
+    /// The reader's check that all sections are known, and the keys in them.
     fn check_keys(&self) -> Result<()> {
         let sections: Vec<&str> = SECTIONS.iter().map(|(name, _)| *name).collect();
         let mut top = vec!["name"];
@@ -84,7 +84,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Checks that all keys of a section are known.
+    /// The reader's check that all keys of a section are known.
     fn check_section(&self, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
         if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
             entry.choice(kinds)?;

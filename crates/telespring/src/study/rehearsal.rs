@@ -12,7 +12,7 @@ const PLANE: [&str; 2] = ["x", "y"];
 const SAMPLE_PERIOD: f64 = 0.001;
 
 impl Study {
-    /// Each robot's Coulomb friction per axis, N.
+    /// Each robot's Coulomb friction per axis in the rehearsal, N.
     pub fn coulomb(&self) -> [&[f64]; 2] {
         self.robots.each_ref().map(|robot| robot.coulomb.as_slice())
     }
@@ -51,7 +51,7 @@ impl Study {
         }
     }
 
-    /// The virtual laboratory of this study.
+    /// The virtual laboratory in which this study is rehearsed.
     ///
     /// A Python agent is an [`rig::Agent::External`] in it, a Python target a [`rig::Target::Sampled`]
     /// without samples: the caller supplies forces and positions. Operators are not included, since arms
@@ -103,7 +103,7 @@ impl Study {
         })
     }
 
-    /// The complete protocol; missing values follow from robots, task and controllers.
+    /// The complete protocol of the rehearsal; missing values follow from robots, task and controllers.
     ///
     /// # Errors
     ///
@@ -123,7 +123,7 @@ impl Study {
         self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
     }
 
-    /// Rejects robots with other axes than x and y.
+    /// Rejects a rehearsal with robots of other axes than x and y.
     fn check_planar(&self) -> Result<()> {
         if self.is_planar() {
             return Ok(());

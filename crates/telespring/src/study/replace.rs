@@ -90,16 +90,19 @@ impl Study {
         self.holders.0
     }
 
+    /// The study as tables, one per section, whose values can be replaced.
     fn tables(&self) -> Table {
         self.to_toml().parse().expect("a study writes TOML")
     }
 
+    /// The study from its tables after values were replaced.
     fn from_tables(tables: &Table) -> Result<Self> {
         let text = toml::to_string(tables).map_err(|error| unwritable(&error))?;
         Self::read(Source::generated(&text))
     }
 }
 
+/// Replaces values in one section of the study's tables; `None` removes a key.
 fn replace_keys(tables: &mut Table, name: &str, keys: &BTreeMap<String, Option<Value>>) {
     let mut section = match tables.remove(name) {
         Some(Value::Table(section)) => section,
@@ -126,7 +129,7 @@ fn replace_keys(tables: &mut Table, name: &str, keys: &BTreeMap<String, Option<V
     }
 }
 
-/// A value that TOML cannot write; [`Value`] has none, so that this is never seen.
+/// A replacement that TOML cannot write; [`Value`] has none, so that this is never seen.
 pub(super) fn unwritable(error: &toml::ser::Error) -> InvalidInput {
     InvalidInput::new(
         "study",

@@ -99,12 +99,12 @@ fn read_uncertainty(reader: &Reader<'_>, section: &str, count: usize) -> Result<
     Ok((!certain).then_some(Uncertainty { mass_sd, damping_sd, correlation }))
 }
 
-/// The lower ends of a robot's values on all axes.
+/// The lower ends of a robot's value ranges on all axes.
 fn lower_ends(values: &PerAxis, count: usize) -> Vec<f64> {
     values.spread(count).iter().map(|span| span.low).collect()
 }
 
-/// Reads one value per axis; 0 if the key is missing.
+/// Reads one value per axis of a robot; 0 if the key is missing.
 fn read_per_axis_or_zero(
     reader: &Reader<'_>,
     section: &str,
@@ -119,7 +119,7 @@ fn read_per_axis_or_zero(
     Ok(lower_ends(&values, count).into_iter().map(|value| value + 0.0).collect())
 }
 
-/// Checks that a list has one value per axis.
+/// Checks that a robot's list has one value per axis.
 pub(super) fn check_axis_count(entry: &Entry<'_, '_>, values: &PerAxis, count: usize) -> Result<()> {
     match values.count() {
         Some(got) if got != count => Err(entry.reject(

@@ -71,16 +71,17 @@ impl RobotFile {
         Ok(Self { name: name.to_owned(), robot, identification })
     }
 
-    /// The name of the file in messages.
+    /// The name of the robot file in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
+    /// The keys of the robot in the robot file.
     pub(super) fn robot(&self) -> &Table {
         &self.robot
     }
 
-    /// What the section [identification] records; nothing where it is missing.
+    /// What the section [identification] of a robot file records; nothing where it is missing.
     ///
     /// # Errors
     ///

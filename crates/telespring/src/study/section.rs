@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::rig::{Arm, Handle};
 
 impl AgentChoice {
-    /// Reads an agent from the keys of [agent1]; without a kind it is a skilled one.
+    /// Reads an agent from a table with the keys of the section [agent1]; without a kind it is a skilled one.
     ///
     /// # Errors
     ///
@@ -33,7 +33,7 @@ impl AgentChoice {
 }
 
 impl Arm {
-    /// Reads an arm from the keys of [arm1]; without a kind it is massless.
+    /// Reads an arm from a table with the keys of the section [arm1]; without a kind it is massless.
     ///
     /// # Errors
     ///
@@ -46,7 +46,7 @@ impl Arm {
 }
 
 impl Task {
-    /// Reads a task from the keys of [task]; without a kind it is the figure eight.
+    /// Reads a task from a table with the keys of the section [task]; without a kind it is the figure eight.
     ///
     /// # Errors
     ///
@@ -57,7 +57,7 @@ impl Task {
 }
 
 impl Handle {
-    /// Reads the handle of a planar robot from the keys of [robot1].
+    /// Reads the handle of a planar robot from a table with the keys of the section [robot1].
     ///
     /// # Errors
     ///

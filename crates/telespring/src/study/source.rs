@@ -31,27 +31,27 @@ pub(super) struct UnknownKey<'k> {
 }
 
 impl<'a> Source<'a> {
-    /// The text of a file.
+    /// The source text of a file.
     pub fn file(text: &'a str) -> Self {
         Self { text, has_lines: true }
     }
 
-    /// Text written by the library itself: its errors name no line.
+    /// A source written by the library itself: its errors name no line.
     pub fn generated(text: &'a str) -> Self {
         Self { text, has_lines: false }
     }
 
-    /// The whole text.
+    /// The whole source text.
     pub fn text(&self) -> &'a str {
         self.text
     }
 
-    /// The line in the study file of a byte position, counted from 1.
+    /// The line in the source of a byte position, counted from 1.
     pub fn line(&self, position: usize) -> usize {
         1 + self.text.as_bytes().iter().take(position).filter(|&&byte| byte == b'\n').count()
     }
 
-    /// The value as written in the file, shortened to one line.
+    /// The value as written in the source, shortened to one line.
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
         const LONGEST_EXCERPT: usize = 60;
         let raw = self.text.get(span).unwrap_or("").trim();
@@ -63,7 +63,7 @@ impl<'a> Source<'a> {
         if short.len() < raw.len() { format!("{short} …") } else { short }
     }
 
-    /// The error for a value of the file, with its line.
+    /// The error for a value of the source, with its line.
     pub fn reject(
         &self,
         field: &str,
@@ -79,7 +79,7 @@ impl<'a> Source<'a> {
         self.with_line(refusal, value.span().start)
     }
 
-    /// Adds the line in the study file of a byte position to an error, unless the library wrote the text.
+    /// Adds the line in the source of a byte position to an error, unless the library wrote the text.
     pub fn with_line(&self, mut refusal: InvalidInput, position: usize) -> InvalidInput {
         if self.has_lines {
             refusal.remedy = format!("{} See line {}.", refusal.remedy, self.line(position));
@@ -87,7 +87,7 @@ impl<'a> Source<'a> {
         refusal
     }
 
-    /// The error for an unknown key: suggests its section, or else the nearest known key.
+    /// The error for an unknown key in the source: suggests its section, or else the nearest known key.
     pub fn reject_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
         let UnknownKey { field, key, position, section, allowed, keys } = unknown;
         let home = SECTIONS

@@ -69,18 +69,18 @@ pub(super) fn to_toml(study: &Study) -> String {
 struct TomlText(String);
 
 impl TomlText {
-    /// Writes the header of a section.
+    /// Writes the header of a section to a study file.
     fn write_section(&mut self, name: &str) {
         let _ = write!(self.0, "\n[{name}]\n");
     }
 
-    /// Writes a key with its value, and the unit as a comment.
+    /// Writes a key with its value to a study file, and the unit as a comment.
     fn write_line(&mut self, key: &str, value: impl AsRef<str>, unit: &str) {
         let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
         let _ = writeln!(self.0, "{key} = {}{comment}", value.as_ref());
     }
 
-    /// Writes the sections of the rehearsal setup that differ from the paper's.
+    /// Writes to a study file the sections of the rehearsal setup that differ from the paper's.
     fn write_setup(&mut self, setup: &Setup) {
         let paper = Setup::paper();
         for (i, arm) in setup.arms.iter().enumerate() {
@@ -121,7 +121,7 @@ impl TomlText {
         }
     }
 
-    /// Writes the keys of an arm.
+    /// Writes the keys of an arm to a study file.
     fn write_arm(&mut self, arm: &Arm) {
         match arm {
             Arm::Lumped { mass, damping } => {
@@ -150,7 +150,7 @@ impl TomlText {
         }
     }
 
-    /// Writes the keys of an agent.
+    /// Writes the keys of an agent to a study file.
     fn write_agent(&mut self, agent: &AgentChoice) {
         match agent {
             AgentChoice::Skilled { stiffness, damping } => {
@@ -169,7 +169,7 @@ impl TomlText {
         }
     }
 
-    /// Writes the reference to a Python object and its options.
+    /// Writes the reference to a Python object and its options to a study file.
     fn write_python(&mut self, key: &str, object: &PythonObject) {
         self.write_line("kind", quoted_text("python"), "");
         self.write_line(key, quoted_text(&object.path), "");
@@ -183,7 +183,7 @@ impl TomlText {
         }
     }
 
-    /// Writes the section `[protocol]` if it differs from the paper's.
+    /// Writes the section `[protocol]` to a study file if it differs from the paper's.
     fn write_protocol(&mut self, protocol: &ProtocolChoice) {
         if *protocol == ProtocolChoice::paper() {
             return;
@@ -225,17 +225,17 @@ impl TomlText {
     }
 }
 
-/// A number as the shortest text that reads back to the same value.
+/// A number as written to a study file: the shortest text that reads back to the same value.
 fn float_text(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// A string in TOML syntax.
+/// A string as written to a study file, in TOML syntax.
 fn quoted_text(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-/// The value of an option in TOML syntax.
+/// The value of an option as written to a study file, in TOML syntax.
 fn option_text(value: &OptionValue) -> String {
     match value {
         OptionValue::Boolean(value) => value.to_string(),
@@ -248,12 +248,12 @@ fn option_text(value: &OptionValue) -> String {
     }
 }
 
-/// A list of numbers in TOML syntax.
+/// A list of numbers as written to a study file, in TOML syntax.
 fn list_text(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|&value| float_text(value)).collect::<Vec<_>>().join(", "))
 }
 
-/// A list of numbers or ranges in TOML syntax.
+/// A list of numbers or ranges as written to a study file, in TOML syntax.
 fn ranges_text(low: &[f64], high: &[f64]) -> String {
     let axes = low.iter().zip(high).map(|(&low, &high)| {
         if low == high {

@@ -9,8 +9,8 @@ use super::zero_order_hold::SampledPlant;
 use super::{Network, sampled_gain};
 use crate::model::{DyadAxis, Side};
 
-/// The largest stiffness (N/m) of tier 1 for one axis, and whether it is attained; `None` if there is no
-/// rule (a coupling damper with a grounded operator, or with a computing time).
+/// The largest stiffness (N/m) of tier 1, any network, for one axis, and whether it is attained; `None` if
+/// there is no rule (a coupling damper with a grounded operator, or with a computing time).
 pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<(f64, bool)> {
     let damper = axis.coupling_damping;
     if damper > 0.0 && (!axis.is_free() || network.computing_time() > 0.0) {
@@ -34,7 +34,7 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<(f64
     })
 }
 
-/// The stiffness up to which the hull of a free side never grows.
+/// The stiffness up to which the hull of a free side never grows on any network (tier 1).
 fn free_side_stiffness(side: &Side, damper: f64) -> f64 {
     let b = side.damping;
     if damper <= b { (b + damper) * (b + damper) / (4.0 * side.mass) } else { b * damper / side.mass }

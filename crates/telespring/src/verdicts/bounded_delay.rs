@@ -5,7 +5,7 @@
 //! the age h of the own sample subtracted from the damping: k < 2√((B₁ − k h)(B₂ − k h))/(T₁ + T₂), Bᵢ > k
 //! h.
 
-/// The stiffness bound (N/m) of tier 2: the Lyapunov–Krasovskii condition solved for k.
+/// The stiffness bound (N/m) of tier 2, bounded delay: the Lyapunov–Krasovskii condition solved for k.
 ///
 /// `damping` in N·s/m; `partner_age` = [T₁, T₂] and `own_age` = h in s. Infinite without delay.
 pub(super) fn stiffness_bound(damping: [f64; 2], partner_age: [f64; 2], own_age: f64) -> f64 {

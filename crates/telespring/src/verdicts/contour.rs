@@ -21,7 +21,7 @@ pub(super) enum CountFailure {
     TooLong,
 }
 
-/// The Taylor coefficients of a polynomial at `w`, by repeated synthetic division.
+/// The Taylor coefficients of a polynomial at a point `w` of the contour, by repeated synthetic division.
 fn taylor_coefficients(polynomial: &[f64], w: Complex64) -> [Complex64; 8] {
     let mut shifted = [Complex64::ZERO; 8];
     for (slot, &coefficient) in shifted.iter_mut().zip(polynomial) {
@@ -37,7 +37,7 @@ fn taylor_coefficients(polynomial: &[f64], w: Complex64) -> [Complex64; 8] {
     shifted
 }
 
-/// An upper bound on the change of a polynomial within `distance`.
+/// An upper bound on the change of a polynomial within `distance` along the contour.
 fn change_bound(taylor: &[f64; 8], distance: f64) -> f64 {
     distance * taylor[1..].iter().rev().fold(0.0, |sum, coefficient| sum * distance + coefficient)
 }

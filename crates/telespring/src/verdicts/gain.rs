@@ -25,8 +25,8 @@ pub(super) fn unit_gain_stiffness(sides: &[Side; 2]) -> f64 {
     largest_holding(|k| sides.iter().map(|side| log_gain(side, k)).sum::<f64>() < 0.0)
 }
 
-/// The largest stiffness with a property that holds up to a threshold, by bisection on the bits of the
-/// number; 0 if it never holds.
+/// The largest stiffness with a property, such as gain below 1, that holds up to a threshold, by bisection on
+/// the bits of the number; 0 if it never holds.
 pub(super) fn largest_holding(holds: impl Fn(f64) -> bool) -> f64 {
     // Wider than any allowed stiffness.
     let (mut low, mut high) = (1e-12_f64.to_bits(), 1e13_f64.to_bits());

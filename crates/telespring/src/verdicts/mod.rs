@@ -278,7 +278,7 @@ pub fn verdicts(
     })
 }
 
-/// Checks that both operator ranges have the axes of the dyad.
+/// Checks that both operator ranges of the verdicts have the axes of the dyad.
 fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<()> {
     let axes = dyad.axis_names().len();
     for (range, name) in operators.into_iter().flatten().zip(["operators[0]", "operators[1]"]) {
@@ -436,7 +436,7 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
     }
 }
 
-/// The largest stiffness bound over the tiers whose assumption is met.
+/// The largest stiffness bound over the verdicts whose assumption is met.
 fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
     tiers
         .iter()

@@ -39,12 +39,13 @@ pub struct DelayBudget {
 }
 
 impl DelayBudget {
-    /// The sum of all contributions, s: the maximum age of a partner sample in use.
+    /// The sum of all contributions to the network's delay budget, s: the maximum age of a partner sample in use.
     pub fn total(&self) -> f64 {
         self.network + self.jitter + self.gap + self.sampling + self.computing
     }
 
-    /// Each contribution with its name and its share of the total, from 0 to 1 (all 0 if the total is 0).
+    /// Each contribution to the network's delay budget with its name and its share of the total, from 0 to 1
+    /// (all 0 if the total is 0).
     pub fn shares(&self) -> [(&'static str, f64); 5] {
         let total = self.total();
         let share = |item: f64| if total > 0.0 { item / total } else { 0.0 };
@@ -139,7 +140,7 @@ impl Network {
         self.sample_period
     }
 
-    /// The time from reading the samples to applying the force, s.
+    /// The time from reading the samples to applying the force, s, part of the network's timing.
     pub fn computing_time(&self) -> f64 {
         self.computing_time
     }
@@ -149,7 +150,7 @@ impl Network {
         self.jitter == 0.0 && self.max_gap == 0.0
     }
 
-    /// The maximum age of a robot's own position sample, s: one period plus computing time.
+    /// The maximum age of a robot's own position sample on this network, s: one period plus computing time.
     pub fn oldest_own_sample(&self) -> f64 {
         self.sample_period + self.computing_time
     }

@@ -209,13 +209,13 @@ pub(super) struct ExaminedTiers {
     pub count: usize,
 }
 
-/// Whether a stiffness is below a bound, or equal to an attained one.
+/// Whether a stiffness is below a bound over the operators, or equal to an attained one.
 fn is_within(bound: f64, attained: bool, k: f64) -> bool {
     k < bound || (attained && k == bound)
 }
 
-/// Tier 1: exact at the weakest corner for continuous controllers; for sampled controllers every corner is
-/// examined.
+/// Tier 1 over a range of operators: exact at the weakest corner for continuous controllers; for sampled
+/// controllers every corner is examined.
 fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let weakest = region.weakest_corner();
     let corners = region.corners();
@@ -274,8 +274,8 @@ fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTi
     }
 }
 
-/// True if the first positive root of F appears at ξ = 0 when k reaches `critical`: the dyad is then stable
-/// at that stiffness.
+/// For some operators, true if the first positive root of F appears at ξ = 0 when k reaches `critical`: the
+/// dyad is then stable at that stiffness.
 fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     let [first, second] = axis.sides;
     let (b1, b2, c) = (first.damping, second.damping, axis.coupling_damping);
@@ -284,7 +284,8 @@ fn is_attained(axis: &DyadAxis, critical: f64) -> bool {
     axis.is_free() && (entry - critical).abs() <= 1e-12 * entry
 }
 
-/// Tiers 3 and 4: a grid through the box, corners included, then a pattern search from its worst point.
+/// Tiers 3 and 4 over a range of operators: a grid through the box, corners included, then a pattern search
+/// from its worst point.
 fn constant_delay_tier(
     region: &OperatorBox,
     tier: Tier,

@@ -53,8 +53,8 @@ pub fn sampled_spectral_radius(
     })
 }
 
-/// The largest stiffness (N/m) up to `limit` below which the sampled dyad is stable: a count on the unit
-/// circle at several levels, then bisection below the first unstable level.
+/// The largest stiffness (N/m) up to `limit` below which the dyad under sampled controllers is stable: a
+/// count on the unit circle at several levels, then bisection below the first unstable level.
 ///
 /// An infinite `limit` stands for the stiffness above which no spring under a hold is stable.
 pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) -> f64 {

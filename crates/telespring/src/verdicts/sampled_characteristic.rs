@@ -27,6 +27,7 @@ pub(super) struct SampledCharacteristic {
     pub deflated: bool,
 }
 
+/// The product of two polynomials of a sampled characteristic function, constant term first.
 fn multiply_polynomials(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; a.len() + b.len() - 1];
     for (i, x) in a.iter().enumerate() {
@@ -37,7 +38,7 @@ fn multiply_polynomials(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// The value and derivative of a polynomial, constant term first.
+/// The value and derivative of a polynomial in a sampled characteristic function, constant term first.
 fn evaluate_polynomial(polynomial: &[f64], w: Complex64) -> (Complex64, Complex64) {
     let zero = Complex64::ZERO;
     polynomial
@@ -89,7 +90,8 @@ impl SampledCharacteristic {
         (c + b * e, slope * (w + 1.0) * self.period)
     }
 
-    /// The delay factor 1 − z^(−N), divided by w if deflated, and its derivative with respect to w.
+    /// The sampled characteristic function's delay factor 1 − z^(−N), divided by w if deflated, and its
+    /// derivative with respect to w.
     pub fn delay_factor(&self, s: Complex64, w: Complex64) -> (Complex64, Complex64) {
         let n = self.ticks;
         let lost = -exp_m1(-s * (self.period * n));
@@ -106,7 +108,7 @@ impl SampledCharacteristic {
         (value, (turned - value) / w)
     }
 
-    /// A typical rate (1/s) of the fastest part of the loop and the round trip.
+    /// A typical rate (1/s) of the fastest part of the sampled loop and the round trip.
     pub fn rate_scale(&self, axis: &DyadAxis, stiffness: f64) -> f64 {
         let fastest = axis
             .sides

@@ -36,7 +36,7 @@ fn keeps_hull(side: &SampledPlant, stiffness: f64, damper: f64) -> bool {
         && rate * travel + kept_velocity >= 0.0
 }
 
-/// The breakaway stiffness: the two slow poles of a free side with a computing time meet.
+/// The breakaway stiffness of the sampled gain: the two slow poles of a free side with a computing time meet.
 ///
 /// On E < z < 1 (E = e^(−Bh/M), the pole of the velocity) a real pole lies at z for k = −z p(z)/n(z). This
 /// is 0 at both ends and log-concave between (n has zeros only left of 0), so its single maximum is the
@@ -93,7 +93,7 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
 /// A matrix of the sampled local loop on (position, velocity, previous force).
 type Loop = [[f64; 3]; 3];
 
-/// The product of two matrices of the sampled local loop.
+/// The product of two matrices of the sampled local loop, for its gain.
 fn loop_product(a: &Loop, b: &Loop) -> Loop {
     a.map(|row| {
         let mut out = [0.0; 3];
@@ -106,7 +106,7 @@ fn loop_product(a: &Loop, b: &Loop) -> Loop {
     })
 }
 
-/// The row-sum norm of a matrix of the sampled local loop.
+/// The row-sum norm of a matrix of the sampled local loop, for its gain.
 fn row_sum_norm(a: &Loop) -> f64 {
     a.iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max)
 }
@@ -152,8 +152,8 @@ pub(super) fn sampled_gain(side: &SampledPlant, stiffness: f64) -> f64 {
     }
 }
 
-/// An upper bound on Σ|position| over all future samples from `state`, given the summed row norms over the
-/// first 2^doublings samples.
+/// An upper bound on the tail of the sampled gain's sum Σ|position| over all future samples from `state`,
+/// given the summed row norms over the first 2^doublings samples.
 fn tail_bound(powers: &[Loop], doublings: usize, rows: f64, state: &[f64; 3]) -> f64 {
     let size = state.iter().map(|value| value.abs()).fold(0.0, f64::max);
     // Over 2^(j+1) samples the rows sum to at most (1 + ‖M^(2^j)‖) times those over 2^j.

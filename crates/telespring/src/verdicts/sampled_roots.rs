@@ -61,8 +61,8 @@ impl SampledCharacteristic {
         (step <= 1e-6 * scale).then_some((s, step))
     }
 
-    /// The number of multipliers with |z| > e^(σ h), and points near which they may lie. If a root lies on
-    /// the circle, a circle 1e-9 of `scale` away from it is used.
+    /// The number of multipliers, roots of the sampled axis, with |z| > e^(σ h), and points near which they
+    /// may lie. If a root lies on the circle, a circle 1e-9 of `scale` away from it is used.
     fn count_right_of(&self, rate: f64, scale: f64) -> Option<(usize, Vec<Complex64>)> {
         for shift in [0.0, 1e-9, -1.7e-9, 1.3e-8] {
             match contour::count_outside_circle(self, rate + shift * scale) {

@@ -23,7 +23,7 @@ pub(super) struct SampledPlant {
 }
 
 impl SampledPlant {
-    /// The side over one period (s), the force switching `computing_time` (s) after the tick.
+    /// The side under zero-order hold over one period (s), the force switching `computing_time` (s) after the tick.
     pub fn new(side: &Side, period: f64, computing_time: f64) -> Self {
         let (change, whole) = exact_step(side, period);
         if computing_time == 0.0 {
@@ -36,7 +36,7 @@ impl SampledPlant {
         Self { change, new_force, old_force, has_computing_time: true }
     }
 
-    /// The characteristic polynomial of the side alone in w, constant term first; with a computing time it
+    /// The characteristic polynomial of one held side alone in w, constant term first; with a computing time it
     /// has an additional factor z.
     pub fn denominator(&self) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
@@ -44,7 +44,7 @@ impl SampledPlant {
         if self.has_computing_time { multiply_by_z(&plant) } else { plant.to_vec() }
     }
 
-    /// The numerator in w of stiffness × position + damping × velocity, per unit force.
+    /// The numerator in w of stiffness × position + damping × velocity, per unit force under zero-order hold.
     pub fn numerator(&self, stiffness: f64, damping: f64) -> Vec<f64> {
         let [[a, b], [c, d]] = self.change;
         // adj(w − Ψ) Γ, read by the row (stiffness, damping).
@@ -63,7 +63,7 @@ impl SampledPlant {
     }
 }
 
-/// Multiplies a polynomial in w by z = 1 + w.
+/// Multiplies a polynomial in w by z = 1 + w, for the zero-order hold.
 fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; polynomial.len() + 1];
     for (i, &coefficient) in polynomial.iter().enumerate() {
@@ -73,8 +73,8 @@ fn multiply_by_z(polynomial: &[f64]) -> Vec<f64> {
     product
 }
 
-/// The exact response over a span: e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ, from a Taylor series over a
-/// short span that is doubled up to t.
+/// The exact response to a held force over a span: e^(A t) − 1 and ∫₀ᵗ e^(A s) ds (0, 1/M)ᵀ, from a Taylor
+/// series over a short span that is doubled up to t.
 fn exact_step(side: &Side, span: f64) -> (Matrix, [f64; 2]) {
     let damping = side.damping / side.mass;
     let spring = side.ground_stiffness / side.mass;

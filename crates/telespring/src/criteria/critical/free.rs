@@ -43,7 +43,7 @@ struct TangencyCurve {
 }
 
 impl TangencyCurve {
-    /// The coefficients of y², y³ and y⁴ of F at the compliance q.
+    /// The coefficients of y², y³ and y⁴ of F with free handles at the compliance q.
     fn quadratic_coefficients(&self, q: f64) -> [f64; 3] {
         let (f1, f2) = (self.d1 * q - 2.0 * self.m1, self.d2 * q - 2.0 * self.m2);
         let g = self.g * q;
@@ -51,7 +51,7 @@ impl TangencyCurve {
         [s1 + s2 + f1 * f2 + g * (f1 + f2), (f1 + g) * s2 + (f2 + g) * s1, s1 * s2]
     }
 
-    /// The unique compliance q > 0 with F(y; q) = 0, for a y with F(y; 0) ≤ 0.
+    /// The unique compliance q > 0 with F(y; q) = 0 with free handles, for a y with F(y; 0) ≤ 0.
     fn compliance(&self, y: f64) -> f64 {
         let (a1, a2) = ((1.0 - self.m1 * y).powi(2), (1.0 - self.m2 * y).powi(2));
         let square = (self.d1 * self.d2 + self.g * (self.d1 + self.d2)) * y * y;
@@ -64,9 +64,9 @@ impl TangencyCurve {
         if linear >= 0.0 { 2.0 * constant / (linear + root) } else { 0.5 * (root - linear) / square }
     }
 
-    /// The compliance at which F touches zero, by Newton's iteration in y and q on G = F/y and ∂G/∂y from
-    /// the curve at `y`; `None` if it does not converge between `near` and `far` in a few steps. Between
-    /// them the compliance has one stationary point, its maximum.
+    /// The compliance at which F touches zero with free handles, by Newton's iteration in y and q on G = F/y
+    /// and ∂G/∂y from the curve at `y`; `None` if it does not converge between `near` and `far` in a few
+    /// steps. Between them the compliance has one stationary point, its maximum.
     fn tangent_compliance(&self, mut y: f64, near: f64, far: f64) -> Option<f64> {
         let (s1, s2) = (self.m1 * self.m1, self.m2 * self.m2);
         let mut q = self.compliance(y);
@@ -97,8 +97,8 @@ impl TangencyCurve {
         None
     }
 
-    /// The maximum compliance between `near` and `far`. It is quasi-concave there: F/y is a cubic in y, so
-    /// that {q > q₀} is one interval for every q₀ above the end values.
+    /// The maximum compliance with free handles between `near` and `far`. It is quasi-concave there: F/y is a
+    /// cubic in y, so that {q > q₀} is one interval for every q₀ above the end values.
     fn largest_compliance(&self, near: f64, far: f64) -> f64 {
         // The sign of ∂(F/y)/∂y on the curve is that of −dq/dy; false position with the
         // Anderson–Björck weight finds its zero. An error ε in y costs only ε² in q.

@@ -39,7 +39,7 @@ struct CurvePoint {
     stiffness: f64,
 }
 
-/// A stiffness up to which |Pᵢ(jω)|² ≥ k² + c²ω² on both sides, so that F ≥ 0; `None` if there is none.
+/// A stiffness up to which |Pᵢ(jω)|² ≥ k² + c²ω² on both grounded sides, so that F ≥ 0; else `None`.
 fn stable_stiffness_bound(axis: &DyadAxis) -> Option<f64> {
     let c = axis.coupling_damping;
     let bound = axis.sides.iter().fold(f64::INFINITY, |bound, side| {
@@ -51,13 +51,14 @@ fn stable_stiffness_bound(axis: &DyadAxis) -> Option<f64> {
     (bound > 0.0).then_some(bound)
 }
 
-/// A typical stiffness of the sides without coupling, N/m.
+/// A typical stiffness of the grounded sides without coupling, N/m.
 fn stiffness_scale(axis: &DyadAxis) -> f64 {
     let loss = |damping: f64, mass: f64| (damping + axis.coupling_damping).powi(2) / mass;
     axis.sides.iter().map(|side| side.ground_stiffness + loss(side.damping, side.mass)).sum()
 }
 
-/// A starting point on the curve: the smallest stiffness on a grid of frequencies around the resonances.
+/// A starting point on the grounded dyad's curve: the smallest stiffness on a grid of frequencies around the
+/// resonances.
 fn scan_frequencies(axis: &DyadAxis, lowest: f64) -> CurvePoint {
     let mut best = CurvePoint { squared_frequency: f64::NAN, stiffness: f64::INFINITY };
     for side in &axis.sides {
@@ -71,12 +72,12 @@ fn scan_frequencies(axis: &DyadAxis, lowest: f64) -> CurvePoint {
     descend_along_curve(axis, best.squared_frequency, best)
 }
 
-/// The curve point with the smaller stiffness.
+/// The curve point of the grounded dyad with the smaller stiffness.
 fn lower_stiffness(best: CurvePoint, candidate: Option<CurvePoint>) -> CurvePoint {
     candidate.filter(|point| point.stiffness < best.stiffness).unwrap_or(best)
 }
 
-/// The smallest stiffness with F = 0 at a frequency.
+/// The smallest stiffness with F = 0 at a frequency, with a grounded operator.
 fn least_stiffness_at(axis: &DyadAxis, squared_frequency: f64) -> Option<CurvePoint> {
     let tensor = crossing_tensor::<f64>(axis);
     let fine = || {
@@ -88,7 +89,7 @@ fn least_stiffness_at(axis: &DyadAxis, squared_frequency: f64) -> Option<CurvePo
     Some(CurvePoint { squared_frequency, stiffness })
 }
 
-/// The crossing polynomial F at a fixed frequency, as a polynomial in the stiffness k.
+/// The crossing polynomial F of a grounded dyad at a fixed frequency, as a polynomial in the stiffness k.
 fn polynomial_in_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64) -> Polynomial<R, 4> {
     let xi = R::from(squared_frequency);
     let mut coefficient = [R::from(0.0); 4];
@@ -102,8 +103,8 @@ fn polynomial_in_stiffness<R: Real>(tensor: &[[R; 4]; 5], squared_frequency: f64
     Polynomial { coefficient, magnitude }
 }
 
-/// Follows the curve from a frequency to a local minimum of the stiffness, by golden-section search on the
-/// logarithm of the frequency.
+/// Follows the grounded dyad's curve from a frequency to a local minimum of the stiffness, by golden-section
+/// search on the logarithm of the frequency.
 fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint) -> CurvePoint {
     let start = match least_stiffness_at(axis, squared_frequency) {
         Some(point) => point,
@@ -156,7 +157,7 @@ fn descend_along_curve(axis: &DyadAxis, squared_frequency: f64, best: CurvePoint
     lower_stiffness(best, Some(middle))
 }
 
-/// The coefficients of the crossing polynomial F(ξ, k), in the requested arithmetic.
+/// The coefficients of the grounded dyad's crossing polynomial F(ξ, k), in the requested arithmetic.
 fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     let number = R::from;
     let two = number(2.0);
@@ -195,8 +196,8 @@ fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
     tensor
 }
 
-/// A frequency at which F < 0 for some stiffness between `lowest` and `highest`; `None` if F > 0 there at
-/// every frequency.
+/// A frequency at which the grounded dyad's F < 0 for some stiffness between `lowest` and `highest`; `None`
+/// if F > 0 there at every frequency.
 fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
     // ξ = scale · u/(1 − u) maps all frequencies onto 0 ≤ u ≤ 1.
     let lowest = lowest.min(highest);
@@ -232,7 +233,7 @@ fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale
     None
 }
 
-/// The Bernstein coefficients of F (1 − u)⁴ over u in 0..1 and k in `lowest..highest`.
+/// The Bernstein coefficients of the grounded dyad's F (1 − u)⁴ over u in 0..1 and k in `lowest..highest`.
 fn bernstein_tensor(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Tensor {
     let binomial_4 = [1.0, 4.0, 6.0, 4.0, 1.0];
     let width = highest - lowest;
@@ -250,7 +251,7 @@ fn bernstein_tensor(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> T
     tensor
 }
 
-/// The largest difference of Bernstein coefficients along the frequency.
+/// The largest difference of a grounded dyad's Bernstein coefficients along the frequency.
 fn spread_over_frequency(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for i in 0..4 {
@@ -261,7 +262,7 @@ fn spread_over_frequency(tensor: &Tensor) -> f64 {
     spread
 }
 
-/// The largest difference of Bernstein coefficients along the stiffness.
+/// The largest difference of a grounded dyad's Bernstein coefficients along the stiffness.
 fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     let mut spread = 0.0f64;
     for row in tensor {
@@ -272,7 +273,7 @@ fn spread_over_stiffness(tensor: &Tensor) -> f64 {
     spread
 }
 
-/// De Casteljau subdivision of the Bernstein coefficients along the frequency (rows).
+/// De Casteljau subdivision of the grounded dyad's Bernstein coefficients along the frequency (rows).
 fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for j in 0..4 {
@@ -288,7 +289,7 @@ fn halve_frequency_range(tensor: &Tensor) -> (Tensor, Tensor) {
     (low, high)
 }
 
-/// De Casteljau subdivision of the Bernstein coefficients along the stiffness (columns).
+/// De Casteljau subdivision of the grounded dyad's Bernstein coefficients along the stiffness (columns).
 fn halve_stiffness_range(tensor: &Tensor) -> (Tensor, Tensor) {
     let (mut low, mut high) = (*tensor, *tensor);
     for i in 0..5 {

@@ -29,8 +29,8 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> Result<(), E>,
 {
-    /// The first break in `window` that propagates through delay `index`; the start is excluded, the end
-    /// included.
+    /// The first crossing of a break in `window`, which propagates through delay `index`; the start is
+    /// excluded, the end included.
     pub(super) fn delayed_crossing(
         &mut self,
         index: usize,
@@ -83,7 +83,7 @@ where
         Ok(first.filter(|crossing| crossing.time > window.start + resolution(window.start)))
     }
 
-    /// The delayed argument t − τ at `t` in the window of a step.
+    /// The delayed argument t − τ at `t`, to find its crossing of a break in the window of a step.
     fn argument_in(
         &mut self,
         index: usize,
@@ -108,7 +108,7 @@ where
         }
     }
 
-    /// The root of argument = `level` between `low`, given with its gap, and `high`, by bisection to
+    /// The crossing, root of argument = `level`, between `low`, given with its gap, and `high`, by bisection to
     /// neighbouring numbers: breaks are located to the last digit, and delays need not be smooth.
     fn bisect_crossing(
         &mut self,

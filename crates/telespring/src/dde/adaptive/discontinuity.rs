@@ -5,7 +5,7 @@ use super::interpolant::ORDER;
 /// Two times within this many roundings are one.
 const ROUNDINGS: f64 = 32.0;
 
-/// The distance below which two times near `time` count as one.
+/// The distance below which two discontinuities near `time` count as one.
 pub(super) fn resolution(time: f64) -> f64 {
     ROUNDINGS * f64::EPSILON * time.abs()
 }
@@ -90,7 +90,7 @@ impl Discontinuities {
         }
     }
 
-    /// The next known break point ahead.
+    /// The next known discontinuity ahead.
     pub(super) fn next_pending(&self) -> Option<Discontinuity> {
         self.pending.first().copied()
     }
@@ -122,12 +122,12 @@ impl Discontinuities {
         self.reached.iter().filter(|d| d.order == 0).map(|d| d.time).collect()
     }
 
-    /// Whether the solution has just reached a break at `time`.
+    /// Whether the solution has just reached a discontinuity at `time`.
     pub(super) fn has_break_at(&self, time: f64) -> bool {
         self.reached.last().is_some_and(|d| d.time == time)
     }
 
-    /// All break points reached at or after `start`.
+    /// All discontinuities reached at or after `start`.
     pub(super) fn since(&self, start: f64) -> Vec<Discontinuity> {
         self.reached.iter().copied().filter(|d| d.time >= start).collect()
     }

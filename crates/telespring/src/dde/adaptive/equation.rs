@@ -45,6 +45,7 @@ impl<'a, E> DelayKind<'a, E> {
 }
 
 impl<E> std::fmt::Debug for DelayKind<'_, E> {
+    /// Writes the kind of delay of an equation.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Constant(delay) => write!(f, "Constant({delay})"),
@@ -62,7 +63,7 @@ pub struct Delayed<'a> {
 }
 
 impl<'a> Delayed<'a> {
-    /// All values as one array, one row per delay and one column per component.
+    /// All delayed values in an equation as one array, one row per delay and one column per component.
     pub fn as_slice(&self) -> &'a [f64] {
         self.values
     }
@@ -71,6 +72,7 @@ impl<'a> Delayed<'a> {
 impl std::ops::Index<usize> for Delayed<'_> {
     type Output = [f64];
 
+    /// The delayed values of one delay of the equation.
     fn index(&self, delay: usize) -> &[f64] {
         &self.values[delay * self.dimension..(delay + 1) * self.dimension]
     }
@@ -103,7 +105,7 @@ where
     F: FnMut(f64, &[f64], Delayed<'_>, &mut [f64]) -> std::result::Result<(), E>,
     H: FnMut(f64, &mut [f64]) -> std::result::Result<(), E>,
 {
-    /// The derivative y' at `t`; `delayed` has one row per delay.
+    /// The derivative y' by the equation at `t`; `delayed` has one row per delay.
     pub(super) fn slope(
         &mut self,
         t: f64,
@@ -123,11 +125,11 @@ where
         check_finite(out)
     }
 
-    /// The delayed argument t − τ of delay `index`. `nominal` is the mesh time and `seen` the time passed
-    /// to callbacks, which differs by a few roundings at declared breaks. A state-dependent delay may be
-    /// negative in an attempted step with a rough state: its argument is returned unchanged and checked
-    /// when the step is accepted. Any other negative delay fails at once; a rounding below zero counts as
-    /// zero.
+    /// The delayed argument t − τ of delay `index` in the equation. `nominal` is the mesh time and `seen` the
+    /// time passed to callbacks, which differs by a few roundings at declared breaks. A state-dependent delay
+    /// may be negative in an attempted step with a rough state: its argument is returned unchanged and
+    /// checked when the step is accepted. Any other negative delay fails at once; a rounding below zero
+    /// counts as zero.
     pub(super) fn argument(
         &mut self,
         index: usize,
@@ -149,7 +151,7 @@ where
         Ok(if rough { nominal - delay } else { nominal - delay.max(0.0) })
     }
 
-    /// Checks the state-dependent delays at the end of a step to be accepted.
+    /// Checks the equation's state-dependent delays at the end of a step to be accepted.
     pub(super) fn check_state_delays(&mut self, t: f64, y: &[f64]) -> std::result::Result<(), Interrupt<E>> {
         for index in 0..self.delays.len() {
             if matches!(self.delays[index], DelayKind::State(_)) {
@@ -162,17 +164,17 @@ where
         Ok(())
     }
 
-    /// Whether delay `index` depends on time alone.
+    /// Whether delay `index` of the equation depends on time alone.
     pub(super) fn is_time_dependent(&self, index: usize) -> bool {
         matches!(self.delays[index], DelayKind::Time(_))
     }
 
-    /// Whether delay `index` depends on the state.
+    /// Whether delay `index` of the equation depends on the state.
     pub(super) fn is_state_dependent(&self, index: usize) -> bool {
         matches!(self.delays[index], DelayKind::State(_))
     }
 
-    /// The nonzero constant delays; a zero delay propagates no break.
+    /// The nonzero constant delays of the equation; a zero delay propagates no break.
     pub(super) fn constant_delays(&self) -> Vec<f64> {
         self.delays
             .iter()
@@ -184,12 +186,12 @@ where
     }
 }
 
-/// Checks that a callback returned finite values.
+/// Checks that a callback of the equation returned finite values.
 fn check_finite<E>(values: &[f64]) -> std::result::Result<(), Interrupt<E>> {
     if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Interrupt::NonFinite) }
 }
 
-/// Rejects constant delays that are negative or not finite.
+/// Rejects constant delays of an equation that are negative or not finite.
 pub(super) fn check_constant_delays<E>(delays: &[DelayKind<'_, E>]) -> Result<()> {
     for (j, delay) in delays.iter().enumerate() {
         if let DelayKind::Constant(value) = delay

@@ -8,8 +8,8 @@ use super::solution::Mesh;
 /// The distance from a jump, in roundings, at which callbacks are evaluated on one side of it.
 const ASIDE: f64 = 4.0 * f64::EPSILON;
 
-/// Moves `t` by a few roundings to the later (`direction` 1) or earlier side (−1); `scale` sets the unit of
-/// time near zero.
+/// Moves a lookup time `t` in the history by a few roundings to the later (`direction` 1) or earlier side
+/// (−1); `scale` sets the unit of time near zero.
 pub(super) fn offset_by_roundings(t: f64, direction: f64, scale: f64) -> f64 {
     t + direction * ASIDE * t.abs().max(scale)
 }
@@ -23,7 +23,7 @@ pub(super) struct Predictor {
 }
 
 impl Predictor {
-    /// The predicted state at `t` within the current step.
+    /// The state at `t` that continues the history within the current step.
     pub(super) fn evaluate(&self, t: f64, out: &mut [f64]) {
         interpolant::evaluate_polynomial(&self.coefficients, (t - self.origin) / self.width, out);
     }
@@ -103,7 +103,7 @@ where
         Ok(())
     }
 
-    /// The derivative y' at the mesh time `nominal`, with `seen` passed to callbacks.
+    /// The derivative y' at the mesh time `nominal` from the solution history; callbacks get `seen`.
     pub(super) fn slope(
         &mut self,
         nominal: f64,
@@ -139,7 +139,7 @@ where
         Ok(())
     }
 
-    /// The state at the argument `s` of delay `index`, for an evaluation at `t`.
+    /// The state in the solution history at the argument `s` of delay `index`, for an evaluation at `t`.
     fn delayed_state(&mut self, index: usize, t: f64, s: f64, out: &mut [f64]) -> Result<(), Interrupt<E>> {
         let slack = self.slack(index, t, s);
         if let Some(&jump) = self.jumps.iter().find(|&&jump| (s - jump).abs() <= slack) {

@@ -43,7 +43,7 @@ const DENSE: [f64; STAGES] = [
     69_997_945.0 / 29_380_423.0,
 ];
 
-/// Writes the polynomial of a step of width `width` from `old` to `new` into `coefficients`: five blocks
+/// Writes the interpolant of a step of width `width` from `old` to `new` into `coefficients`: five blocks
 /// with one value per component.
 pub(super) fn fit_polynomial(
     width: f64,
@@ -69,7 +69,7 @@ pub(super) fn fit_polynomial(
     }
 }
 
-/// Writes the straight line from `old` with slope `slope` in the same form.
+/// Writes the straight line from `old` with slope `slope` as an interpolant of the same form.
 pub(super) fn straight_line(width: f64, old: &[f64], slope: &[f64], coefficients: &mut [f64]) {
     let dimension = old.len();
     coefficients.fill(0.0);
@@ -79,7 +79,7 @@ pub(super) fn straight_line(width: f64, old: &[f64], slope: &[f64], coefficients
     }
 }
 
-/// The step polynomial at the fraction `theta` of its step.
+/// The interpolant of a step at the fraction `theta` of its step.
 pub(super) fn evaluate_polynomial(coefficients: &[f64], theta: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;
@@ -89,7 +89,7 @@ pub(super) fn evaluate_polynomial(coefficients: &[f64], theta: f64, out: &mut [f
     }
 }
 
-/// The time derivative of the step polynomial of a step of width `width`.
+/// The time derivative of the interpolant of a step of width `width`.
 pub(super) fn differentiate_polynomial(coefficients: &[f64], theta: f64, width: f64, out: &mut [f64]) {
     let dimension = out.len();
     let rest = 1.0 - theta;

@@ -183,7 +183,7 @@ where
     Ok((Discontinuity { time: start, order }, state))
 }
 
-/// The solution if the state at the start cannot be evaluated.
+/// The solution if the equation cannot be evaluated at the start: no steps.
 fn failed_at_start<E>(interrupt: Interrupt<E>, start: f64, dimension: usize) -> Solution<E> {
     let (status, failure) = match interrupt {
         Interrupt::Callback(error) => (Status::Stopped { at: start }, Some(error)),

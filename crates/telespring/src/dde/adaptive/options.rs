@@ -13,19 +13,21 @@ pub enum Tolerance {
 }
 
 impl From<f64> for Tolerance {
+    /// The tolerance option from one number for all components.
     fn from(value: f64) -> Self {
         Self::Uniform(value)
     }
 }
 
 impl From<Vec<f64>> for Tolerance {
+    /// The tolerance option from one number per component.
     fn from(values: Vec<f64>) -> Self {
         Self::PerComponent(values)
     }
 }
 
 impl Tolerance {
-    /// Expands a tolerance to one checked value per component.
+    /// Expands the tolerance option to one checked value per component.
     fn expand(&self, field: &str, dimension: usize, minimum: f64) -> Result<Vec<f64>> {
         let values = match self {
             Self::Uniform(value) => vec![*value; dimension],
@@ -92,6 +94,7 @@ pub struct Options {
 }
 
 impl Default for Options {
+    /// The default options of the adaptive solver.
     fn default() -> Self {
         Self {
             rtol: Tolerance::Uniform(1e-6),

@@ -43,6 +43,7 @@ pub enum Status {
 }
 
 impl std::fmt::Display for Status {
+    /// Writes the status of a solution.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Completed => write!(f, "the whole span was solved"),
@@ -76,30 +77,30 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh without steps.
+    /// A mesh of a solution, without steps yet.
     pub(super) fn new(start: f64, dimension: usize) -> Self {
         Self { dimension, knots: vec![start], coefficients: Vec::new() }
     }
 
-    /// Appends the polynomial of a step to the mesh.
+    /// Appends the polynomial of a step to the mesh of the solution.
     pub(super) fn push(&mut self, end: f64, coefficients: &[f64]) {
         self.knots.push(end);
         self.coefficients.extend_from_slice(coefficients);
     }
 
-    /// The number of steps in the mesh.
+    /// The number of steps in the mesh of the solution.
     pub(super) fn steps(&self) -> usize {
         self.knots.len() - 1
     }
 
-    /// The polynomial of step `index` of the mesh, its start and its width.
+    /// The polynomial of step `index` of the solution's mesh, its start and its width.
     pub(super) fn step(&self, index: usize) -> (&[f64], f64, f64) {
         let length = COEFFICIENTS * self.dimension;
         let (start, end) = (self.knots[index], self.knots[index + 1]);
         (&self.coefficients[index * length..(index + 1) * length], start, end - start)
     }
 
-    /// The index of the step that contains `t`; a knot belongs to the step that starts there. `hint` is
+    /// The index of the solution's step that contains `t`; a knot belongs to the step that starts there. `hint` is
     /// tried first.
     fn locate(&self, t: f64, hint: usize) -> usize {
         let last = self.steps() - 1;

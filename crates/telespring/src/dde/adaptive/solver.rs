@@ -187,8 +187,8 @@ where
         Ok(Status::Completed)
     }
 
-    /// The time passed to callbacks at the end (`side` −1) or the start (1) of a step: a few roundings
-    /// inside it at a declared break.
+    /// The time that the solver passes to callbacks at the end (`side` −1) or the start (1) of a step: a few
+    /// roundings inside it at a declared break.
     fn callback_time(&self, target: StepEnd, side: f64) -> f64 {
         let slack = resolution(target.end);
         let nearest = self.declared.partition_point(|d| *d < target.end - slack);
@@ -198,13 +198,13 @@ where
         }
     }
 
-    /// The smallest step width that changes time and solution.
+    /// The smallest step width of the solver that changes time and solution.
     fn smallest_step(&self, here: f64) -> f64 {
         0.5 * resolution(here.abs().max(1e-4 * (self.end - self.history.start)))
     }
 
-    /// The end of a step of about `width`: on a nearby break, never leaving a tiny step before it. `cut` is
-    /// the time at which an attempted step met a break through the state.
+    /// The end of the solver's next step of about `width`: on a nearby break, never leaving a tiny step
+    /// before it. `cut` is the time at which an attempted step met a break through the state.
     fn choose_step_end(&mut self, width: f64, cut: Option<f64>) -> Result<StepEnd, Interrupt<E>> {
         let here = self.history.here;
         let width = width.min(self.options.max_step);
@@ -251,7 +251,7 @@ where
         Ok(target)
     }
 
-    /// Prepares the first stage and the predictor of a step.
+    /// Prepares the first stage and the predictor of the solver's next step.
     fn prepare_step(&mut self, ends: StepInterval) -> Result<(), Interrupt<E>> {
         let here = ends.start;
         self.history.state_slack = self.history.equation.state_slack * ends.width();
@@ -283,7 +283,7 @@ where
         Ok(())
     }
 
-    /// The first break in the attempted step that propagates through a state-dependent delay.
+    /// The first break in the solver's attempted step that propagates through a state-dependent delay.
     fn crossing_by_state_delay(&mut self, ends: StepInterval) -> Result<Option<Discontinuity>, Interrupt<E>> {
         let mut first: Option<Discontinuity> = None;
         for index in 0..self.history.equation.delays.len() {
@@ -307,7 +307,7 @@ where
         Ok(first)
     }
 
-    /// Accepts the attempted step: extends the mesh and reaches the break at its end.
+    /// Accepts the solver's attempted step: extends the mesh and reaches the break at its end.
     fn accept_step(&mut self, target: StepEnd) {
         self.history.mesh.push(target.end, &self.attempt.coefficients);
         self.history.here = target.end;
@@ -321,7 +321,7 @@ where
         }
     }
 
-    /// The width of the first step (Hairer, Nørsett and Wanner 1993, section II.4).
+    /// The width of the solver's first step (Hairer, Nørsett and Wanner 1993, section II.4).
     fn first_step_width(&mut self) -> Result<f64, Interrupt<E>> {
         let span = self.end - self.history.start;
         let small = 1e-6 * span;

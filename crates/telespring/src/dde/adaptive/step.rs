@@ -28,7 +28,7 @@ pub(super) struct StepInterval {
 }
 
 impl StepInterval {
-    /// The width of the step.
+    /// The width of a step of the adaptive solver.
     pub(super) fn width(&self) -> f64 {
         self.end - self.start
     }
@@ -42,7 +42,7 @@ pub(super) struct ErrorScale {
 }
 
 impl ErrorScale {
-    /// The largest |difference| relative to the tolerance of its component; NaN if one is NaN.
+    /// The error of a step: its largest |difference| relative to the tolerance of its component; NaN if one is NaN.
     pub(super) fn measure(&self, old: &[f64], new: &[f64], difference: impl Fn(usize) -> f64) -> f64 {
         let mut largest = 0.0;
         for i in 0..old.len() {
@@ -153,7 +153,7 @@ impl StepAttempt {
         Ok(Outcome::Error(error.max(self.defect(history, ends, scale)? / DEFECT)))
     }
 
-    /// The defect: the residual of the polynomial in the equation in the middle of the step, times the
+    /// The defect of a step: the residual of its polynomial in the equation in the middle of the step, times the
     /// step, as a fraction of the tolerance.
     fn defect<E, F, H>(
         &mut self,
@@ -174,7 +174,7 @@ impl StepAttempt {
         Ok(scale.measure(state, &self.new, |i| width * (rise[i] - slope[i])))
     }
 
-    /// Evaluates the stages after the first; the argument of the last one is the new state.
+    /// Evaluates the step's stages after the first; the argument of the last one is the new state.
     fn run_stages<E, F, H>(
         &mut self,
         history: &mut StateHistory<'_, E, F, H>,

@@ -35,7 +35,7 @@ pub struct SampledForce {
 }
 
 impl SampledForce {
-    /// Creates a sampled force from its values (N), rate (Hz) and interpolation.
+    /// Creates a force from its samples (N), rate (Hz) and interpolation.
     ///
     /// # Errors
     ///
@@ -62,7 +62,7 @@ impl SampledForce {
         self.values[index.min(self.values.len() - 1)]
     }
 
-    /// True if the signal changes at sample `index` (from 1 on).
+    /// True if the sampled force changes at sample `index` (from 1 on).
     fn changes_at_sample(&self, index: usize) -> bool {
         let (before, here) = (self.value(index - 1), self.value(index));
         match self.hold {
@@ -164,7 +164,7 @@ impl Force {
         }
     }
 
-    /// The fastest rate of the force itself, 1/s.
+    /// The fastest rate of the force signal itself, 1/s.
     pub(super) fn fastest_rate(&self) -> f64 {
         match self {
             Self::Sines { sines, .. } => sines.iter().map(|s| s.angular_frequency.abs()).fold(0.0, f64::max),
@@ -172,7 +172,7 @@ impl Force {
         }
     }
 
-    /// The maximum number of breaks before `end` (s).
+    /// The maximum number of breaks of the force before `end` (s).
     pub(super) fn breaks_before(&self, end: f64) -> f64 {
         match self {
             Self::Sampled(sampled) => (sampled.values.len() as f64).min(end * sampled.rate),
@@ -181,7 +181,7 @@ impl Force {
         }
     }
 
-    /// The first break at or after index `cursor`; moves `cursor` to it.
+    /// The first break of the force at or after index `cursor`; moves `cursor` to it.
     pub(super) fn next_break(&self, cursor: &mut usize) -> Option<Break> {
         match self {
             Self::Step(_) | Self::Sines { .. } => None,
@@ -251,7 +251,7 @@ impl Force {
     }
 }
 
-/// Adds the Taylor series of a sine over one step.
+/// Adds the Taylor series of a sinusoidal force over one step.
 fn add_sine_series(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     let omega = sine.angular_frequency;
     // The angle to twice the working precision: rounding it at 1e5 rad would cost 1e-11.
@@ -272,7 +272,7 @@ fn add_sine_series(sine: &Sine, start: Instant, length: f64, into: &mut [f64]) {
     }
 }
 
-/// Checks that a value is finite and within [`MAGNITUDE_LIMIT`].
+/// Checks that a value of a force is finite and within [`MAGNITUDE_LIMIT`].
 pub(super) fn check_magnitude(field: &str, value: f64, unit: &str) -> Result<()> {
     if value.abs() <= MAGNITUDE_LIMIT {
         return Ok(());

@@ -33,7 +33,7 @@ struct StepTrack {
 }
 
 impl StepTrack {
-    /// Appends a Taylor step to the track of a robot.
+    /// Appends a Taylor step on the delay grid to the track of a robot.
     fn push_step(&mut self, start: f64, length: f64) -> &mut Series {
         if self.count == self.steps.len() {
             self.steps.push(Series { start, length, degree: 0, coefficients: [0.0; STRIDE] });
@@ -44,7 +44,7 @@ impl StepTrack {
         step
     }
 
-    /// The coefficients over [start, start + length]; `cursor` moves along.
+    /// The coefficients of a robot's track on the delay grid over [start, start + length]; `cursor` moves along.
     fn window_series<'a>(
         &'a self,
         cursor: &mut usize,
@@ -92,7 +92,7 @@ struct RobotState {
     force: Coefficients,
 }
 
-/// Simulates the linear dyad with steps that divide the delay, `cells` per delay.
+/// Simulates the linear dyad on a grid of steps that divide the delay, `cells` per delay.
 pub(super) fn simulate_on_grid(
     problem: &Problem,
     cells: usize,
@@ -166,7 +166,7 @@ pub(super) fn simulate_on_grid(
 }
 
 impl RobotState {
-    /// One Taylor step; the degree grows until the series is resolved. False if it never is.
+    /// One Taylor step on the delay grid; the degree grows until the series is resolved. False if it never is.
     fn advance_robot(
         &mut self,
         problem: &Problem,
@@ -195,7 +195,7 @@ impl RobotState {
     }
 }
 
-/// Propagates the partner's kinks of the last interval, one passage smoother.
+/// Propagates the partner's kinks of the last interval of the delay grid, one passage smoother.
 fn propagate_kinks(problem: &Problem, robot: usize, cell: f64, from: &[Kink], into: &mut Vec<Kink>) {
     let rates = &problem.rates[robot];
     for kink in from {

@@ -31,13 +31,14 @@ enum PastPosition {
 }
 
 impl Default for History {
+    /// The history of a robot at rest at 0.
     fn default() -> Self {
         Self { position: PastPosition::Constant(0.0), velocity: 0.0 }
     }
 }
 
 impl History {
-    /// A robot at rest at `position` (m) at all times before 0.
+    /// The history of a robot at rest at `position` (m) at all times before 0.
     ///
     /// # Errors
     ///
@@ -47,7 +48,7 @@ impl History {
         Ok(Self { position: PastPosition::Constant(position), velocity: 0.0 })
     }
 
-    /// Positions (m) as polynomials of time (s, negative), the last piece ending at 0. Before the first
+    /// A history of positions (m) as polynomials of time (s, negative), the last piece ending at 0. Before the first
     /// piece its first value is held. The velocity at 0 is the final slope.
     ///
     /// # Errors
@@ -66,7 +67,7 @@ impl History {
         Ok(Self { velocity: position.final_slope(), position: PastPosition::Pieces(position) })
     }
 
-    /// Positions (m) as a function of time on −`span` to 0 (s), which may jump or have kinks at
+    /// A history of positions (m) as a function of time on −`span` to 0 (s), which may jump or have kinks at
     /// `breakpoints`; see [`PiecewisePolynomial::from_function`].
     ///
     /// The velocity at 0 is the slope of the approximation; set a known velocity with
@@ -94,12 +95,12 @@ impl History {
         Ok(self)
     }
 
-    /// The estimated approximation error, m; 0 unless the history came from a function.
+    /// The estimated approximation error of the history, m; 0 unless it came from a function.
     pub fn error(&self) -> f64 {
         self.pieces().map_or(0.0, PiecewisePolynomial::error)
     }
 
-    /// Position and velocity of the robot at t = 0.
+    /// Position and velocity of the robot at the end of its history, t = 0.
     pub(super) fn start(&self) -> State {
         let x = match &self.position {
             PastPosition::Constant(position) => *position,
@@ -121,14 +122,14 @@ impl History {
         self.pieces().map_or(0, |pieces| pieces.edges().len() - 1)
     }
 
-    /// A break point of the history, in ascending order.
+    /// A break point of the robot's history before 0, in ascending order.
     pub(super) fn break_at(&self, index: usize) -> Option<Break> {
         let pieces = self.pieces().filter(|_| index < self.break_count())?;
         let effect = if pieces.is_break(index) { 1.0 } else { SMOOTH_EDGE };
         Some(Break { time: pieces.edges()[index], order: 0, effect })
     }
 
-    /// Writes the Taylor series of the position over [start, start + length]; returns the number of
+    /// Writes the Taylor series of the history over [start, start + length]; returns the number of
     /// coefficients.
     pub(super) fn series(&self, start: f64, length: f64, into: &mut Coefficients) -> usize {
         match &self.position {

@@ -332,7 +332,8 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The first break of a robot (history, start, force) at or after index `cursor`; moves `cursor` to it.
+    /// In a simulation, the first break of a robot (history, start, force) at or after index `cursor`; moves
+    /// `cursor` to it.
     fn next_own_break(&self, robot: usize, cursor: &mut usize) -> Option<Break> {
         let history = self.histories[robot].break_count();
         if *cursor < history {
@@ -347,7 +348,7 @@ impl Problem<'_> {
         break_point
     }
 
-    /// Solves the problem: chooses steps that divide the delay or longer ones, and their number.
+    /// Solves the simulation problem: chooses steps that divide the delay or longer ones, and their number.
     fn solve(&self, workspace: &mut Workspace, writer: &mut OutputWriter) -> Result<RunOutcome> {
         let breaks = (0..2).map(|i| self.forces[i].breaks_before(self.end)).fold(0.0, f64::max);
         let spacing = if breaks > 0.0 { self.end / breaks } else { f64::INFINITY };

@@ -3,7 +3,7 @@
 use super::MAGNITUDE_LIMIT;
 use super::series::{Coefficients, Instant, STRIDE, Series, State, evaluate};
 
-/// True for positions beyond [`MAGNITUDE_LIMIT`] and for NaN.
+/// True for outputs beyond [`MAGNITUDE_LIMIT`] and for NaN.
 fn is_beyond(value: f64) -> bool {
     value.is_nan() || value.abs() > MAGNITUDE_LIMIT
 }
@@ -28,12 +28,12 @@ impl<'a> OutputWriter<'a> {
         Self { rate, count, next: [0; 2], position, velocity }
     }
 
-    /// Restarts writing from the first output.
+    /// Restarts writing from the first output of the simulation.
     pub(super) fn restart(&mut self) {
         self.next = [0; 2];
     }
 
-    /// True if every output of both robots is written.
+    /// True if every output of both robots' simulation is written.
     pub(super) fn is_complete(&self) -> bool {
         self.next.iter().all(|&next| next >= self.count)
     }

@@ -77,8 +77,9 @@ impl PiecewisePolynomial {
         Ok(Self { edges, pieces, breaks, error: 0.0 })
     }
 
-    /// Approximates `function` from `start` to `end` (s) between its `breakpoints`, where it may jump or
-    /// have kinks, by Chebyshev interpolation on pieces that are halved until the error is negligible.
+    /// Approximates `function` piece by piece from `start` to `end` (s) between its `breakpoints`, where it
+    /// may jump or have kinks, by Chebyshev interpolation on pieces that are halved until the error is
+    /// negligible.
     ///
     /// [`PiecewisePolynomial::error`] gives the error. It is measured between the nodes of every piece and
     /// thus an estimate, reliable for functions that are smooth between the breakpoints. The function is
@@ -128,7 +129,7 @@ impl PiecewisePolynomial {
         local[0]
     }
 
-    /// The edges of the pieces, ascending, s.
+    /// The edges of the pieces of a piecewise polynomial, ascending, s.
     pub fn edges(&self) -> &[f64] {
         &self.edges
     }
@@ -145,7 +146,7 @@ impl PiecewisePolynomial {
         self.pieces[piece].iter().enumerate().map(|(n, c)| n as f64 * c).sum::<f64>() / half
     }
 
-    /// Writes the Taylor series of the piece around `middle` over [start, start + length]; returns the
+    /// Writes the Taylor series of the polynomial piece around `middle` over [start, start + length]; returns the
     /// number of coefficients.
     pub(super) fn series(&self, start: f64, length: f64, middle: f64, into: &mut Coefficients) -> usize {
         let (first, last) = (self.edges[0], self.edges[self.edges.len() - 1]);
@@ -178,7 +179,7 @@ struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    /// Evaluates the function that is being fitted.
+    /// Evaluates the function that a piecewise polynomial fits.
     fn evaluate_function(&mut self, time: f64) -> Result<f64> {
         let value = (self.function)(time);
         if value.is_nan() || value.abs() > super::MAGNITUDE_LIMIT {
@@ -193,7 +194,7 @@ impl Fit<'_> {
         Ok(value)
     }
 
-    /// Fits a polynomial to the function from `start` to `end`, halving the interval where needed.
+    /// Fits a polynomial piece to the function from `start` to `end`, halving the interval where needed.
     fn fit_piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
         const NODES: usize = FIT_DEGREE + 1;
         let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
@@ -226,12 +227,12 @@ impl Fit<'_> {
     }
 }
 
-/// The i-th Chebyshev node of the first kind, never an end of the interval.
+/// The i-th Chebyshev node of the first kind on a polynomial piece, never an end of the interval.
 fn chebyshev_node(i: usize, count: usize) -> f64 {
     ((2 * i + 1) as f64 * std::f64::consts::PI / (2 * count) as f64).cos()
 }
 
-/// The power coefficients on [−1, 1] of the polynomial through the Chebyshev nodes.
+/// The power coefficients on [−1, 1] of the piece through the values at the Chebyshev nodes.
 fn chebyshev_interpolant<const N: usize>(values: &[f64; N]) -> [f64; N] {
     let mut powers = [0.0; N];
     // T₀, T₁, … in powers, by their recurrence.
@@ -272,7 +273,7 @@ fn check_value(field: &str, value: f64) -> Result<()> {
     ))
 }
 
-/// Checks that the edges of the pieces ascend.
+/// Checks that the edges of a piecewise polynomial ascend.
 fn check_edges(field: &str, edges: &[f64]) -> Result<()> {
     for (i, &edge) in edges.iter().enumerate() {
         check_value(&format!("{field}[{i}]"), edge)?;

@@ -46,7 +46,7 @@ static INVERSES: Inverses = {
     table
 };
 
-/// The degree at which the series of e^ρ is resolved to rounding, ρ = fastest rate · step length.
+/// The degree at which the Taylor series of e^ρ is resolved to rounding, ρ = fastest rate · step length.
 pub(super) fn degree_for(rho: f64) -> usize {
     let mut term = 1.0;
     let mut degree = 0;
@@ -69,7 +69,7 @@ pub(super) struct Rates {
 }
 
 impl Rates {
-    /// The largest magnitude of the side's own two characteristic roots, 1/s.
+    /// The largest magnitude of the side's own two characteristic roots, which the series must resolve, 1/s.
     pub(super) fn fastest_rate(&self) -> f64 {
         let half = 0.5 * self.damping;
         let discriminant = half * half - self.stiffness;
@@ -84,7 +84,7 @@ pub(super) struct State {
     pub v: f64,
 }
 
-/// a · b + c, fused if the processor supports it.
+/// a · b + c for the Taylor series, fused if the processor supports it.
 #[inline(always)]
 fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
@@ -110,6 +110,7 @@ pub(super) struct Recurrence {
 }
 
 impl Default for Recurrence {
+    /// An empty recurrence for a Taylor series.
     fn default() -> Self {
         Self { length: f64::NAN, damping: [0.0; STRIDE], stiffness: [0.0; STRIDE], drive: [0.0; STRIDE] }
     }
@@ -179,7 +180,7 @@ fn advance_with<const FMA: bool>(
         .then(|| State { x: from.x + fused::<FMA>(from.v, length, sum), v: from.v + slope / length })
 }
 
-/// Writes the driving series length²·(coupling·d + damper·d' + force·f), each coefficient divided by (n +
+/// Writes the driving Taylor series length²·(coupling·d + damper·d' + force·f), each coefficient divided by (n +
 /// 1)(n + 2).
 #[inline(always)]
 fn drive_series<const FMA: bool>(
@@ -209,7 +210,7 @@ fn drive_series<const FMA: bool>(
     }
 }
 
-/// True if the last two coefficients are negligible relative to the largest.
+/// True if the last two coefficients of a Taylor series are negligible relative to the largest.
 #[inline(always)]
 pub(super) fn is_resolved(series: &[f64]) -> bool {
     let mut lanes = [0.0_f64; 8];
@@ -361,7 +362,7 @@ fn advance_both_with<const FMA: bool>(
     None
 }
 
-/// Re-expands a series: the coefficients of p(shift + scale·u) from those of p(u).
+/// Re-expands a Taylor series: the coefficients of p(shift + scale·u) from those of p(u).
 pub(super) fn reexpand(from: &[f64], shift: f64, scale: f64, into: &mut Coefficients) {
     let count = from.len();
     into[..count].copy_from_slice(from);
@@ -393,7 +394,7 @@ static FACTORIAL: (Coefficients, Coefficients) = {
     table
 };
 
-/// The terms of p(u − shift) in shift^l with l ≥ `order`; `small` bounds their decay, about small^l / l!.
+/// The Taylor terms of p(u − shift) in shift^l with l ≥ `order`; `small` bounds their decay, about small^l / l!.
 #[inline(always)]
 fn shift_remainder<const FMA: bool>(
     series: &[f64],
@@ -465,7 +466,7 @@ fn evaluate_with<const FMA: bool>(series: &[f64], first: f64, spacing: f64, out:
     }
 }
 
-/// Horner's rule on `N` points at once: coefficients outside, points inside, so that it vectorises.
+/// Horner's rule for a Taylor series on `N` points at once: points innermost, so that it vectorises.
 #[inline(always)]
 fn horner<const FMA: bool, const N: usize>(
     series: &[f64],
@@ -495,7 +496,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// The time multiple · unit + offset, without rounding error.
+    /// The time multiple · unit + offset, without rounding error, at which a series is expanded.
     pub(super) fn new(multiple: f64, unit: f64, offset: f64) -> Self {
         let product = multiple * unit;
         let error = multiple.mul_add(unit, -product);

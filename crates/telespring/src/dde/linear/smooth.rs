@@ -40,7 +40,7 @@ struct StepMap {
 }
 
 impl StepMap {
-    /// Builds the columns of the step map from unit states and forces.
+    /// Builds the columns of the long steps' map from unit states and forces.
     fn build(&mut self, pair: &CoupledStep) -> Option<()> {
         self.columns.clear();
         (self.length, self.degree) = (pair.length, pair.degree);
@@ -61,12 +61,12 @@ impl StepMap {
         Some(())
     }
 
-    /// A force whose contribution to the step map is about one.
+    /// A force whose contribution to the long steps' map is about one.
     fn unit_force(pair: &CoupledStep, robot: usize) -> f64 {
         1.0 / (pair.rates[robot].force * pair.length * pair.length)
     }
 
-    /// Applies the step map to the states and forces of a step.
+    /// Applies the map of a long step to its states and forces.
     fn apply(&self, pair: &CoupledStep, series: &mut [Coefficients; 2]) -> [State; 2] {
         let mut states = [State::default(); 2];
         for (column, (unit, end)) in self.columns.iter().enumerate() {
@@ -179,13 +179,13 @@ pub(super) fn simulate_with_long_steps(
 type Advanced = [Option<(Instant, State)>; 2];
 
 impl LongStepRun<'_> {
-    /// The distance within which two times on the common clock coincide, s.
+    /// The distance within which two times of a long-step run coincide, s.
     fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.clock.abs().max(self.problem.delay)
     }
 
-    /// The number of delays for which a break is followed, until a kink of its order over one delay is
-    /// rounding.
+    /// In a run of long steps, the number of delays for which a break is followed, until a kink of its order
+    /// over one delay is rounding.
     fn echo_count(&self, order: usize) -> usize {
         let small = self.problem.fastest * self.problem.delay;
         let growth = if self.problem.rates[0].damper > 0.0 { 1 } else { 2 };
@@ -201,7 +201,7 @@ impl LongStepRun<'_> {
         echoes
     }
 
-    /// Adds a break at `clock` and its echoes to the upcoming events.
+    /// Adds a break at `clock` and its echoes to the upcoming events of the long-step run.
     fn add_event(&mut self, clock: f64, order: usize) {
         let delay = self.problem.delay;
         let echoes = if delay > 0.0 { self.echo_count(order) } else { 0 };
@@ -216,7 +216,7 @@ impl LongStepRun<'_> {
         self.quiet_from = self.quiet_from.max(quiet);
     }
 
-    /// Stores the history of both robots as steps before the start.
+    /// Stores the history of both robots as steps before the long-step run.
     fn remember_history(&mut self) {
         for i in 0..2 {
             let (history, offset) = (&self.problem.histories[i], self.problem.offsets[i]);
@@ -249,7 +249,7 @@ impl LongStepRun<'_> {
         }
     }
 
-    /// The next break of either force, on the common clock.
+    /// The next break of either force in a long-step run, on the common clock.
     fn next_break(&mut self) -> Option<(usize, f64, Break)> {
         let mut earliest: Option<(usize, f64, Break)> = None;
         for i in 0..2 {
@@ -263,7 +263,7 @@ impl LongStepRun<'_> {
         earliest
     }
 
-    /// Adds the breaks that the clock has reached and drops the events behind it.
+    /// Adds the breaks that the clock of the long-step run has reached and drops the events behind it.
     fn take_reached_breaks(&mut self) {
         let reached = self.clock + self.tolerance();
         while let Some((robot, clock, break_point)) = self.next_break() {
@@ -278,30 +278,30 @@ impl LongStepRun<'_> {
         }
     }
 
-    /// The time until the next break or echo of a break.
+    /// The time of a long-step run until the next break or echo of a break.
     fn time_to_next_event(&mut self) -> f64 {
         let next = self.next_break().map_or(f64::INFINITY, |(_, clock, _)| clock);
         self.memory.events.last().copied().unwrap_or(f64::INFINITY).min(next) - self.clock
     }
 
-    /// The current time on the clock of a robot.
+    /// The current time of a long-step run on the clock of a robot.
     fn robot_time(&self, robot: usize) -> Instant {
         let mut local = Instant::new(1.0, self.clock, -self.problem.offsets[robot]);
         local.low += self.clock_rest;
         local
     }
 
-    /// Whether the clock of a robot has started.
+    /// Whether the clock of a robot has started in a long-step run.
     fn has_started(&self, robot: usize) -> bool {
         self.clock + self.tolerance() >= self.problem.offsets[robot]
     }
 
-    /// The degree of a Taylor series for a step length.
+    /// The degree of a Taylor series for the length of a long step.
     fn series_degree(&self, length: f64) -> usize {
         (degree_for(self.problem.fastest * length) + 2 + self.more_terms).min(STRIDE - 1)
     }
 
-    /// A step no longer than the delay: the delayed partner series is known.
+    /// In a long-step run, a step no longer than the delay: the delayed partner series is known.
     fn explicit_step(&mut self, length: f64) -> Option<Advanced> {
         let mut advanced = [None; 2];
         let mut steps = [None; 2];
@@ -335,7 +335,8 @@ impl LongStepRun<'_> {
         Some(advanced)
     }
 
-    /// Writes the series of a robot over a window in the past; returns the number of coefficients.
+    /// In a long-step run, writes the series of a robot over a window in the past; returns the number of
+    /// coefficients.
     fn window_series(&self, robot: usize, start: f64, length: f64, into: &mut Coefficients) -> usize {
         let mut best: Option<(f64, &Series)> = None;
         for step in self.memory.past[robot].iter().rev() {
@@ -352,7 +353,7 @@ impl LongStepRun<'_> {
         step.degree + 1
     }
 
-    /// A step of any length in a smooth interval, both partners at once.
+    /// A long step of any length in a smooth interval, both partners at once.
     fn implicit_step(&mut self, length: f64, full: bool) -> Option<Advanced> {
         let degree = self.series_degree(length);
         let locals = [self.robot_time(0), self.robot_time(1)];
@@ -389,7 +390,7 @@ impl LongStepRun<'_> {
         Some([0, 1].map(|i| Some((locals[i], states[i]))))
     }
 
-    /// Drops steps that no delayed window can reach any more.
+    /// Drops steps of a long-step run that no delayed window can reach any more.
     fn drop_old_steps(&mut self) {
         let needed = self.clock - 1.01 * self.problem.delay;
         for past in &mut self.memory.past {

@@ -36,7 +36,7 @@ struct SpanMap {
     push: f64,
 }
 
-/// The averages φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z of an exponential, z ≥ 0.
+/// The averages φ₁(z) = (1 − e^(−z))/z and φ₂(z) = (1 − φ₁(z))/z of an exponential, for a lumped arm.
 pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
     if z > 0.5 {
         let first = -(-z).exp_m1() / z;
@@ -52,7 +52,7 @@ pub(super) fn exponential_averages(z: f64) -> (f64, f64) {
 }
 
 impl SpanMap {
-    /// The exact map of an axis with this mass (kg) and damping (N·s/m) over a span (s).
+    /// The exact map of one axis of a lumped plant, with this mass (kg) and damping (N·s/m), over a span (s).
     fn new(mass: f64, damping: f64, span: f64) -> Self {
         let z = damping / mass * span;
         let (first, second) = exponential_averages(z);
@@ -75,8 +75,8 @@ struct Relaxation {
 }
 
 impl Relaxation {
-    /// With p = B·span/M and q = span/τ the gains are divided differences of the exponential:
-    /// span/M exp[−p, −q] and span²/M exp[0, −p, −q].
+    /// The lumped plant under a relaxing force: with p = B·span/M and q = span/τ the gains are divided
+    /// differences of the exponential: span/M exp[−p, −q] and span²/M exp[0, −p, −q].
     fn new(mass: f64, damping: f64, time_constant: f64, span: f64) -> Self {
         let (p, q) = (damping / mass * span, span / time_constant);
         let (low, high) = (p.min(q), p.max(q));
@@ -99,13 +99,13 @@ impl Relaxation {
 }
 
 impl Axis {
-    /// Moves an axis under a constant force, friction not considered.
+    /// Moves an axis of the lumped plant under a constant force, friction not considered.
     fn slide(&mut self, step: &SpanMap, force: f64) {
         self.position += step.reach * self.velocity + step.push * force;
         self.velocity = step.decay * self.velocity + step.gain * force;
     }
 
-    /// Moves an axis over a span under a held force, with friction.
+    /// Moves an axis of the lumped plant over a span under a held force, with friction.
     fn advance(&mut self, force: f64, span: f64) {
         if self.step.span != span {
             self.step = SpanMap::new(self.mass, self.damping, span);
@@ -137,14 +137,14 @@ impl Axis {
         self.start_from_rest(force, &SpanMap::new(self.mass, self.damping, span - stop));
     }
 
-    /// From rest: sticks, or breaks loose at once and cannot stop again under a constant force.
+    /// The lumped axis from rest: sticks, or breaks loose at once and cannot stop again under a constant force.
     fn start_from_rest(&mut self, force: f64, step: &SpanMap) {
         if force.abs() > self.coulomb {
             self.slide(step, force - self.coulomb.copysign(force));
         }
     }
 
-    /// As [`Axis::advance`] under held + relaxing·e^(−t/τ), friction not considered.
+    /// As [`Axis::advance`] of the lumped plant under held + relaxing·e^(−t/τ), friction not considered.
     fn advance_relaxing(&mut self, held: f64, relaxing: f64, time_constant: f64, span: f64) {
         if self.relaxation.span != span {
             self.relaxation = Relaxation::new(self.mass, self.damping, time_constant, span);
@@ -154,7 +154,7 @@ impl Axis {
         self.position += self.relaxation.push * relaxing;
     }
 
-    /// The Coulomb friction on the axis under a force, N.
+    /// The Coulomb friction on an axis of the lumped plant under a force, N.
     fn friction_force(&self, force: f64) -> f64 {
         if self.velocity == 0.0 {
             force.clamp(-self.coulomb, self.coulomb)
@@ -178,8 +178,8 @@ pub struct LumpedPlant {
 }
 
 impl LumpedPlant {
-    /// At rest at `position` (m), with mass (kg) and damping (N·s/m) of the arm per axis; both zero is the
-    /// ideal massless arm.
+    /// A lumped plant at rest at `position` (m), with mass (kg) and damping (N·s/m) of the arm per axis; both
+    /// zero is the ideal massless arm.
     pub fn new(handle: Handle, arm_mass: [f64; 2], arm_damping: [f64; 2], position: [f64; 2]) -> Self {
         let axis = |axis: usize| {
             let (mass, damping) =
@@ -199,7 +199,7 @@ impl LumpedPlant {
         Self { axes: [axis(0), axis(1)] }
     }
 
-    /// The same plant with this velocity, m/s.
+    /// The same lumped plant with this velocity, m/s.
     #[must_use]
     pub fn with_velocity(mut self, velocity: [f64; 2]) -> Self {
         for (axis, velocity) in self.axes.iter_mut().zip(velocity) {
@@ -218,14 +218,14 @@ impl LumpedPlant {
         self.axes.each_ref().map(|axis| axis.velocity)
     }
 
-    /// Moves the plant over `span` s under held forces, N per axis.
+    /// Moves the lumped plant over `span` s under held forces, N per axis.
     pub fn advance(&mut self, robot_force: [f64; 2], hand_force: [f64; 2], span: f64) {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             axis.advance(robot_force[index] + hand_force[index], span);
         }
     }
 
-    /// Moves the plant over `span` s under an exponentially relaxing robot force: exact without Coulomb
+    /// Moves the lumped plant over `span` s under an exponentially relaxing robot force: exact without Coulomb
     /// friction; with friction the mean force is held.
     pub fn advance_relaxing(&mut self, robot_force: &RelaxingForce, hand_force: [f64; 2], span: f64) {
         let mean = robot_force.mean(span);
@@ -240,7 +240,7 @@ impl LumpedPlant {
         }
     }
 
-    /// The force of the arm on the handle, N per axis; for a massless arm the force of the hand.
+    /// The force of the lumped arm on the handle, N per axis; for a massless arm the force of the hand.
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|index| self.axes[index].handle_force(robot_force[index], hand_force[index]))
     }

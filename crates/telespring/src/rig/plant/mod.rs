@@ -44,13 +44,13 @@ pub struct RelaxingForce {
 }
 
 impl RelaxingForce {
-    /// The relaxing force after `span` s, N per axis.
+    /// The relaxing force on a plant after `span` s, N per axis.
     pub fn after(&self, span: f64) -> [f64; 2] {
         let rest = (-span / self.time_constant).exp();
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
 
-    /// The mean of the relaxing force over `span` s, N per axis, with the same impulse.
+    /// The mean of a plant's relaxing force over `span` s, N per axis, with the same impulse.
     pub fn mean(&self, span: f64) -> [f64; 2] {
         let (rest, _) = lumped::exponential_averages(span / self.time_constant);
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
@@ -67,7 +67,7 @@ pub enum Plant {
 }
 
 impl Plant {
-    /// Creates a plant at rest at `position`, m.
+    /// Creates a plant of either kind at rest at `position`, m.
     ///
     /// # Errors
     ///
@@ -92,7 +92,7 @@ impl Plant {
         }
     }
 
-    /// The position of the handle, m.
+    /// The position of the plant's handle, m.
     pub fn position(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.position(),
@@ -100,7 +100,7 @@ impl Plant {
         }
     }
 
-    /// The velocity of the handle, m/s.
+    /// The velocity of the plant's handle, m/s.
     pub fn velocity(&self) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.velocity(),
@@ -108,7 +108,7 @@ impl Plant {
         }
     }
 
-    /// The same plant with this velocity, m/s.
+    /// The same plant, of either kind, with this velocity, m/s.
     #[must_use]
     pub fn with_velocity(self, velocity: [f64; 2]) -> Self {
         match self {
@@ -159,7 +159,7 @@ impl Plant {
         }
     }
 
-    /// The force of the arm on the handle under these forces, N per axis.
+    /// The force of the plant's arm on the handle under these forces, N per axis.
     pub fn handle_force(&self, robot_force: [f64; 2], hand_force: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Lumped(plant) => plant.handle_force(robot_force, hand_force),

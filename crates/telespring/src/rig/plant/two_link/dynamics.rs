@@ -30,7 +30,7 @@ pub(super) struct ForceBalance {
 }
 
 impl ForceBalance {
-    /// The force of the arm on the robot at an acceleration of the handle, N.
+    /// The force of the two-link arm on the robot at an acceleration of the handle, N.
     pub fn arm_force(&self, acceleration: [f64; 2]) -> [f64; 2] {
         let inertial = self.arm_mass.times(acceleration);
         [self.arm_push[0] - inertial[0], self.arm_push[1] - inertial[1]]
@@ -38,7 +38,7 @@ impl ForceBalance {
 }
 
 impl ArmDynamics {
-    /// The pose-independent inertias of robot and arm.
+    /// The inertias in the dynamics of robot and two-link arm that no pose changes.
     pub fn new(handle: Handle, arm: TwoLinkArm) -> Self {
         let TwoLinkArm { link_length, link_mass, link_centre, link_inertia, rotor_inertia, .. } = arm;
         Self {
@@ -61,13 +61,13 @@ impl ArmDynamics {
         [self.first + rotor, self.coupling * pose.cosine - rotor, self.second + rotor]
     }
 
-    /// The apparent mass and damping of the arm at the handle in a pose, kg and N·s/m.
+    /// The dynamics' apparent mass and damping of the arm at the handle in a pose, kg and N·s/m.
     pub fn operator(&self, pose: &Pose) -> (Symmetric, Symmetric) {
         let [shoulder, elbow] = self.arm.joint_damping;
         (pose.at_handle(self.inertia(pose)), pose.at_handle([shoulder + elbow, -elbow, elbow]))
     }
 
-    /// The force balance at a position and velocity, under joint torques and a robot force.
+    /// The force balance of the dynamics at a position and velocity, under joint torques and a robot force.
     #[inline]
     pub fn force_balance(
         &self,

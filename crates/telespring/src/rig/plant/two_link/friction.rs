@@ -27,7 +27,7 @@ pub(super) enum Contact {
 }
 
 impl Contact {
-    /// The sign of the velocity in this contact; zero if any is possible.
+    /// The sign of the velocity in this contact under friction; zero if any is possible.
     pub fn direction(self) -> f64 {
         match self {
             Self::Forward => 1.0,
@@ -36,7 +36,7 @@ impl Contact {
         }
     }
 
-    /// The contacts possible at a velocity of one axis.
+    /// The friction contacts possible at a velocity of one axis.
     fn candidates(velocity: f64, level: f64) -> &'static [Self] {
         if level == 0.0 {
             &[Self::Frictionless]
@@ -80,7 +80,7 @@ pub(super) fn motion_under(balance: &ForceBalance, contact: [Contact; 2], level:
     ContactMotion { acceleration, friction }
 }
 
-/// The consistent contacts (sticking or slipping) of both axes at a velocity.
+/// The contacts of both axes (sticking or slipping) that friction allows at a velocity.
 ///
 /// An axis at rest sticks if the holding force does not exceed the friction level; otherwise it starts
 /// against full friction. The holding force of one axis depends on whether the other moves; since the mass

@@ -20,13 +20,13 @@ pub(super) struct Pose {
     pub rate: [[f64; 2]; 2],
 }
 
-/// The scalar product of two plane vectors.
+/// The scalar product of two plane vectors of the arm.
 #[inline]
 pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Rotates a vector by a quarter turn counter-clockwise.
+/// Rotates a plane vector of the arm by a quarter turn counter-clockwise.
 #[inline]
 fn quarter_turn(a: [f64; 2]) -> [f64; 2] {
     [-a[1], a[0]]
@@ -71,7 +71,7 @@ impl Pose {
         [dot(self.rate[0], velocity), dot(self.rate[1], velocity)]
     }
 
-    /// The force at the handle equivalent to moments on both links, N.
+    /// The force at the handle equivalent to moments on both links in this pose, N.
     #[inline]
     pub fn force(&self, moment: [f64; 2]) -> [f64; 2] {
         [
@@ -111,28 +111,32 @@ pub(super) struct Symmetric {
 }
 
 impl Symmetric {
+    /// A symmetric matrix of the arm's kinematics times a vector.
     #[inline]
     pub fn times(&self, vector: [f64; 2]) -> [f64; 2] {
         [self.xx * vector[0] + self.xy * vector[1], self.xy * vector[0] + self.yy * vector[1]]
     }
 
+    /// A symmetric matrix of the arm's kinematics plus a diagonal one.
     #[inline]
     pub fn plus_diagonal(self, diagonal: [f64; 2]) -> Self {
         Self { xx: self.xx + diagonal[0], yy: self.yy + diagonal[1], ..self }
     }
 
+    /// A diagonal matrix of the arm's kinematics.
     #[inline]
     pub fn diagonal(&self) -> [f64; 2] {
         [self.xx, self.yy]
     }
 
-    /// Solves matrix · x = `right`; the matrix is positive definite.
+    /// Solves matrix · x = `right` in the plane of the arm; the matrix is positive definite.
     #[inline]
     pub fn solve(&self, right: [f64; 2]) -> [f64; 2] {
         let scale = 1.0 / (self.xx * self.yy - self.xy * self.xy);
         [scale * (self.yy * right[0] - self.xy * right[1]), scale * (self.xx * right[1] - self.xy * right[0])]
     }
 
+    /// The rows of a symmetric matrix of the arm's kinematics.
     pub fn rows(&self) -> [[f64; 2]; 2] {
         [[self.xx, self.xy], [self.xy, self.yy]]
     }

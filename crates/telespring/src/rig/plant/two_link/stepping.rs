@@ -60,21 +60,21 @@ struct HeldSpan<'a> {
     contact: [Contact; 2],
 }
 
-/// Position and velocity of a state.
+/// Position and velocity in a state that is stepped.
 #[inline]
 fn split_state([px, py, vx, vy]: State) -> ([f64; 2], [f64; 2]) {
     ([px, py], [vx, vy])
 }
 
 impl HeldSpan<'_> {
-    /// The force balance of robot and arm in a state under the held forces.
+    /// The force balance of robot and arm in a state of the stepping, under the held forces.
     #[inline]
     fn force_balance(&self, state: State) -> Result<ForceBalance, OutOfReach> {
         let (position, velocity) = split_state(state);
         self.rig.force_balance(position, velocity, self.held.torque, self.held.robot_force)
     }
 
-    /// The time derivative of a state under the present contacts.
+    /// The time derivative of a stepped state under the present contacts.
     #[inline]
     fn derivative(&self, state: State, balance: &ForceBalance) -> State {
         let [ax, ay] = motion_under(balance, self.contact, self.rig.handle.coulomb).acceleration;
@@ -107,7 +107,7 @@ impl HeldSpan<'_> {
         Ok(StepResult { state, derivative: slopes[6], balance, error })
     }
 
-    /// Whether a sticking or slipping contact is violated in a state.
+    /// Whether a sticking or slipping contact is violated in a stepped state.
     fn is_broken(&self, state: State, balance: &ForceBalance) -> bool {
         let level = self.rig.handle.coulomb;
         (0..2).any(|axis| match self.contact[axis] {
