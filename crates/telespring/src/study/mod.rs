@@ -49,6 +49,7 @@ mod section;
 mod source;
 mod writer;
 
+use crate::criteria::paper_critical_stiffness;
 use crate::error::Result;
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
@@ -121,6 +122,7 @@ impl Study {
     /// The paper's two H-MAN robots at its condition 2K_xy (printed 71 N/m) and Δ_xy (167 ms) with free
     /// handles and continuous controllers, as in its Fig. 5(h), and its whole experiment.
     pub fn paper() -> Self {
+        let dyad = hman();
         Self {
             name: "Du, Kulkarni, Kager and Campolo: two H-MANs".to_owned(),
             robots: ["H-MAN 1", "H-MAN 2"].map(|name| RobotSection {
@@ -128,9 +130,9 @@ impl Study {
                 coulomb: vec![0.0; 2],
                 uncertainty: None,
             }),
-            dyad: hman(),
+            stiffness: paper_stiffness(&dyad),
+            dyad,
             operator_ranges: None,
-            stiffness: PAPER_STIFFNESS,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
@@ -242,8 +244,12 @@ pub fn keys() -> Vec<String> {
     std::iter::once("name".to_owned()).chain(dotted).collect()
 }
 
-/// Twice Eq. 5 on the x axis, N/m.
-const PAPER_STIFFNESS: f64 = (7.7257 * 7.7257 + 7.4208 * 7.4208) / (0.8334 + 0.7776);
+/// The paper's 2K_xy: twice Eq. 5 on the x axis, N/m.
+fn paper_stiffness(hman: &Dyad) -> f64 {
+    let critical = hman.axis(0).and_then(|x| paper_critical_stiffness(&x));
+    2.0 * critical.expect("the paper's criterion applies to the paper's robots")
+}
+
 /// The sections that say what holds the handles in a rehearsal.
 const HOLDERS: [&str; 4] = ["arm1", "arm2", "agent1", "agent2"];
 const UNNAMED: &str = "unnamed study";
