@@ -51,7 +51,7 @@ TIERS = {
     ),
     "any network": TierText(
         "any_network",
-        "any delays, jitter and losses, with gaps of bounded length",
+        "any delays, jitter, losses and reordering, with gaps of bounded length",
         "no robot overshoots a partner that is held still: stiffness ≤ b²/(4m) for a free handle",
         "k ≤ b²/(4m) if free",
     ),
