@@ -158,7 +158,7 @@ macro_rules! words {
                     $($word => Ok(Self::$variant),)*
                     other => {
                         let words = [$($word),*].map(|word: &str| format!("{word:?}")).join(", ");
-                        let allowed = format!("one of {words} is needed");
+                        let allowed = format!("one of {words} is required");
                         let refusal = telespring::InvalidInput::new("value", other, allowed, "Choose one of them.");
                         Err(crate::errors::Failure::from(refusal).into())
                     }

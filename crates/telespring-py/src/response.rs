@@ -52,7 +52,7 @@ impl Loop<'_> {
         // one of its axes would be a natural mistake: the criteria take it
         let Ok(dyad) = self.dyad.cast::<Dyad>() else {
             let remedy = "Pass the dyad, and the name of the axis as `axis`.";
-            return Err(InvalidInput::new("dyad", written(&self.dyad), "a Dyad is needed", remedy).into());
+            return Err(InvalidInput::new("dyad", written(&self.dyad), "a Dyad is required", remedy).into());
         };
         let axis = self.axis.of(&dyad.get().0)?;
         Ok((axis, self.stiffness.named("stiffness")?, self.delay.check()?))

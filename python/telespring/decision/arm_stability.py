@@ -173,7 +173,7 @@ def arm_stability(
 def _judge_arms_axis_by_axis(
     operators: EquivalentOperators, stiffness: float, delay: tuple[float, float]
 ) -> ConditionStability:
-    axes = [operators.held[name] for name in operators.held.axes]
+    axes = list(operators.held)
     worst = max(axis.spectral_abscissa(stiffness, delay) for axis in axes)
     unstable = tuple(axis.name for axis in axes if not axis.is_stable(stiffness, 0.5 * sum(delay)))
     return ConditionStability(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.theory.criteria import Crossing
+from telespring.theory.criteria import Crossing, decay_stiffness, minimum_damping
 from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
 
 if TYPE_CHECKING:
@@ -279,24 +279,22 @@ def decide(
     forward, backward = constant.buffer_delay or judged.network.delay
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
-    axes = [dyad[name] for name in dyad.axes]
     damping = 0.0
     if not constant.satisfied:
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        needed = [axis.minimum_damping(stiffness, mean) for axis in axes]
-        damping = max(judged.remedies.damping or 0.0, *needed)
+        damping = max(judged.remedies.damping or 0.0, minimum_damping(dyad, stiffness, mean))
     certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
     return Decision(
         verdicts=judged,
         axes=tuple(
             _decide_axis(axis, verdict, stiffness, (forward, backward), horizon)
-            for axis, verdict in zip(axes, judged.axes, strict=True)
+            for axis, verdict in zip(dyad, judged.axes, strict=True)
         ),
         horizon=horizon,
         added_damping=damping,
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
-        decay_stiffness=() if decay_rate is None else _decay_rate_bounds(axes, mean, decay_rate),
+        decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(dyad, mean, decay_rate)),
         uncertainty=None
         if certain
         else margin_uncertainty(dyad, uncertainty, stiffness, (forward, backward)),
@@ -343,13 +341,3 @@ def _maximum_delay_paper(axis: DyadAxis, stiffness: float) -> float:
         # Eq. 5 allows no stiffness here, and the fraction in Eq. 9 is 0/0: no sign, no angle, no delay.
         return 0.0
     return axis.maximum_delay(stiffness, "paper")
-
-
-def _decay_rate_bounds(axes: list[DyadAxis], mean: float, rate: float) -> tuple[tuple[float, float], ...]:
-    """Intersect the ranges of stiffness, N/m, in which every axis decays at this rate, 1/s."""
-    common = [(0.0, math.inf)]
-    for axis in axes:
-        ranges = axis.decay_stiffness(mean, rate)
-        overlaps = [(max(a, c), min(b, d)) for a, b in common for c, d in ranges]
-        common = [(low, high) for low, high in overlaps if low < high]
-    return tuple(sorted(common))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from telespring.model import Dyad, Operator, Study
+from telespring.model import Arm, Dyad, Operator, Study
 
 if TYPE_CHECKING:
     from telespring._core import Experiment
@@ -40,7 +39,7 @@ class EquivalentOperators:
 
     free: Dyad
     held: Dyad
-    jointed: tuple[Mapping[str, Any] | None, Mapping[str, Any] | None]
+    jointed: tuple[Arm | None, Arm | None]
     agent_stiffness: Pair
     agent_damping: Pair
     arm_mass: tuple[Pair, Pair]
@@ -91,10 +90,7 @@ def equivalent_operators(study: Study, experiment: Experiment) -> EquivalentOper
     return EquivalentOperators(
         free=Dyad(*robots, coupling_damping=damper),
         held=Dyad(*robots, (first, second), damper),
-        jointed=(
-            arm1.to_dict() if arm1.kind == "two-link" else None,
-            arm2.to_dict() if arm2.kind == "two-link" else None,
-        ),
+        jointed=(arm1 if arm1.kind == "two-link" else None, arm2 if arm2.kind == "two-link" else None),
         agent_stiffness=stiffness,
         agent_damping=damping,
         arm_mass=mass,

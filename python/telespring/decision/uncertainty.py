@@ -207,7 +207,7 @@ def _stable_draws(
     parameters: FloatArray, dyad: Dyad, stiffness: float, delay: float
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
     stable = np.ones(parameters.shape[2], dtype=bool)
-    for axis in [dyad[name] for name in dyad.axes]:
+    for axis in dyad:
         m1, b1, m2, b2 = parameters[:, axis.index]
         count = unstable_root_count(m1, b1, m2, b2, stiffness, delay, **axis.keywords)
         stable &= np.asarray(count) == 0
@@ -230,7 +230,7 @@ def margin_uncertainty(
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
-    for axis in [dyad[name] for name in dyad.axes]:
+    for axis in dyad:
         m1, b1, m2, b2 = parameters[:, axis.index]
         critical.append(np.asarray(criteria.critical_stiffness(m1, b1, m2, b2, **axis.keywords)))
         delays.append(np.asarray(criteria.maximum_delay(m1, b1, m2, b2, stiffness, **axis.keywords)))

@@ -46,7 +46,7 @@ class Scene:
     def of(cls, study: Study, rehearsal: Path | None = None, modules: Path | None = None) -> Scene:
         """Prepare a study; refuse robots whose figures would leave the ranges in which the core computes."""
         dyad = study.dyad
-        axes = [dyad[name] for name in dyad.axes]
+        axes = list(dyad)
         mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
         identical_axis = DyadAxis(mass, damping, mass, damping)
         check_figure_ranges(dyad, axes, identical_axis)

@@ -18,7 +18,7 @@ __all__ = ["RETURNING", "Evidence", "Misprint", "held_partner_growth", "misprint
 def misprints() -> list[Misprint]:
     """List all misprints in the paper's order, proven on the paper's own robots or on a small example."""
     dyad = hman()
-    axes = [dyad[name] for name in dyad.axes]
+    axes = list(dyad)
     reference = min(axis.critical_stiffness() for axis in axes)
     base_robot = published.TABLE_III.base_mass, published.TABLE_III.base_damping
     base = DyadAxis(*base_robot, *base_robot)

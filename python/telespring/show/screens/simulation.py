@@ -42,7 +42,7 @@ def simulation_summary(
             f"[bold red]Diverged at {format_number(diverged)} s[/bold red]: a position exceeded 1e12 m, and "
             "the file ends before it."
         )
-    for axis in [dyad[name] for name in dyad.axes]:
+    for axis in dyad:
         apart = position[:, 0, axis.index] - position[:, 1, axis.index]
         apart = apart[np.isfinite(apart)]
         largest = float(np.max(np.abs(apart)))

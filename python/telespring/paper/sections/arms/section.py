@@ -97,7 +97,7 @@ def _path_findings(
     stability: ArmStability, operators: EquivalentOperators, poses: PoseSample
 ) -> tuple[dict[str, Any], str]:
     """Compute how stable the conditions are in the poses along the target's path."""
-    free = [operators.free[name] for name in operators.free.axes]
+    free = list(operators.free)
     conditions = []
     for condition in stability.conditions:
         delay = 0.5 * sum(condition.delay)

@@ -117,7 +117,7 @@ def study_identification(study: Study | None = None, seed: int = _SEED) -> Ident
         "reweightings": _reweighting_numbers(robots[0]),
         "axes_independent": [identified.independent for identified in robots],
         "seed": seed,
-        "verdict": _margins_as_identified(robots, reference_of([dyad[name] for name in dyad.axes])),
+        "verdict": _margins_as_identified(robots, reference_of(list(dyad))),
     }
     return IdentificationStudy(
         numbers=numbers, movements=(("the paper's", movement), ("designed", designed)), robots=robots
