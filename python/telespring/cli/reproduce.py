@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -56,7 +57,9 @@ def reproduce_command(
                 bar.update(task, description=step, completed=STEPS.index(step))
 
             modules = None if study is None else study.parent
-            analysis = analyse(read, progress, rehearsal=out, modules=modules)
+            analysis = analyse(
+                read, progress, rehearsal=out, modules=modules, date=f"{datetime.now().astimezone():%Y-%m-%d}"
+            )
         report, numbers = write(analysis, out)
     console.print(f"[bold]{escape(read.name)}[/bold]")
     for line in allowed_stiffnesses(analysis.numbers["summary"]):

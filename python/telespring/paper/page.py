@@ -14,6 +14,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from telespring._core import __version__
 from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections import SECTIONS
 from telespring.show.quantities import Style, digits_within, format_quantity, format_share
@@ -35,14 +36,19 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def render(study: Mapping[str, Any], findings: Mapping[str, Findings]) -> str:
-    """Render the whole page, HTML that loads nothing from elsewhere, from the findings of any sections."""
+def render(study: Mapping[str, Any], findings: Mapping[str, Findings], date: str = "") -> str:
+    """Render the whole page, HTML that loads nothing from elsewhere, from the findings of any sections.
+
+    `date` is printed as it is; "" for none.
+    """
     shown = [section for section in SECTIONS if _is_section_shown(section, findings)]
     return (
         _template_environment()
         .get_template("templates/report.html.jinja")
         .render(
             study=study,
+            date=date,
+            version=__version__,
             with_experiment=any(section.name == "experiment" for section in shown),
             sections=[(section, Markup(render_section(section, study, findings))) for section in shown],
             places=places_of(shown),
@@ -76,6 +82,8 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
         _template_environment()
         .get_template(section.template)
         .render(
+            section=section,
+            of_the_paper=study["of_the_paper"],
             numbers=numbers,
             drawings={name: Markup(text) for name, text in own.drawings.items()},
             q=quantity,

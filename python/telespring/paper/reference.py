@@ -25,7 +25,8 @@ __all__ = [
 FACTORS = (0.5, 1.0, 2.0, 4.0)
 FACTOR_LABELS = {0.0: "0", 0.5: "0.5", 1.0: "", 2.0: "2", 4.0: "4"}
 
-#: The map has this many stiffnesses, up to this multiple of K, the largest of all figures.
+#: The map has this many stiffnesses, up to this multiple of K, the largest of all figures, or as far as the
+#: study's own stiffness needs.
 MAP_POINTS = 600
 MAP_WIDTH = 4.6
 

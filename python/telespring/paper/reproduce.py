@@ -48,6 +48,7 @@ def analyse(
     rehearsal: str | os.PathLike[str] | None = None,
     modules: Path | None = None,
     parts: Sequence[Section] | None = None,
+    date: str = "",
 ) -> Analysis:
     """Compute the paper's figures, tables and experiment for a study's robots.
 
@@ -66,10 +67,13 @@ def analyse(
         Any of `PARTS`, in their order; all by default. The results of a section do not depend on which
         others are computed.
 
+    date
+        When the page is made, as it is to be printed on it; by default no date is printed.
+
     Returns
     -------
     Analysis
-        Numbers and page. The same study gives the same bytes.
+        Numbers and page. The same study and date give the same bytes.
 
     Raises
     ------
@@ -93,7 +97,7 @@ def analyse(
     numbers: dict[str, Any] = {"schema": "telespring study 1", "study": described}
     for results in findings.values():
         numbers |= results.numbers
-    return Analysis(numbers=numbers, html=render(described, findings))
+    return Analysis(numbers=numbers, html=render(described, findings, date))
 
 
 def write(analysis: Analysis, folder: str | os.PathLike[str]) -> tuple[Path, Path]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from telespring.model import Dyad, DyadAxis, Robot, Study, hman
 from telespring.paper.reference import Reference, check_figure_ranges, reference_of
+from telespring.show.figures import StudyMark
 
 __all__ = ["Scene"]
 
@@ -76,6 +77,13 @@ class Scene:
         kinds, printed_kinds = ([agent.kind for agent in e.agents] for e in (experiment, printed))
         return experiment.task == printed.task and kinds == printed_kinds
 
+    @property
+    def mark(self) -> StudyMark:
+        """The study on a map: its stiffness, its delay, and that behind a playout buffer."""
+        study, network = self.study, self.study.network
+        delay = 0.5 * sum(study.delay)
+        return StudyMark(study.stiffness, delay, delay + network.jitter + network.max_gap)
+
     def robot_name(self, index: int) -> str:
         """Name of robot 0 or 1 in the study, or else its number."""
         return self.study.robot_names[index] or f"robot {index + 1}"
@@ -90,6 +98,7 @@ class Scene:
         study = self.study
         return {
             "name": study.name,
+            "of_the_paper": self.of_the_paper,
             "stiffness": study.stiffness,
             "delay": {"forward": study.delay[0], "backward": study.delay[1]},
             "operator_ranges": study.operator_ranges is not None,

@@ -15,7 +15,7 @@ from telespring.show.figures.calibration import (
     profiles_figure,
 )
 from telespring.show.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
-from telespring.show.figures.maps import MapAxis, MapColumn, region_map, tier_map
+from telespring.show.figures.maps import MapAxis, MapColumn, StudyMark, region_map, tier_map
 from telespring.show.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.show.figures.poses import PoseRange, poses_figure
 from telespring.show.figures.responses import ResponsePanel, response_figure
@@ -38,6 +38,7 @@ __all__ = [
     "ProfileCurve",
     "ProfilePanel",
     "ResponsePanel",
+    "StudyMark",
     "TrialPanel",
     "arms_figure",
     "cells_figure",

@@ -10,7 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from telespring.show.figures.maps import STABLE, MapColumn, draw_stable_region
+from telespring.show.figures.maps import (
+    STABLE,
+    MapColumn,
+    StudyMark,
+    draw_stable_region,
+    draw_study_mark,
+)
 from telespring.show.figures.style import (
     COLOURS,
     DASHES,
@@ -47,8 +53,11 @@ class ArmsPanel:
     conditions: Sequence[tuple[float, float, bool]]
 
 
-def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
-    """Draw the stable region with arms, and the boundary with free handles, axis by axis to `longest` s."""
+def arms_figure(panels: Sequence[ArmsPanel], *, longest: float, mark: StudyMark | None = None) -> Figure:
+    """Draw the stable region with arms, and the boundary with free handles, axis by axis to `longest` s.
+
+    `mark` is the study itself.
+    """
     with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
@@ -73,6 +82,7 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
                 xlabel="Stiffness of the virtual spring k, N/m",
             )
             panel_label(axes, "abcdef"[i], f"axis {panel.name}")
+            marked = [] if mark is None else [draw_study_mark(axes, mark)]
         row[0].set_ylabel("One-way delay δ, ms")
         black = COLOURS["black"]
         figure.legend(
@@ -83,8 +93,9 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float) -> Figure:
                     "condition, stable with arms", black, "o", markerfacecolor="white", markersize=4.5
                 ),
                 legend_mark("condition, unstable with arms", black, "X"),
+                *marked,
             ],
             loc="outside upper center",
-            ncols=4,
+            ncols=3,
         )
     return figure

@@ -92,7 +92,7 @@ def excitation_figure(movements: Sequence[ExcitationPanel]) -> Figure:
 def regression_figure(panels: Sequence[RegressionPanel]) -> Figure:
     """Draw forces in time, and as a plane over velocity and acceleration, row by row (Fig. 10)."""
     with figure_style():
-        figure = Figure(figsize=(FULL_WIDTH, 2.05 * len(panels)), layout="constrained")
+        figure = Figure(figsize=(FULL_WIDTH, 2.35 * len(panels)), layout="constrained")
         grid = figure.add_gridspec(len(panels), 2, width_ratios=(1.0, 1.0))
         letters = iter("abcdefghijklmnopqrstuvwxyz")
         for i, panel in enumerate(panels):
@@ -131,8 +131,9 @@ def _draw_regression_plane(axes: Any, panel: RegressionPanel, letter: str) -> No
     axes.set_ylabel("Acceleration, m/s²", labelpad=-6.0)
     axes.set_zlabel("Force, N", labelpad=-8.0)
     axes.tick_params(pad=-3.0, labelsize=6.0)
-    axes.view_init(elev=18.0, azim=-60.0)
-    axes.set_box_aspect((1.3, 1.3, 0.8), zoom=1.15)
+    # From where the plane is neither seen on its edge nor face-on.
+    axes.view_init(elev=26.0, azim=-128.0)
+    axes.set_box_aspect((1.5, 1.2, 0.8), zoom=1.12)
     estimates = f"m = {format_interval(*mass)} kg, b = {format_interval(*damping)} N·s/m"
     axes.set_title(rf"$\mathbf{{({letter})}}$ {estimates}", loc="center", pad=-2.0)
 

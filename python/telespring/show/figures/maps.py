@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, figure_style, legend_line, panel_label
 
-__all__ = ["STABLE", "MapAxis", "MapColumn", "draw_stable_region", "region_map", "tier_map"]
+__all__ = [
+    "STABLE",
+    "MapAxis",
+    "MapColumn",
+    "StudyMark",
+    "draw_stable_region",
+    "draw_study_mark",
+    "region_map",
+    "tier_map",
+]
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +51,25 @@ class MapColumn:
     stable: Sequence[tuple[float, float]]
 
 
+@dataclass(frozen=True)
+class StudyMark:
+    """Where a study is on a map: its stiffness (N/m) and its shortest and longest one-way delay (s)."""
+
+    stiffness: float
+    delay: float
+    longest_delay: float
+
+
+def draw_study_mark(axes: Axes, mark: StudyMark) -> Line2D:
+    """Mark a study by a star, with a bar up to its longest delay; return the line for the legend."""
+    style: dict[str, Any] = {"color": COLOURS["black"], "zorder": 7, "clip_on": False}
+    if mark.longest_delay > mark.delay:
+        axes.plot([mark.stiffness] * 2, [1e3 * mark.delay, 1e3 * mark.longest_delay], linewidth=1.4, **style)
+    face = {"markerfacecolor": "white", "markersize": 10.0, "markeredgewidth": 1.1, "linestyle": "none"}
+    axes.plot([mark.stiffness], [1e3 * mark.delay], "*", **style, **face)
+    return Line2D([], [], color=COLOURS["black"], marker="*", label="this study", **face)
+
+
 def draw_stable_region(
     axes: Axes, columns: Sequence[MapColumn], longest: float, points: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -63,6 +93,7 @@ def tier_map(
     bounded: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     conditions: Sequence[tuple[float, float]],
     extent: tuple[float, float],
+    mark: StudyMark | None = None,
     stable_for: str = "all axes",
 ) -> Figure:
     """Draw what each tier allows, with the exact boundary of every axis and the paper's.
@@ -70,7 +101,7 @@ def tier_map(
     `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
     `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
     (s); None if that verdict is not available. Crosses mark the conditions of the paper's experiment.
-    `extent` is the largest stiffness (N/m) and delay (s) drawn. The legend says by `stable_for` what the
+    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study. The legend says by `stable_for` what the
     region holds for.
     """
     widest, longest = extent
@@ -132,6 +163,8 @@ def tier_map(
             ylabel="One-way delay δ, ms",
         )
         handles, _ = axes.get_legend_handles_labels()
+        if mark is not None:
+            handles.append(draw_study_mark(axes, mark))
         handles.insert(0, Patch(color=STABLE, label=f"constant delay, stable: {stable_for}"))
         figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
     return figure

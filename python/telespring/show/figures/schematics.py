@@ -10,7 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyBboxPatch, Polygon, Rectangle
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style
+from telespring.show.figures.style import (
+    COLOURS,
+    FULL_WIDTH,
+    GREY,
+    ROBOT_COLOURS,
+    figure_style,
+    text_colour,
+)
 
 if TYPE_CHECKING:
     from telespring._types import FloatArray
@@ -19,8 +26,8 @@ __all__ = ["DrawnSide", "dyad_schematic", "laboratory_schematic", "loop_schemati
 
 _INK = "#202020"
 _SPRING = COLOURS["purple"]
-_FORCE = COLOURS["vermilion"]
-_FIRST, _SECOND = COLOURS["blue"], COLOURS["green"]
+_FORCE = _INK
+_FIRST, _SECOND = ROBOT_COLOURS
 _FILL = "#F3F6F5"
 
 _Point = tuple[float, float]
@@ -79,14 +86,14 @@ def dyad_schematic() -> Figure:
         axes.text(1.1, 1.85, "$b_1$", ha="center", fontsize=9)
         axes.text(8.9, 1.85, "$b_2$", ha="center", fontsize=9)
         _draw_spring_zigzag(axes, (3.7, 1.5), (6.3, 1.5), turns=7)
-        axes.text(5.0, 1.76, "$k$", ha="center", fontsize=10, color=_SPRING)
+        axes.text(5.0, 1.76, "$k$", ha="center", fontsize=10, color=text_colour(_SPRING))
         axes.text(
             5.0,
             1.0,
             r"virtual spring, delay $\delta$ each way",
             ha="center",
             fontsize=6.5,
-            color=_SPRING,
+            color=text_colour(_SPRING),
         )
         for x, number, tip in ((2.9, 1, 2.95), (7.1, 2, 7.65)):
             _draw_schematic_arrow(axes, (tip - 0.8, 2.4), (tip, 2.4), _FORCE)
@@ -96,8 +103,12 @@ def dyad_schematic() -> Figure:
             axes.text(x + 0.85, 0.44, f"$x_{number}(t)$", va="center", fontsize=8.5)
         _draw_schematic_arrow(axes, (3.75, 2.4), (4.5, 2.4), _SPRING)
         _draw_schematic_arrow(axes, (5.5, 2.4), (6.25, 2.4), _SPRING)
-        axes.text(4.0, 2.58, r"$k\,(x_2(t-\delta)-x_1(t))$", ha="left", fontsize=7.5, color=_SPRING)
-        axes.text(6.2, 2.98, r"$k\,(x_1(t-\delta)-x_2(t))$", ha="right", fontsize=7.5, color=_SPRING)
+        axes.text(
+            4.0, 2.58, r"$k\,(x_2(t-\delta)-x_1(t))$", ha="left", fontsize=7.5, color=text_colour(_SPRING)
+        )
+        axes.text(
+            6.2, 2.98, r"$k\,(x_1(t-\delta)-x_2(t))$", ha="right", fontsize=7.5, color=text_colour(_SPRING)
+        )
         axes.plot([5.9, 5.9], [2.48, 2.92], color=_SPRING, linewidth=0.5, linestyle=(0, (1, 1.5)))
     return figure
 
@@ -126,7 +137,13 @@ def loop_schematic() -> Figure:
                     linestyle=(0, (4, 2)),
                 )
             )
-            axes.text(at(7.85), y + 0.56, f"robot {own}", ha="right" if sense > 0 else "left", color=colour)
+            axes.text(
+                at(7.85),
+                y + 0.56,
+                f"robot {own}",
+                ha="right" if sense > 0 else "left",
+                color=text_colour(colour),
+            )
             _draw_schematic_arrow(axes, (at(0.95), y), (at(2.22), y))
             _draw_summing_point(axes, (at(2.4), y))
             _draw_schematic_arrow(axes, (at(2.58), y), (at(3.1), y))
@@ -161,7 +178,13 @@ def loop_schematic() -> Figure:
                 x + (-0.68 if x > 5 else 0.68), middle, words, ha="right" if x > 5 else "left", va="center"
             )
         axes.text(
-            3.6, 2.3, r"round trip $2\delta$", ha="center", va="center", color=COLOURS["orange"], fontsize=8
+            3.6,
+            2.3,
+            r"round trip $2\delta$",
+            ha="center",
+            va="center",
+            color=text_colour(COLOURS["orange"]),
+            fontsize=8,
         )
     return figure
 
@@ -190,7 +213,7 @@ def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -
                 side.agent,
                 ha="right",
                 va="center",
-                color=colour,
+                color=text_colour(colour),
                 parse_math=False,
             )
         handles = {}
@@ -203,16 +226,20 @@ def laboratory_schematic(path: FloatArray, sides: tuple[DrawnSide, DrawnSide]) -
         _draw_block(
             axes, (5.0, y), 1.4, 0.78, "network\n$e^{-\\delta s}$ each way", COLOURS["orange"], size=6.5
         )
-        axes.text(3.7, y + 0.25, r"$\mathbf{k}$", ha="center", color=_SPRING, fontsize=9)
-        axes.text(6.3, y + 0.25, r"$\mathbf{k}$", ha="center", color=_SPRING, fontsize=9)
+        axes.text(3.7, y + 0.25, r"$\mathbf{k}$", ha="center", color=text_colour(_SPRING), fontsize=9)
+        axes.text(6.3, y + 0.25, r"$\mathbf{k}$", ha="center", color=text_colour(_SPRING), fontsize=9)
         _draw_schematic_arrow(axes, (3.35, y - 0.52), (4.65, y - 0.52), _FIRST)
-        axes.text(4.0, y - 0.74, r"$\mathbf{p}_1(t)$", ha="center", color=_FIRST, fontsize=7.5)
+        axes.text(4.0, y - 0.74, r"$\mathbf{p}_1(t)$", ha="center", color=text_colour(_FIRST), fontsize=7.5)
         _draw_schematic_arrow(axes, (5.35, y - 0.52), (6.65, y - 0.52), _FIRST)
-        axes.text(6.0, y - 0.74, r"$\mathbf{p}_1(t-\delta)$", ha="center", color=_FIRST, fontsize=7.5)
+        axes.text(
+            6.0, y - 0.74, r"$\mathbf{p}_1(t-\delta)$", ha="center", color=text_colour(_FIRST), fontsize=7.5
+        )
         _draw_schematic_arrow(axes, (6.65, y - 1.0), (5.35, y - 1.0), _SECOND)
-        axes.text(6.0, y - 1.24, r"$\mathbf{p}_2(t)$", ha="center", color=_SECOND, fontsize=7.5)
+        axes.text(6.0, y - 1.24, r"$\mathbf{p}_2(t)$", ha="center", color=text_colour(_SECOND), fontsize=7.5)
         _draw_schematic_arrow(axes, (4.65, y - 1.0), (3.35, y - 1.0), _SECOND)
-        axes.text(4.0, y - 1.24, r"$\mathbf{p}_2(t-\delta)$", ha="center", color=_SECOND, fontsize=7.5)
+        axes.text(
+            4.0, y - 1.24, r"$\mathbf{p}_2(t-\delta)$", ha="center", color=text_colour(_SECOND), fontsize=7.5
+        )
         origin = (4.72, 0.35)
         _draw_schematic_arrow(axes, origin, (5.25, 0.35), _INK)
         _draw_schematic_arrow(axes, origin, (4.72, 0.88), _INK)
@@ -337,13 +364,22 @@ def _draw_planar_robot(axes: Axes, centre: float, number: int, colour: str, side
         )
     )
     name = side.robot if len(side.robot) <= _LETTERS else f"{side.robot[: _LETTERS - 1]}…"
-    axes.text(centre - half + 0.15, high - 0.12, name, color=colour, va="center", parse_math=False)
+    axes.text(
+        centre - half + 0.15, high - 0.12, name, color=text_colour(colour), va="center", parse_math=False
+    )
     words = (centre + 0.05, 0.18) if number == 1 else (centre - 0.05, 0.18)
     axes.text(
         *words, side.arm, ha="left" if number == 1 else "right", va="center", fontsize=7, parse_math=False
     )
     axes.add_patch(Circle(handle, 0.13, facecolor=colour, edgecolor="white", linewidth=0.8, zorder=6))
-    axes.text(handle[0], handle[1] + 0.24, rf"$\mathbf{{p}}_{number}$", ha="center", color=colour, fontsize=9)
+    axes.text(
+        handle[0],
+        handle[1] + 0.24,
+        rf"$\mathbf{{p}}_{number}$",
+        ha="center",
+        color=text_colour(colour),
+        fontsize=9,
+    )
     if side.links in ("drawn", "dashed"):
         _draw_two_links(axes, centre, number, colour, handle, side)
     else:

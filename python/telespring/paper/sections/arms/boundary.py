@@ -21,6 +21,8 @@ from telespring.show.quantities import format_pair
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from telespring.show.figures import StudyMark
+
 __all__ = ["ArmsBoundary", "BoundaryOfAxis", "boundary_in_arms", "draw_arms_boundary"]
 
 Intervals = tuple[tuple[float, float], ...]
@@ -214,18 +216,17 @@ def boundary_in_arms(
     )
 
 
-def draw_arms_boundary(
-    boundary: ArmsBoundary, *, widest: float | None = None, longest: float | None = None, points: int = 331
-) -> Figure:
+def draw_arms_boundary(boundary: ArmsBoundary, *, mark: StudyMark | None = None, points: int = 331) -> Figure:
     """Draw both boundaries over stiffness and delay with the conditions, one panel per axis.
 
-    By default up to 165 N/m and 0.6 s, or as much as the conditions need; `points` is the number of
-    stiffnesses.
+    Up to 165 N/m and 0.6 s, or as much as the conditions and the study need; `points` is the number of
+    stiffnesses, `mark` the study itself.
     """
     from telespring.show import figures
 
-    widest = widest or max(165.0, *(1.1 * k for k, _ in boundary.conditions), 0.0)
-    longest = longest or max(0.6, *(1.1 * delay for _, delay in boundary.conditions), 0.0)
+    shown = [*boundary.conditions, *([] if mark is None else [(mark.stiffness, mark.longest_delay)])]
+    widest = max(165.0, *(1.1 * k for k, _ in shown), 0.0)
+    longest = max(0.6, *(1.1 * delay for _, delay in shown), 0.0)
     stiffness = np.linspace(0.0, widest, points + 1)[1:]
     panels = [
         figures.ArmsPanel(
@@ -236,7 +237,7 @@ def draw_arms_boundary(
         )
         for axis in boundary.axes
     ]
-    return figures.arms_figure(panels, longest=longest)
+    return figures.arms_figure(panels, longest=longest, mark=mark)
 
 
 def _with_arms(

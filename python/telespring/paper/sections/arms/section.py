@@ -21,6 +21,7 @@ from telespring.show.screens.arms import (
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ConditionStability, PoseSample
     from telespring.decision.equivalent_operators import EquivalentOperators
+    from telespring.show.figures import StudyMark
 
 __all__ = ["SECTION", "find_arms"]
 
@@ -45,7 +46,7 @@ def find_arms(scene: Scene) -> Findings:
     if stability.poses is None:
         # For the paper's robots also its two largest stiffnesses as printed, rounded.
         printed = EXPERIMENT_STIFFNESSES[-2:] if scene.of_the_paper else ()
-        more, drawing = _boundary_findings(stability.operators, connected, printed)
+        more, drawing = _boundary_findings(stability.operators, connected, printed, scene.mark)
     else:
         more, drawing = _path_findings(stability, stability.operators, stability.poses)
     return Findings(numbers={"arms": {**numbers, **more}}, drawings={"arms": drawing})
@@ -71,7 +72,7 @@ def _arm_operator_numbers(operators: EquivalentOperators) -> dict[str, Any]:
 
 
 def _boundary_findings(
-    operators: EquivalentOperators, connected: list[Condition], printed: tuple[float, ...]
+    operators: EquivalentOperators, connected: list[Condition], printed: tuple[float, ...], mark: StudyMark
 ) -> tuple[dict[str, Any], str]:
     """Compute the boundary over stiffness and delay for arms that do not depend on the pose."""
     first, second = (Operator(operator.mass, operator.damping) for operator in operators.held.operators)
@@ -84,7 +85,7 @@ def _boundary_findings(
         horizon=max(1.0, *(1.1 * delay for _, delay in connected), 0.0),
     )
     drawing = figures.to_svg(
-        draw_arms_boundary(boundary),
+        draw_arms_boundary(boundary, mark=mark),
         "arms",
         "Stability over stiffness and delay with the handles held by arms",
         "One panel per axis. Shaded: stable while arms and agents hold both handles. Dashed: the boundary "

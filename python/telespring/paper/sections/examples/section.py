@@ -16,8 +16,10 @@ from telespring.theory.criteria import maximum_delay
 __all__ = ["SECTION", "find_examples"]
 
 
-def find_examples(_scene: Scene) -> Findings:
+def find_examples(scene: Scene) -> Findings:
     """Compute the exact and the printed stable regions of both dyads, which are the same in every study."""
+    if not scene.of_the_paper:
+        return Findings()
     unequal = DyadAxis(1.0, 1.0, 1.0, 10.0)
     parameters, returning_stiffness = RETURNING
     returning = DyadAxis(*parameters)

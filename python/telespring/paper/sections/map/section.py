@@ -17,16 +17,21 @@ from telespring.theory.verdicts import verdicts
 
 __all__ = ["SECTION", "find_map"]
 
+#: The largest stiffness in which the core computes, N/m.
+_WIDEST = 1e7
+
 
 def find_map(scene: Scene) -> Findings:
     """Compute the stability map of the study's axes; limits are the worst over any ranges of operators."""
     study, axes, base = scene.study, scene.axes, scene.reference
-    widest, longest = MAP_WIDTH * base.stiffness, 2.4 * base.delay
+    # As far as the study itself needs, with room around it.
+    widest = max(MAP_WIDTH * base.stiffness, min(1.15 * scene.mark.stiffness, _WIDEST))
+    longest = max(2.4 * base.delay, 1.15 * scene.mark.longest_delay)
     stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
     boundaries = []
     for axis in axes:
         printed = None
-        if axis.is_plain:
+        if scene.of_the_paper and axis.is_plain:
             printed = np.asarray(maximum_delay(*axis.parameters, stiffness, method="paper"), dtype=float)
         boundaries.append(figures.MapAxis(axis.name, stiffness, axis.maximum_delay(stiffness), printed))
     judged = verdicts(study.dyad, study.stiffness, base.delay, operator_range=study.operator_ranges)
@@ -55,13 +60,15 @@ def find_map(scene: Scene) -> Findings:
             bounded=bounded,
             conditions=conditions,
             extent=(widest, longest),
+            mark=scene.mark,
             stable_for="operators in the middle" if study.operator_ranges is not None else "all axes",
         ),
         "map",
         "Stability over stiffness and delay",
         "The region where every constant delay is stable on all axes lies under the boundaries of the axes, "
         "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on any network and "
-        "under any constant delay; a falling curve marks the limit for a bounded varying delay.",
+        "under any constant delay; a falling curve marks the limit for a bounded varying delay. A star "
+        f"marks this study: {scene.mark.stiffness:.4g} N/m, {1e3 * scene.mark.delay:.4g} ms.",
     )
     numbers = {
         "axes": [
@@ -78,6 +85,11 @@ def find_map(scene: Scene) -> Findings:
             }
             for boundary in boundaries
         ],
+        "mark": {
+            "stiffness": scene.mark.stiffness,
+            "delay": scene.mark.delay,
+            "longest_delay": scene.mark.longest_delay,
+        },
         "any_network": finite_or_none(any_network),
         "any_constant_delay": finite_or_none(any_constant),
         "bounded_varying_delay_product": None if bounded is None else float(bounded[0][0] * bounded[1][0]),

@@ -9,8 +9,10 @@ from telespring.paper.section import Findings, Section
 __all__ = ["SECTION", "find_misprints"]
 
 
-def find_misprints(_scene: Scene) -> Findings:
+def find_misprints(scene: Scene) -> Findings:
     """Compute printed and correct values; the misprints are the same in every study."""
+    if not scene.of_the_paper:
+        return Findings()
     return Findings(numbers={"misprints": [misprint.to_json() for misprint in misprints()]})
 
 
