@@ -3,6 +3,7 @@
 Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from telespring._deprecated import old_names, serve_moved_modules
@@ -141,10 +142,16 @@ __all__ = [
 ]
 
 serve_moved_modules()
-if not TYPE_CHECKING:
+if TYPE_CHECKING:
+    from telespring import plot
+else:
     # Hidden from type checkers, which would accept every name.
-    __getattr__ = old_names(__name__)
+    _old_name = old_names(__name__)
+
+    def __getattr__(name):
+        # Importing matplotlib takes long, so this waits until somebody draws.
+        return import_module("telespring.plot") if name == "plot" else _old_name(name)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, "plot"]

@@ -20,7 +20,7 @@ __all__ = [
     "MapAxis",
     "MapColumn",
     "StudyMark",
-    "draw_stable_region",
+    "draw_axis_boundaries", "draw_stable_region",
     "draw_study_mark",
     "region_map",
     "tier_map",
@@ -60,14 +60,14 @@ class StudyMark:
     longest_delay: float
 
 
-def draw_study_mark(axes: Axes, mark: StudyMark) -> Line2D:
+def draw_study_mark(axes: Axes, mark: StudyMark, label: str = "this study") -> Line2D:
     """Mark a study by a star, with a bar up to its longest delay; return the line for the legend."""
     style: dict[str, Any] = {"color": COLOURS["black"], "zorder": 7, "clip_on": False}
     if mark.longest_delay > mark.delay:
         axes.plot([mark.stiffness] * 2, [1e3 * mark.delay, 1e3 * mark.longest_delay], linewidth=1.4, **style)
     face = {"markerfacecolor": "white", "markersize": 10.0, "markeredgewidth": 1.1, "linestyle": "none"}
     axes.plot([mark.stiffness], [1e3 * mark.delay], "*", **style, **face)
-    return Line2D([], [], color=COLOURS["black"], marker="*", label="this study", **face)
+    return Line2D([], [], color=COLOURS["black"], marker="*", label=label, **face)
 
 
 def draw_stable_region(
@@ -83,6 +83,31 @@ def draw_stable_region(
     axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[STABLE])
     axes.contour(stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2)
     return stiffness, delay, stable
+
+
+def draw_axis_boundaries(
+    axes: Axes, boundaries: Sequence[tuple[str, NDArray[np.bool_]]], stiffness: Floats, delay: Floats
+) -> list[Line2D]:
+    """Shade what is stable on every axis, and draw the boundary of each; return the lines for a legend.
+
+    `boundaries` has the name of each axis, and where it is stable, by stiffness (N/m) and delay (s).
+    """
+    stable = np.all([stable for _, stable in boundaries], axis=0)
+    axes.contourf(stiffness, 1e3 * delay, stable.T, levels=[0.5, 1.5], colors=[STABLE])
+    handles = []
+    for (name, stable), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
+        if stable.any() and not stable.all():
+            axes.contour(
+                stiffness, 1e3 * delay, stable.T, levels=[0.5], colors=[colour], linewidths=1.2
+            )
+        handles.append(legend_line(f"boundary of axis {name}", colour))
+    axes.set(
+        xlim=(0.0, stiffness[-1]),
+        ylim=(0.0, 1e3 * delay[-1]),
+        xlabel="Stiffness k, N/m",
+        ylabel="One-way delay δ, ms",
+    )
+    return handles
 
 
 def tier_map(
@@ -101,8 +126,8 @@ def tier_map(
     `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
     `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
     (s); None if that verdict is not available. Crosses mark the conditions of the paper's experiment.
-    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study. The legend says by `stable_for` what the
-    region holds for.
+    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study. The legend says by
+    `stable_for` what the region holds for.
     """
     widest, longest = extent
     with figure_style():

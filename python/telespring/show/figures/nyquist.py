@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, panel_label
 
-__all__ = ["NyquistPanel", "nyquist_figure"]
+__all__ = ["NyquistPanel", "draw_nyquist_locus", "nyquist_figure"]
 
 _VERDICT_COLOURS = {
     "stable": COLOURS["blue"],
@@ -54,7 +54,7 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
         for row, row_panels in enumerate(panels):
             for column, panel in enumerate(row_panels):
                 axes = grid[row, column]
-                _draw_nyquist_locus(axes, panel, extent)
+                draw_nyquist_locus(axes, panel, extent)
                 panel_label(axes, next(letters), panel.setting)
                 axes.label_outer()
         figure.supxlabel("Real part of L(jω), 1", fontsize=7.5)
@@ -62,7 +62,8 @@ def nyquist_figure(panels: Sequence[Sequence[NyquistPanel]]) -> Figure:
     return figure
 
 
-def _draw_nyquist_locus(axes: Axes, panel: NyquistPanel, extent: float) -> None:
+def draw_nyquist_locus(axes: Axes, panel: NyquistPanel, extent: float) -> None:
+    """Draw one locus, its mirror image at negative frequencies, the unit circle and −1, out to `extent`."""
     colour = _VERDICT_COLOURS[panel.verdict]
     around = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
     axes.plot(around.real, around.imag, color=GREY, linewidth=0.6, linestyle=(0, (1.0, 1.5)))

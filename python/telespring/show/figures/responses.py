@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, figure_style, legend_line, panel_label
 
-__all__ = ["ResponsePanel", "response_figure"]
+__all__ = ["ResponsePanel", "draw_motion", "motion_legend", "response_figure"]
 
 _AXIS_COLOURS = (COLOURS["blue"], COLOURS["vermilion"], COLOURS["green"], COLOURS["purple"])
 _ROBOT_DASHES: tuple[LineStyleType, ...] = ("solid", (0.0, (3.0, 1.4)))
@@ -43,6 +45,32 @@ class ResponsePanel:
     verdicts: Sequence[str]
 
 
+def draw_motion(axes: Axes, time: NDArray[np.float64], position: NDArray[np.float64]) -> None:
+    """Draw positions (m, indexed by time, robot, axis) in mm: a colour per axis, robot 2 dashed."""
+    for axis in range(position.shape[2]):
+        for robot in range(2):
+            axes.plot(
+                time,
+                1e3 * position[:, robot, axis],
+                color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
+                linestyle=_ROBOT_DASHES[robot],
+                linewidth=0.9,
+            )
+
+
+def motion_legend(axis_names: Sequence[str]) -> list[Line2D]:
+    """Return the lines of a legend for `draw_motion`."""
+    return [
+        legend_line(
+            f"robot {robot + 1}, axis {name}",
+            _AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
+            _ROBOT_DASHES[robot],
+        )
+        for axis, name in enumerate(axis_names)
+        for robot in range(2)
+    ]
+
+
 def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[ResponsePanel]]) -> Figure:
     """Draw the grid of responses in time, a row per stiffness and a column per delay."""
     rows, columns = len(panels), len(panels[0])
@@ -53,17 +81,8 @@ def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[Respons
         for row, row_panels in enumerate(panels):
             for column, panel in enumerate(row_panels):
                 axes = grid[row, column]
-                shown = 1e3 * panel.position
-                for axis in range(len(axis_names)):
-                    for robot in range(2):
-                        axes.plot(
-                            panel.time,
-                            shown[:, robot, axis],
-                            color=_AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
-                            linestyle=_ROBOT_DASHES[robot],
-                            linewidth=0.9,
-                        )
-                extent = 1.12 * float(np.nanmax(np.abs(shown)))
+                draw_motion(axes, panel.time, panel.position)
+                extent = 1.12e3 * float(np.nanmax(np.abs(panel.position)))
                 # Room for the line of words under the curves.
                 axes.set(xlim=(0.0, longest), ylim=(-1.45 * extent, extent))
                 axes.locator_params(axis="y", nbins=5)
@@ -76,15 +95,7 @@ def response_figure(axis_names: Sequence[str], panels: Sequence[Sequence[Respons
                 axes.text(
                     0.97, 0.04, words, transform=axes.transAxes, ha="right", fontsize=6.6, color="#303030"
                 )
-        handles = [
-            legend_line(
-                f"robot {robot + 1}, axis {name}",
-                _AXIS_COLOURS[axis % len(_AXIS_COLOURS)],
-                _ROBOT_DASHES[robot],
-            )
-            for axis, name in enumerate(axis_names)
-            for robot in range(2)
-        ]
+        handles = motion_legend(axis_names)
         figure.legend(handles=handles, loc="outside upper center", ncols=min(4, len(handles)))
         figure.supxlabel("Time after the step, s", fontsize=7.5)
         figure.supylabel("Position, mm", fontsize=7.5)

@@ -1,0 +1,8 @@
+"""Figures for scripts and notebooks: each function draws one result and returns matplotlib axes.
+
+Every function takes `ax`, the axes to draw on; without it, it makes a pyplot figure.
+"""
+
+from telespring.plot.dyad import frequency_response, nyquist, response, stability_map
+
+__all__ = ["frequency_response", "nyquist", "response", "stability_map"]

@@ -1,0 +1,241 @@
+"""Figures of one dyad: where it is stable, how it moves, and its loop."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.patches import Patch
+
+from telespring.model import Dyad, DyadAxis
+from telespring.show.figures.maps import STABLE, StudyMark, draw_axis_boundaries, draw_study_mark
+from telespring.show.figures.nyquist import NyquistPanel, draw_nyquist_locus
+from telespring.show.figures.responses import draw_motion, motion_legend
+from telespring.show.figures.style import COLOURS, DASHES, ROBOT_COLOURS, figure_style, legend_line
+from telespring.theory.criteria import stability_map as stable_points
+from telespring.theory.response import frequency_response as compute_frequency_response
+from telespring.theory.response import nyquist as compute_nyquist
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike
+
+__all__ = ["frequency_response", "nyquist", "response", "stability_map"]
+
+_POINTS = 400
+
+
+def stability_map(
+    dyad: Dyad,
+    *,
+    mark: tuple[float, float] | tuple[float, float, float] | None = None,
+    stiffness: float | None = None,
+    delay: float | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw where a dyad is stable at a constant delay, over stiffness and one-way delay.
+
+    Parameters
+    ----------
+    dyad
+        Robots and operators. Every stable region is drawn, also those at delays beyond the first.
+    mark
+        A stiffness (N/m) and a one-way delay (s) to mark by a star; a third value is the longest delay, to
+        which a bar is drawn.
+    stiffness, delay
+        Largest stiffness (N/m) and delay (s) of the map. By default 4.6 times the critical stiffness, 2.4
+        times the maximum delay at twice that, and room for the mark.
+    ax
+        Axes to draw on.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, in N/m and ms.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ax = ts.plot.stability_map(ts.hman(), mark=(71.2, 0.1))
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('Stiffness k, N/m', 'One-way delay δ, ms')
+    """
+    star = None if mark is None else StudyMark(mark[0], mark[1], mark[-1])
+    widest, longest = _map_extent(dyad, star)
+    widest = widest if stiffness is None else float(stiffness)
+    longest = longest if delay is None else float(delay)
+    k = np.linspace(0.0, widest, _POINTS + 1)[1:]
+    delays = np.linspace(0.0, longest, _POINTS + 1)
+    boundaries = [(axis.name, stable_points(axis, k, delays)) for axis in dyad]
+    critical = min(axis.critical_stiffness() for axis in dyad)
+    with figure_style():
+        ax = _given_or_new_axes(ax, (5.2, 3.8))
+        handles = draw_axis_boundaries(ax, boundaries, k, delays)
+        if critical < widest:
+            ax.axvline(critical, color=COLOURS["black"], linestyle=DASHES[1], linewidth=1.0)
+            handles.append(
+                legend_line("any constant delay: left of this", COLOURS["black"], DASHES[1], linewidth=1.0)
+            )
+        if star is not None:
+            handles.append(draw_study_mark(ax, star, "mark"))
+        ax.legend(
+            handles=[Patch(color=STABLE, label="stable on all axes"), *handles],
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=2,
+        )
+    return ax
+
+
+def response(motion: xarray.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the positions of both robots over time.
+
+    Parameters
+    ----------
+    motion
+        What `telespring.simulate` returns.
+    ax
+        Axes to draw on.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, in s and mm.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> motion = ts.simulate(ts.hman(), 71.2, 0.1, [[1.0, 1.0], [-1.0, -1.0]], 3.0)
+    >>> len(ts.plot.response(motion).lines)
+    4
+    """
+    position = motion["position"].transpose("time", "robot", "axis")
+    with figure_style():
+        ax = _given_or_new_axes(ax, (5.2, 3.0))
+        draw_motion(ax, np.asarray(position["time"]), np.asarray(position))
+        names = [str(name) for name in position["axis"].values]
+        ax.legend(
+            handles=motion_legend(names), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(4, 2 * len(names))
+        )
+        ax.set(xlabel="Time, s", ylabel="Position, mm")
+        ax.margins(x=0.0)
+    return ax
+
+
+def nyquist(
+    dyad: Dyad, stiffness: float, delay: float, *, axis: str | int = 0, ax: Axes | None = None
+) -> Axes:
+    """Draw the Nyquist locus of one axis, with the encirclements of −1.
+
+    Parameters
+    ----------
+    dyad
+        Robots and operators.
+    stiffness, delay
+        N/m, and one-way delay, s.
+    axis
+        Which axis of the dyad, by name or number.
+    ax
+        Axes to draw on.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; real and imaginary part of L(jω) have no unit.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ts.plot.nyquist(ts.hman(), 71.2, 0.18, axis="x").get_title("right")
+    'unstable, 2 encirclements of −1'
+    """
+    locus = compute_nyquist(dyad, stiffness, delay, axis=axis)
+    stable = dyad[axis].is_stable(stiffness, delay)
+    note = "stable" if stable else f"unstable, {locus.encirclements} encirclements of −1"
+    values = np.asarray(locus.locus)
+    with figure_style():
+        ax = _given_or_new_axes(ax, (3.8, 3.8))
+        panel = NyquistPanel("", values, "stable" if stable else "unstable", note)
+        draw_nyquist_locus(ax, panel, 1.12 * max(1.0, float(np.abs(values).max())))
+        ax.set(xlabel="Real part of L(jω), 1", ylabel="Imaginary part of L(jω), 1")
+    return ax
+
+
+def frequency_response(
+    dyad: Dyad,
+    stiffness: float,
+    delay: float,
+    frequency: ArrayLike | None = None,
+    *,
+    axis: str | int = 0,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the motion of both robots per force on robot 1, over the angular frequency.
+
+    Parameters
+    ----------
+    dyad
+        Robots and operators.
+    stiffness, delay
+        N/m, and one-way delay, s.
+    frequency
+        Angular frequencies, rad/s. By default a grid that resolves every resonance.
+    axis
+        Which axis of the dyad, by name or number.
+    ax
+        Axes to draw on.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, in rad/s and m/N, both logarithmic.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ax = ts.plot.frequency_response(ts.hman(), 71.2, 0.1)
+    >>> [line.get_label() for line in ax.lines]
+    ['robot 1', 'robot 2']
+    """
+    computed = compute_frequency_response(dyad, stiffness, delay, frequency, axis=axis)
+    with figure_style():
+        ax = _given_or_new_axes(ax, (5.2, 3.0))
+        for robot, (colour, dashes) in enumerate(zip(ROBOT_COLOURS, ("solid", DASHES[1]), strict=True)):
+            ax.loglog(
+                computed.frequency,
+                computed.magnitude[:, robot, 0],
+                color=colour,
+                linestyle=dashes,
+                label=f"robot {robot + 1}",
+            )
+        ax.set(xlabel="Angular frequency ω, rad/s", ylabel="Position per force on robot 1, m/N")
+        ax.margins(x=0.0)
+        ax.legend()
+    return ax
+
+
+def _given_or_new_axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    return pyplot.subplots(figsize=size, layout="constrained")[1]
+
+
+def _map_extent(dyad: Dyad, star: StudyMark | None) -> tuple[float, float]:
+    """Choose the largest stiffness (N/m) and delay (s) of a map."""
+    critical = min(axis.critical_stiffness() for axis in dyad)
+    if not 0.0 < critical < math.inf:
+        # Operators can make every stiffness safe, or a robot has no damping: then by Eq. 5.
+        critical = min(DyadAxis(*axis.parameters).critical_stiffness("paper") for axis in dyad)
+    widest = max(4.6 * critical, 0.0 if star is None else 1.15 * star.stiffness) or 100.0
+    delay = min(float(axis.maximum_delay(0.5 * widest)) for axis in dyad)
+    longest = 2.4 * delay if 0.0 < delay < math.inf else 0.5
+    return widest, max(longest, 0.0 if star is None else 1.15 * star.longest_delay)
