@@ -81,6 +81,14 @@ impl RobotFile {
         &self.robot
     }
 
+    /// Names the file in the refusal of a robot that a study has as `section`.
+    pub(super) fn sign(&self, refusal: &mut InvalidInput, section: &str) {
+        let (of_study, of_file) = (format!("[{section}]"), "[robot]");
+        refusal.allowed = refusal.allowed.replace(&of_study, of_file);
+        refusal.remedy =
+            format!("{} See [robot] in {}.", refusal.remedy.replace(&of_study, of_file), self.name);
+    }
+
     /// What the section [identification] of a robot file records; nothing where it is missing.
     ///
     /// # Errors
