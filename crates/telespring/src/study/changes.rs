@@ -78,7 +78,8 @@ impl Study {
     /// Reads a study from TOML text with whole robots, sections or keys replaced before any value is checked:
     /// a robot with one axis may take the place of one with two if the other robot does so too.
     ///
-    /// A section without the replaced keys keeps its others, its `kind` included.
+    /// A section without the replaced keys keeps its others, its `kind` included. A spring to the ground that a
+    /// robot file records is added to the operator's, as by [`Study::with_robot`].
     ///
     /// # Errors
     ///
@@ -101,7 +102,7 @@ impl Study {
         sections: &BTreeMap<String, Replacement>,
     ) -> Result<Self> {
         let changes = Changes::new(robots, sections)?;
-        Self::read(Source::file(text), Some(&changes)).map_err(|mut refusal| {
+        let mut study = Self::read(Source::file(text), Some(&changes)).map_err(|mut refusal| {
             for (i, file) in robots.into_iter().enumerate() {
                 let section = format!("robot{}", i + 1);
                 if let Some(file) = file
@@ -111,6 +112,13 @@ impl Study {
                 }
             }
             refusal
-        })
+        })?;
+        for (i, file) in robots.into_iter().enumerate() {
+            let Some(file) = file else { continue };
+            if let Some(springs) = file.record()?.stiffness {
+                study = study.with_ground_springs(i, &springs, file.name())?;
+            }
+        }
+        Ok(study)
     }
 }

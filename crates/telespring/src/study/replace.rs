@@ -89,7 +89,7 @@ impl Study {
     }
 
     /// The study with springs (N/m per axis) added between one robot and the ground.
-    fn with_ground_springs(&self, robot: usize, springs: &[f64], file: &str) -> Result<Self> {
+    pub(super) fn with_ground_springs(&self, robot: usize, springs: &[f64], file: &str) -> Result<Self> {
         let (low, high) = match self.operator_ranges() {
             Some(ranges) => (ranges[robot].low(), ranges[robot].high()),
             None => (&self.dyad.operators()[robot], &self.dyad.operators()[robot]),
