@@ -19,7 +19,7 @@ from telespring.cli.identify import identify_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
-from telespring.cli.terminal import close_output, prepare_streams
+from telespring.cli.terminal import close_output, output_trouble, prepare_streams
 
 __all__ = ["app", "main"]
 
@@ -66,9 +66,9 @@ def main() -> None:
         sys.exit(130)
     except SystemExit as ended:
         sys.exit(close_output() or ended.code)
-    except OSError:
+    except OSError as error:
         # Every file has a name, and is refused by it; what is left is the output.
-        status = close_output()
+        status = output_trouble(error)
         if status is None:
             raise
         sys.exit(status)

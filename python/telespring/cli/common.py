@@ -13,7 +13,7 @@ import typer
 from rich.console import Console
 
 from telespring._errors import InvalidInput
-from telespring.cli.terminal import screen_console
+from telespring.cli.terminal import output_trouble, screen_console
 from telespring.cli.units import STIFFNESS, TIME, number
 from telespring.show.screens.refusal import refusal_screen
 
@@ -93,12 +93,13 @@ def refusals(options: dict[str, str] | None = None) -> Iterator[None]:
     except InvalidInput as refused:
         refusal_screen(screen_console(stderr=True), _named_by_option(refused, options or {}))
         raise typer.Exit(2) from None
-    except BrokenPipeError:
-        raise
     except OSError as error:
         if error.filename is None:
-            # Only the terminal has no name; its trouble is told where the program ends.
-            raise
+            # Only the output has no name.
+            status = output_trouble(error)
+            if status is None:
+                raise
+            raise typer.Exit(status) from None
         unusable = InvalidInput(
             "file",
             str(error.filename),
@@ -115,7 +116,9 @@ def refusals(options: dict[str, str] | None = None) -> Iterator[None]:
 def _named_by_option(refused: InvalidInput, options: dict[str, str]) -> InvalidInput:
     for field, option in options.items():
         if refused.field == field or refused.field.startswith((f"{field}.", f"{field}[")):
-            return refused.at(option)
+            renamed = refused.at(option)
+            renamed.remedy = renamed.remedy.removesuffix(" See [robot] in the robot's text.")
+            return renamed
     return refused
 
 

@@ -107,9 +107,9 @@ class StudyOptions:
         if self.file is None:
             if not given:
                 return _PAPER_TITLE
-            return f"Robot 1, {given[0].name}, and robot 2, {given[1].name}"
+            return f"Robot 1 ({given[0].name}) and robot 2 ({given[1].name})"
         named = [
-            f"robot {number} {robot.name}"
+            f"robot {number} ({robot.name})"
             for number, robot in enumerate(self.robots, start=1)
             if robot is not None
         ]

@@ -62,7 +62,9 @@ def read_robot(written: str, option: str) -> GivenRobot:
             raise InvalidInput(
                 option, written, "mass and damping of each axis are numbers", str(refused)
             ) from None
-    text = f"[robot]\nmass = {masses}\ndamping = {dampings}\n"
+    # One number is for as many axes as the other robot has.
+    mass_text, damping_text = (str(values if len(values) > 1 else values[0]) for values in (masses, dampings))
+    text = f"[robot]\nmass = {mass_text}\ndamping = {damping_text}\n"
     name = " and ".join(f"{m:g} kg, {b:g} N·s/m" for m, b in zip(masses, dampings, strict=True))
     return GivenRobot(text, name, option)
 
@@ -80,8 +82,10 @@ def read_robots(
         raise InvalidInput(
             "--robot", " ".join(both), "it gives both robots", "Leave out --robot1 and --robot2."
         )
+    for written in both or ():
+        read_robot(written, "--robot")
     if both and len(both) != 2:
-        remedy = f"Write it twice, --robot {both[0]} --robot {both[0]} for two such robots."
+        remedy = f"Write it twice: --robot {both[0]} --robot {both[0]} is two such robots."
         raise InvalidInput("--robot", " ".join(both), "two robots are required", remedy)
     first, second = (both[0], both[1]) if both else (robot1, robot2)
     named = ("--robot", "--robot") if both else ("--robot1", "--robot2")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import io
 import os
 import sys
@@ -15,7 +16,9 @@ from telespring.show.screens.plain_letters import for_encoding, to_ascii
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-__all__ = ["close_output", "prepare_streams", "screen_console", "show"]
+__all__ = ["close_output", "output_trouble", "prepare_streams", "screen_console", "show"]
+
+_OUTPUT_ERRORS = {errno.EPIPE, errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT, errno.EBADF}
 
 
 def prepare_streams() -> None:
@@ -31,9 +34,16 @@ def _spell(error: UnicodeError) -> tuple[str, int]:
     return to_ascii(error.object[error.start : error.end]), error.end
 
 
+class _CommandConsole(Console):
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+        _discard_output()
+        raise SystemExit(141)
+
+
 def screen_console(*, stderr: bool = False) -> Console:
     """Return the console of a command."""
-    return Console(highlight=False, stderr=stderr)
+    return _CommandConsole(highlight=False, stderr=stderr)
 
 
 def show(renderable: RenderableType, console: Console | None = None) -> None:
@@ -43,21 +53,27 @@ def show(renderable: RenderableType, console: Console | None = None) -> None:
 
 
 def close_output() -> int | None:
-    """Write out what is left; return the exit status if that fails, else None.
+    """Write out what is left; return the exit status if that fails, else None."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        return output_trouble(error)
+    return None
+
+
+def output_trouble(error: OSError) -> int | None:
+    """Return the exit status if an error without a file's name is one of the output, and tell it; else None.
 
     A reader that has closed its end, such as `head`, wants no more, and is no trouble.
     """
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        _discard_output()
+    if error.errno not in _OUTPUT_ERRORS:
+        return None
+    _discard_output()
+    if error.errno == errno.EPIPE:
         return 141
-    except OSError as error:
-        _discard_output()
-        print(f"Refused: the output could not be written: {error.strerror or error}.", file=sys.stderr)
-        print("  Check the disk, or the file that the output goes to.", file=sys.stderr)
-        return 2
-    return None
+    print(f"Refused: the output could not be written ({os.strerror(error.errno)}).", file=sys.stderr)
+    print("  Check the disk, or the file that the output goes to.", file=sys.stderr)
+    return 2
 
 
 def _discard_output() -> None:

@@ -13,6 +13,7 @@ from telespring.theory.criteria import minimum_damping
 from telespring.theory.verdicts import AxisTier, AxisVerdict, Verdicts, verdicts
 
 __all__ = [
+    "LONGEST_DELAY",
     "Question",
     "constant_delay",
     "constant_delay_tier",
@@ -21,6 +22,9 @@ __all__ = [
     "stiffness_limit",
 ]
 
+#: Sampled controllers are judged up to this one-way delay, or twice the delay in question, where continuous
+#: ones are stable at any, s.
+LONGEST_DELAY = 1.0
 #: So often a limit that was found for the worst operators is moved until it holds for all.
 _TRIES_OVER_RANGES = 8
 
@@ -139,7 +143,7 @@ class Question:
         period = self.network.sample_period
         if period == 0.0 or continuous == 0.0:
             return continuous
-        longest = max(1.0, sum(constant_delay(judged)))
+        longest = max(LONGEST_DELAY, sum(constant_delay(judged)))
         end = continuous if math.isfinite(continuous) else longest
         # The worst case is quick to judge; whether it was the worst at that delay, the ranges decide.
         worst = Question(self.held_by(judged), self.network)

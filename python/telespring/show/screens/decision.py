@@ -10,15 +10,18 @@ from rich.padding import Padding
 from rich.text import Text
 
 from telespring.decision.decide import Decision
+from telespring.decision.question import LONGEST_DELAY
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.decision_details import decision_details
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
+    CONTINUOUS_TIERS,
     allowed_stiffness,
     given_delay,
     hand_effect,
     sampling_clause,
+    tier_bounds,
 )
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
@@ -45,7 +48,7 @@ def decision_screen(
         _question(decision, title, notes),
         _answers(decision, held),
         *_warnings(decision),
-        _verdict_table(decision, held),
+        _verdict_table(decision),
         *_verdict_notes(decision),
         _suggested_changes(decision),
         *decision_details(decision, held),
@@ -150,7 +153,11 @@ def _margins(decision: Decision) -> str:
 def _delay_margin(decision: Decision) -> str:
     delay, end = decision.mean_delay, decision.delay_limit
     if math.isinf(end):
-        return "No constant delay, however long, destabilises it."
+        if decision.sampled_stable is None:
+            return "No constant delay, however long, destabilises it."
+        # Sampled controllers are judged up to a delay, continuous ones at all.
+        longest = format_time(max(LONGEST_DELAY, 2.0 * delay), 6)
+        return f"No constant delay up to {longest} destabilises it, and none with continuous controllers."
     if delay < end:
         growth = format_time(end - delay, 3, rounding="down")
         return f"The delay may grow by {growth}, to {format_time(end, rounding='down')}."
@@ -173,57 +180,31 @@ def _delay_margin(decision: Decision) -> str:
     return f"{given} delay may grow {growth}, and shrink by {fall}, to {low} (axis {start_axis})."
 
 
-def _verdict_table(decision: Decision, held: str) -> Fitting:
-    names = [axis.name for axis in decision.axes]
-    tiers = list(reversed(decision.verdicts.tiers))
+def _verdict_table(decision: Decision) -> Fitting:
+    bounds = tier_bounds(decision.verdicts)
     if decision.free is not None:
-        beside = list(reversed(decision.free.verdicts.tiers))
         rows = [
             (
-                verdict.tier,
-                allowed_stiffness(other.stiffness_bound, other.attained),
-                allowed_stiffness(verdict.stiffness_bound, verdict.attained),
-                hand_effect(other.stiffness_bound, verdict.stiffness_bound),
+                own.verdict.tier,
+                allowed_stiffness(free.bound, free.attained),
+                allowed_stiffness(own.bound, own.attained),
+                hand_effect(free.bound, own.bound),
             )
-            for verdict, other in zip(tiers, beside, strict=True)
+            for own, free in zip(bounds, tier_bounds(decision.free.verdicts), strict=True)
         ]
-        free = decision.free
-        sampled = [
-            (
-                "constant delay, sampled",
-                allowed_stiffness(free.stiffness_limit, False),
-                allowed_stiffness(decision.stiffness_limit, False),
-                hand_effect(free.stiffness_limit, decision.stiffness_limit),
-            )
-        ]
-        delays = (
-            "longest delay",
-            format_time(free.delay_limit, rounding="down"),
-            format_time(decision.delay_limit, rounding="down"),
-            hand_effect(free.delay_limit, decision.delay_limit),
-        )
-        return fitting_table(
-            "How stiff can the spring be, N/m?",
-            ("network", "free handles", held.split(" by ")[0], "a hand"),
-            [*rows, *(sampled if decision.sampled_stable is not None else []), delays],
-            right=(1, 2),
-        )
+        delays = decision.free.delay_limit, decision.delay_limit
+        longest = ("longest delay", *(format_time(end, rounding="down") for end in delays), hand_effect(*delays))
+        headings = ("network", "free handles", "held", "a hand")
+        return fitting_table("How stiff can the spring be, N/m?", headings, [*rows, longest], right=(1, 2))
     rows = []
-    for verdict in tiers:
-        formula = TIERS[verdict.tier].formula
-        if verdict.stiffness_bound is None:
-            rows.append((verdict.tier, formula, "no rule", "–", "–", "–"))
+    for own in bounds:
+        formula = TIERS[own.verdict.tier].formula
+        if own.bound is None:
+            rows.append((own.verdict.tier, formula, "no rule", "–", "–", "–"))
             continue
-        rows.append(
-            (
-                verdict.tier,
-                formula,
-                allowed_stiffness(verdict.stiffness_bound, verdict.attained),
-                "–" if verdict.worst_axis is None else names[verdict.worst_axis],
-                _yes_or_no(verdict.satisfied),
-                _APPLIES[verdict.assumption],
-            )
-        )
+        applies = _APPLIES[own.verdict.assumption]
+        bound = allowed_stiffness(own.bound, own.attained)
+        rows.append((own.verdict.tier, formula, bound, own.axis, _yes_or_no(own.is_satisfied), applies))
     headings = ("network", "rule", "k, N/m", "axis", "holds", "applies")
     return fitting_table("How stiff can the spring be?", headings, rows, right=(2,))
 
@@ -241,8 +222,9 @@ def _verdict_notes(decision: Decision) -> list[Text]:
             stiffness, f"a stiffness {stiffness} N/m"
         )
         unbuffered = " without a playout buffer" if decision.buffered else ""
-        sampled = ", with sampled controllers" if decision.sampled_stable is not None else ""
-        notes.append(Text(f"This network allows {allowed_text}{unbuffered} ({allowed.tier}{sampled})."))
+        notes.append(Text(f"This network allows {allowed_text}{unbuffered} ({allowed.tier})."))
+    if decision.sampled_stable is not None:
+        notes.append(Text(CONTINUOUS_TIERS))
     if decision.over_operator_ranges:
         notes.append(Text("Every limit is the worst over the ranges of operators."))
     notes.append(_paper_note(decision))

@@ -14,10 +14,12 @@ from telespring.decision.reserve import RESERVE
 from telespring.show.quantities import format_stiffness, format_time
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
+    CONTINUOUS_TIERS,
     allowed_stiffness,
     given_delay,
     hand_effect,
     sampling_clause,
+    tier_bounds,
 )
 from telespring.show.tiers import TIERS
 
@@ -42,11 +44,13 @@ def limits_screen(
     parts: list[RenderableType] = [heading]
     parts.append(Padding(Group(*_usable(found, held)), (0, 0, 1, 0)))
     if found.is_delay_given:
-        parts.append(_tier_table(found, held))
+        parts.append(_tier_table(found))
         parts.append(Text("Give --stiffness to judge one stiffness, with its margins and what to change."))
     else:
-        parts.append(_delay_table(found, held))
+        parts.append(_delay_table(found))
         parts.append(Text("Give --delay or --ping for your own network."))
+    if period > 0.0:
+        parts.append(Text(CONTINUOUS_TIERS))
     if found.over_operator_ranges:
         parts.append(Text("Every limit is the worst over the ranges of operators."))
     return Group(*parts)
@@ -95,37 +99,34 @@ def _usable_delay(row: StiffnessLimits) -> Text:
     )
 
 
-def _tier_table(found: Limits, held: str) -> Fitting:
-    row = found.delays[0]
-    tiers = list(reversed(row.verdicts.tiers))
+def _tier_table(found: Limits) -> Fitting:
+    bounds = tier_bounds(found.delays[0].verdicts)
     if found.free is None:
         rows = [
             (
-                verdict.tier,
-                TIERS[verdict.tier].formula,
-                allowed_stiffness(verdict.stiffness_bound, verdict.attained),
-                "–" if verdict.worst_axis is None else found.axes[verdict.worst_axis],
+                own.verdict.tier,
+                TIERS[own.verdict.tier].formula,
+                allowed_stiffness(own.bound, own.attained),
+                own.axis,
             )
-            for verdict in tiers
+            for own in bounds
         ]
         headings = ("network", "rule", "k, N/m", "axis")
         return fitting_table("How stiff can the spring be?", headings, rows, right=(2,))
-    free = found.free.delays[0]
-    others = list(reversed(free.verdicts.tiers))
     rows = [
         (
-            verdict.tier,
-            allowed_stiffness(other.stiffness_bound, other.attained),
-            allowed_stiffness(verdict.stiffness_bound, verdict.attained),
-            hand_effect(other.stiffness_bound, verdict.stiffness_bound),
+            own.verdict.tier,
+            allowed_stiffness(free.bound, free.attained),
+            allowed_stiffness(own.bound, own.attained),
+            hand_effect(free.bound, own.bound),
         )
-        for verdict, other in zip(tiers, others, strict=True)
+        for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
     ]
-    headings = ("network", "free handles", held.split(" by ")[0], "a hand")
+    headings = ("network", "free handles", "held", "a hand")
     return fitting_table("How stiff can the spring be, N/m?", headings, rows, right=(1, 2))
 
 
-def _delay_table(found: Limits, held: str) -> Fitting:
+def _delay_table(found: Limits) -> Fitting:
     if found.free is None:
         rows = [
             (
@@ -157,5 +158,5 @@ def _delay_table(found: Limits, held: str) -> Fitting:
         )
         for free, row in pairs
     ]
-    headings = ("delay\neach way", "free handles\nN/m", f"{held.split(' by ')[0]}\nN/m", "a hand")
+    headings = ("delay\neach way", "free handles\nN/m", "held\nN/m", "a hand")
     return fitting_table("", headings, rows, right=(0, 1, 2))

@@ -12,7 +12,7 @@ from telespring.show.screens.layout import Fitting
 __all__ = ["for_encoding", "to_ascii"]
 
 _SPELT = {
-    "δₘ": "d_max", "kₘ": "k_crit", "δ": "d", "ₘ": "_m", "₁": "1", "₂": "2", "≤": "<=", "≥": ">=", "√": "sqrt",
+    "δₘ": "d_m", "kₘ": "k_m", "δ": "d", "ₘ": "_m", "₁": "1", "₂": "2", "≤": "<=", "≥": ">=", "√": "sqrt",
     "·": "*", "±": "+/-", "–": "-", "−": "-", "—": "-", "…": "...", "²": "^2", "³": "^3", "°": " deg",
     "ε": "eps", "χ": "chi", "ω": "omega", "ξ": "xi", "η": "eta", "Δ": "Delta", "σ": "sigma", "τ": "tau",
     "α": "alpha", "π": "pi", "µ": "u", "μ": "u", "×": "x", "↑": "^", "↓": "v", "→": "->", "⁻": "-", "é": "e",
@@ -27,7 +27,7 @@ def to_ascii(text: str) -> str:
     Examples
     --------
     >>> to_ascii("k ≤ b²/(4m), δₘ ± 2 N·s/m")
-    'k <= b^2/(4m), d_max +/- 2 N*s/m'
+    'k <= b^2/(4m), d_m +/- 2 N*s/m'
     """
     for letters, spelling in _SPELT.items():
         text = text.replace(letters, spelling)
@@ -46,7 +46,9 @@ def for_encoding(renderable: RenderableType, encoding: str) -> RenderableType:
         inner = for_encoding(renderable.renderable, encoding)
         return Padding(inner, (renderable.top, renderable.right, renderable.bottom, renderable.left))
     if isinstance(renderable, Fitting):
-        return Fitting(for_encoding(renderable.wide, encoding), for_encoding(renderable.narrow, encoding))
+        title = None if renderable.title is None else for_encoding(renderable.title, encoding)
+        wide, narrow = (for_encoding(each, encoding) for each in (renderable.wide, renderable.narrow))
+        return Fitting(title, wide, narrow)
     if isinstance(renderable, Table):
         for column in renderable.columns:
             column.header = for_encoding(column.header, encoding)

@@ -3,10 +3,54 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+from telespring.decision.question import is_stable, stiffness_limit
 from telespring.show.quantities import format_number, format_time
 
-__all__ = ["allowed_stiffness", "describe_grip", "given_delay", "hand_effect", "sampling_clause"]
+__all__ = ["CONTINUOUS_TIERS", "TierBound", "allowed_stiffness", "describe_grip", "given_delay", "hand_effect", "sampling_clause", "tier_bounds"]
+from telespring.theory.verdicts import Verdict, Verdicts
+
+#: What the tiers beyond one known delay leave out.
+CONTINUOUS_TIERS = "The rule for any constant delay is that of continuous controllers."
+
+
+class TierBound(NamedTuple):
+    """What one tier allows, as a screen shows it: at one known constant delay sampled controllers count.
+
+    Attributes
+    ----------
+    verdict
+        The verdict of the tier.
+    bound, attained
+        The stiffness, N/m, and whether it is itself allowed.
+    axis
+        Name of the axis that sets it.
+    is_satisfied
+        Whether the stiffness in question is allowed.
+    """
+
+    verdict: Verdict
+    bound: float | None
+    attained: bool
+    axis: str
+    is_satisfied: bool
+
+
+def tier_bounds(judged: Verdicts) -> list[TierBound]:
+    """List the tiers, the one for one known constant delay first."""
+    names = [axis.name for axis in judged.axes]
+    rows = []
+    for verdict in reversed(judged.tiers):
+        axis = "–" if verdict.worst_axis is None else names[verdict.worst_axis]
+        row = TierBound(verdict, verdict.stiffness_bound, verdict.attained, axis, verdict.satisfied)
+        if verdict.tier == "constant delay" and judged.sampled_stable is not None:
+            sampled = {each.name: each.sampled_stiffness_bound or 0.0 for each in judged.axes}
+            limit = stiffness_limit(judged)
+            worst = min(sampled, key=lambda name: sampled[name])
+            row = row._replace(bound=limit, attained=False, axis=worst, is_satisfied=is_stable(judged))
+        rows.append(row)
+    return rows
 
 
 def given_delay(delay: tuple[float, float]) -> str:
