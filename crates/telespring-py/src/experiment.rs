@@ -203,7 +203,7 @@ impl Experiment {
     /// Damping in parallel with the spring in the experiment, N·s/m.
     #[getter]
     fn coupling_damping(&self) -> f64 {
-        self.study.coupling().damping
+        self.study.dyad().coupling_damping()
     }
 
     /// The experiment's virtual laboratory: robots, arms, agents, target, controllers and network.

@@ -24,6 +24,7 @@ mod simulation;
 mod spectrum;
 mod study;
 mod study_values;
+mod usual;
 mod verdicts;
 
 use pyo3::prelude::*;
@@ -75,6 +76,8 @@ mod _core {
     use crate::spectrum::Spectrum;
     #[pymodule_export]
     use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
+    #[pymodule_export]
+    use crate::usual::check_usual;
     #[pymodule_export]
     use crate::verdicts::{
         AxisTier, AxisVerdict, DelayBudget, OperatorPoint, PaperVerdict, Remedies, SampledSpectrum,

@@ -366,6 +366,11 @@ impl Study {
     /// ----------
     /// text : str
     ///     The text of a study file.
+    /// robots : (path_like or str or None, path_like or str or None)
+    ///     Robot files, or their texts, that take the place of `[robot1]` and `[robot2]`, whole.
+    /// **sections
+    ///     Sections with values that take the place of those in the text, as in `Study.replace`, except that a
+    ///     section keeps its `kind`. Only the whole is checked, not the text without them.
     ///
     /// Returns
     /// -------
@@ -387,8 +392,23 @@ impl Study {
     /// ...     print(refused.field)
     /// robot1.damping
     #[staticmethod]
-    fn from_toml(py: Python<'_>, text: &str) -> Outcome<Self> {
-        py.detach(|| Ok(Self(telespring::study::Study::from_toml(text)?)))
+    #[pyo3(
+        signature = (text, robots=(None, None), **sections),
+        text_signature = "(text, robots=(None, None), **sections)"
+    )]
+    fn from_toml(
+        py: Python<'_>,
+        text: &str,
+        robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
+        sections: Option<&Bound<'_, PyDict>>,
+    ) -> Outcome<Self> {
+        let [one, other] = [robots.0, robots.1].map(|file| file.as_ref().map(read_robot_file).transpose());
+        let (one, other) = (one?, other?);
+        let sections = sections.map_or_else(|| Ok(Default::default()), replacements)?;
+        py.detach(|| {
+            let robots = [one.as_ref(), other.as_ref()];
+            Ok(Self(telespring::study::Study::from_changed_toml(text, robots, &sections)?))
+        })
     }
 
     /// Read a study file.
@@ -397,6 +417,8 @@ impl Study {
     /// ----------
     /// path : path_like
     ///     A TOML file in UTF-8.
+    /// robots, **sections
+    ///     What is replaced before anything is checked, as for `Study.from_toml`.
     ///
     /// Returns
     /// -------
@@ -417,8 +439,16 @@ impl Study {
     /// Traceback (most recent call last):
     /// FileNotFoundError: [Errno 2] No such file or directory: 'missing.toml'
     #[staticmethod]
-    fn read(path: &Bound<'_, PyAny>) -> Outcome<Self> {
-        Self::from_toml(path.py(), &read_text(path, "a study file")?)
+    #[pyo3(
+        signature = (path, robots=(None, None), **sections),
+        text_signature = "(path, robots=(None, None), **sections)"
+    )]
+    fn read(
+        path: &Bound<'_, PyAny>,
+        robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
+        sections: Option<&Bound<'_, PyDict>>,
+    ) -> Outcome<Self> {
+        Self::from_toml(path.py(), &read_text(path, "a study file")?, robots, sections)
     }
 
     /// The study with some values replaced.
@@ -431,7 +461,7 @@ impl Study {
     ///     removes the section. Keys that are not named keep their values, with two exceptions: a new `kind`
     ///     restarts its section, and the `conditions` of a protocol exclude its lists of `stiffness` and
     ///     `delay`. An `Agent`, `Arm`, `Task` or `LaboratorySettings` may replace its section; `name` is
-    ///     the study's name.
+    ///     the study's name, and `allow_unusual=True` accepts values that no laboratory has.
     ///
     /// Returns
     /// -------
@@ -463,7 +493,8 @@ impl Study {
     ///
     /// A robot file, as `telespring identify` writes it, has the section `[robot]` with the keys that
     /// `[robot1]` and `[robot2]` have in a study. Its section `[identification]`, if any, is a record that
-    /// `robot_record` reads.
+    /// `robot_record` reads. If the record has a spring between the robot and the ground, its stiffness is
+    /// added to that of this side's operator.
     ///
     /// Parameters
     /// ----------
@@ -551,27 +582,49 @@ impl Study {
     }
 
     /// The study's `Coupling`: the virtual spring and the damper in parallel with it.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If the study gives no stiffness: see `has_stiffness`.
     #[getter]
-    fn coupling(&self) -> Coupling {
-        Coupling(self.0.coupling())
+    fn coupling(&self) -> Outcome<Coupling> {
+        Ok(Coupling(self.0.coupling()?))
     }
 
     /// Stiffness of the virtual spring in the study, N/m.
     #[getter]
-    fn stiffness(&self) -> f64 {
-        self.0.coupling().stiffness
+    fn stiffness(&self) -> Outcome<f64> {
+        Ok(self.0.coupling()?.stiffness)
+    }
+
+    /// Whether the study gives a stiffness; one that asks for limits does not.
+    #[getter]
+    fn has_stiffness(&self) -> bool {
+        self.0.has_stiffness()
     }
 
     /// The study's `Network`, and the timing of the controllers.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If the study gives no delay: see `has_delay`.
     #[getter]
-    fn network(&self) -> Network {
-        Network(*self.0.network())
+    fn network(&self) -> Outcome<Network> {
+        Ok(Network(*self.0.network()?))
     }
 
     /// The constant part of the study's one-way delays, s: forward and backward.
     #[getter]
-    fn delay(&self) -> (f64, f64) {
-        self.network().delay()
+    fn delay(&self) -> Outcome<(f64, f64)> {
+        Ok(self.network()?.delay())
+    }
+
+    /// Whether the study gives the delay of its network.
+    #[getter]
+    fn has_delay(&self) -> bool {
+        self.0.has_delay()
     }
 
     /// The uncertainty of each robot's parameters; None if they are certain.
@@ -615,6 +668,11 @@ record! {
         independent,
         /// Reservations about the estimates, as sentences.
         warnings,
+        /// How many logs the estimates are from; None if that is unknown. The scatter between logs is in the
+        /// standard deviations only of two logs or more.
+        logs,
+        /// Stiffness of a spring between the robot and the ground, N/m per axis; None if none was found.
+        stiffness,
     }
 }
 
@@ -642,7 +700,7 @@ record! {
 /// >>> from telespring.study.robot_file import robot_record
 /// >>> text = "[robot]\nmass = 0.84\ndamping = 7.7\n[identification]\naxes_independent = false"
 /// >>> robot_record(text)
-/// RobotRecord(independent=False, warnings=())
+/// RobotRecord(independent=False, warnings=(), logs=None, stiffness=None)
 #[pyfunction]
 pub fn robot_record(robot_file: &Bound<'_, PyAny>) -> Outcome<RobotRecord> {
     Ok(RobotRecord(read_robot_file(robot_file)?.record()?))

@@ -1,9 +1,10 @@
 //! The physical quantities of the model, each with its unit and allowed range.
 //!
-//! The ranges cover every rehabilitation robot, and no computation overflows within them. They detect a
-//! wrong unit only if the value leaves the range: a delay above 100 is rejected with a hint at
-//! milliseconds, a mass above 10 000 with a hint at grams. A delay of 20 (meant as 20 ms) or a mass of
-//! 833.4 (meant as 833.4 g) is possible and passes.
+//! The ranges cover every rehabilitation robot, and no computation overflows within them: they bound what can
+//! be computed. What a laboratory has is a second, narrower range, [`Quantity::check_usual`]: a delay of 80 or
+//! a mass of 833.4 can be computed, but was probably meant in ms or g.
+
+mod usual;
 
 use crate::error::{InvalidInput, Result};
 
@@ -36,6 +37,9 @@ pub const GROUND_STIFFNESS: Quantity = Quantity::new("an operator stiffness", "N
 pub const DELAY: Quantity = Quantity::new("a delay", "s", 0.0, 100.0, Some(("ms", 1e-3)));
 /// A time span in s other than a network delay: jitter, gap, sample period.
 pub const SPAN: Quantity = Quantity::new("a time span", "s", 0.0, 100.0, Some(("ms", 1e-3)));
+/// The sample period of a controller in s; 0 for a continuous one.
+pub const CONTROLLER_PERIOD: Quantity =
+    Quantity::new("a controller's sample period", "s", 0.0, 100.0, Some(("ms", 1e-3)));
 /// The duration of a simulation in s.
 pub const DURATION: Quantity = Quantity::new("a duration", "s", 1e-9, 1e6, None);
 /// A sampling rate in Hz.

@@ -232,7 +232,7 @@ fn study() -> impl Strategy<Value = String> {
     (robots, sides, task(), laboratory(), protocol()).prop_map(
         |((robot1, robot2), (arm1, arm2, agent1, agent2), task, laboratory, protocol)| {
             format!(
-                "{robot1}{robot2}[coupling]\nstiffness = 20\n[network]\ndelay = 0.05\n\
+                "allow_unusual = true\n{robot1}{robot2}[coupling]\nstiffness = 20\n[network]\ndelay = 0.05\n\
                  {arm1}{arm2}{agent1}{agent2}{task}{laboratory}{protocol}"
             )
         },

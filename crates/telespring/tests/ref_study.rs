@@ -1,6 +1,6 @@
 //! Study files: the paper's own, the schema, and every message as a person will read it.
 
-use telespring::study::Study;
+use telespring::study::{Replacement, RobotFile, Study, Value};
 
 const GOOD: &str = "\
 name = \"test\"
@@ -36,8 +36,8 @@ fn ref_the_example_file_is_the_paper() {
     assert_eq!(study.dyad(), &telespring::hman());
     assert_eq!(study.robot_names(), [Some("H-MAN 1"), Some("H-MAN 2")]);
     // Table III: K = 36 N/m, printed 71 N/m for twice its unrounded value, 167 ms.
-    assert!((study.coupling().stiffness - 2.0 * 35.615988).abs() < 1e-6);
-    assert_eq!(study.network().delay().mean(), 0.167);
+    assert!((study.coupling().unwrap().stiffness - 2.0 * 35.615988).abs() < 1e-6);
+    assert_eq!(study.network().unwrap().delay().mean(), 0.167);
 }
 
 #[test]
@@ -52,13 +52,13 @@ fn ref_every_form_of_a_value_is_read() {
     assert_eq!(study.dyad().robots()[0].damping(), [5.0, 5.0]);
     assert_eq!(study.dyad().robots()[1].mass(), [1.0, 1.0]);
     assert_eq!(study.dyad().axis_names(), ["x", "y"]);
-    assert_eq!(study.coupling().damping, 1.5);
+    assert_eq!(study.coupling().unwrap().damping, 1.5);
     let [first, second] = study.operator_ranges().unwrap();
     assert_eq!((first.low().stiffness()[1], first.high().stiffness()[1]), (0.0, 300.0));
     assert_eq!((first.low().mass()[0], first.high().mass()[0]), (1.0, 1.0));
     assert_eq!((second.low().damping(), second.high().damping()), (&[2.0, 1.0][..], &[2.0, 3.0][..]));
     assert_eq!(study.dyad().operators()[0].stiffness(), [150.0, 150.0]);
-    let network = study.network();
+    let network = study.network().unwrap();
     assert_eq!((network.delay().forward(), network.delay().backward()), (0.04, 0.06));
     assert_eq!((network.jitter(), network.max_gap(), network.sample_period()), (0.01, 0.02, 0.001));
 }
@@ -140,8 +140,14 @@ fn ref_messages_verbatim() {
         ),
         (String::new(), "Missing robot1.mass (kg). Add a section [robot1] with mass = 1.0."),
         (
-            with("delay = 0.05", "jitter = 0.05"),
-            "Missing network.delay (s, one way). Add delay = 0.05 under [network]. See line 10.",
+            with("delay = 0.05", "delay = 80"),
+            "network.delay = 80 s: a delay is usually up to 2 s. Did you mean 80 ms? Write 0.08. If it is \
+             meant, write allow_unusual = true in the study, or --allow-unusual on the command line. See line \
+             11.",
+        ),
+        (
+            format!("allow_unusual = 1\n{}", with("delay = 0.05", "delay = 80")),
+            "allow_unusual = 1: true or false is required. Write it without quotes. See line 1.",
         ),
         (
             with("delay = 0.05", "delay = {forward = 0.05}"),
@@ -205,4 +211,63 @@ fn ref_hostile_text_is_refused() {
         let message = refusal(&text);
         assert!(message.len() < 600, "{message}");
     }
+}
+
+#[test]
+fn ref_a_study_may_leave_stiffness_and_delay_open() {
+    let open = with("stiffness = 20", "").replace("delay = 0.05", "jitter = 0.05");
+    let study = Study::from_toml(&open).unwrap();
+    assert!(!study.has_stiffness() && !study.has_delay());
+    assert_eq!(Study::from_toml(&study.to_toml()).unwrap(), study);
+    assert_eq!(
+        study.coupling().unwrap_err().to_string(),
+        "Missing coupling.stiffness (N/m). Add a section [coupling] with stiffness = 20.0."
+    );
+    assert_eq!(
+        study.network().unwrap_err().to_string(),
+        "Missing network.delay (s, one way). Add a section [network] with delay = 0.05."
+    );
+}
+
+#[test]
+fn ref_controllers_sample_each_millisecond_unless_a_file_says_otherwise() {
+    let period = |text: &str| Study::from_toml(text).unwrap().network().unwrap().sample_period();
+    let silent = with("sample_period = 0.001", "");
+    assert_eq!(period(&silent), 0.001);
+    assert_eq!(period(&with("sample_period = 0.001", "sample_period = 0")), 0.0);
+    assert_eq!(period(&format!("{silent}[laboratory]\nsample_period = 0.002\n")), 0.002);
+    assert_eq!(Study::paper().network().unwrap().sample_period(), 0.0);
+}
+
+#[test]
+fn law_a_study_that_allows_unusual_values_stays_so() {
+    let text = format!("allow_unusual = true\n{}", with("delay = 0.05", "delay = 80"));
+    let study = Study::from_toml(&text).unwrap();
+    assert_eq!(Study::from_toml(&study.to_toml()).unwrap(), study);
+    assert_eq!(study.network().unwrap().delay().forward(), 80.0);
+}
+
+#[test]
+fn law_only_the_changed_study_is_judged() {
+    let robot = RobotFile::from_toml("[robot]\nmass = 0.84\ndamping = 7.7", "left.toml").unwrap();
+    let key = |value| Replacement::Keys([("delay".to_owned(), Some(Value::from(value)))].into());
+    let wrong = with("delay = 0.05", "delay = -1");
+    let study = Study::from_changed_toml(
+        &wrong,
+        [Some(&robot), Some(&robot)],
+        &[("network".to_owned(), key(0.1))].into(),
+    );
+    let study = study.unwrap();
+    assert_eq!(study.dyad().axis_names(), ["x"]);
+    assert_eq!(study.network().unwrap().delay().forward(), 0.1);
+    // What is refused in the text still has its line, what is refused in a change has none.
+    let refused = Study::from_changed_toml(&wrong, [None, None], &[].into()).unwrap_err();
+    assert!(refused.remedy.ends_with("See line 11."), "{refused}");
+    let changed = [("network".to_owned(), key(-2.0))].into();
+    let refused = Study::from_changed_toml(&wrong, [None, None], &changed).unwrap_err();
+    assert_eq!((refused.field.as_str(), refused.value.as_str()), ("network.delay", "-2"));
+    assert!(!refused.remedy.contains("line"), "{refused}");
+    let bad = RobotFile::from_toml("[robot]\nmass = -1\ndamping = 7.7", "left.toml").unwrap();
+    let refused = Study::from_changed_toml(GOOD, [Some(&bad), Some(&robot)], &[].into()).unwrap_err();
+    assert!(refused.remedy.ends_with("See [robot] in left.toml."), "{refused}");
 }

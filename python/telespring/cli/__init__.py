@@ -1,13 +1,14 @@
 """The command line: one module per command.
 
-Exit status: 0 if the question was answered, whatever the answer; 2 for input that was refused or a
-file that could not be read or written; 130 after Ctrl-C.
+Exit status: 0 if the question was answered, whatever the answer; 1 if `decide --check` asked for a stable
+dyad and it is not; 2 for input that was refused or a file that could not be read or written; 130 after
+Ctrl-C; 141 if the reader of the output closed its end before the whole was written.
 """
 
 from __future__ import annotations
 
-import io
 import sys
+from typing import Annotated
 
 import typer
 
@@ -18,6 +19,7 @@ from telespring.cli.identify import identify_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
+from telespring.cli.terminal import close_output, output_trouble, prepare_streams
 
 __all__ = ["app", "main"]
 
@@ -25,7 +27,6 @@ app = typer.Typer(
     name="telespring",
     help="Two people, two robots, one virtual spring over a network: is it stable, and by what margin?",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
@@ -38,13 +39,36 @@ app.command("reproduce")(reproduce_command)
 app.command("study", hidden=True)(study_command)
 
 
+def _print_version(is_asked: bool) -> None:
+    if is_asked:
+        from telespring._core import __version__
+
+        typer.echo(f"telespring {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
+    ] = False,
+) -> None:
+    """Two people, two robots, one virtual spring over a network: is it stable, and by what margin?"""
+
+
 def main() -> None:
     """Run the command line; the entry point of the installed program."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # A letter that the terminal cannot write must not cost the answer.
-            stream.reconfigure(errors="replace")
+    prepare_streams()
     try:
         app()
     except KeyboardInterrupt:
         sys.exit(130)
+    except SystemExit as ended:
+        sys.exit(close_output() or ended.code)
+    except OSError as error:
+        # Every file has a name, and is refused by it; what is left is the output.
+        status = output_trouble(error)
+        if status is None:
+            raise
+        sys.exit(status)

@@ -13,13 +13,15 @@ import typer
 from rich.console import Console
 
 from telespring._errors import InvalidInput
-from telespring.model import Study
+from telespring.cli.terminal import output_trouble, screen_console
+from telespring.cli.units import STIFFNESS, TIME, number
 from telespring.show.screens.refusal import refusal_screen
 
 if TYPE_CHECKING:
     from telespring.study.robot_file import RobotRecord
 
 __all__ = [
+    "AllowUnusual",
     "Backward",
     "Delay",
     "Robot1",
@@ -28,9 +30,7 @@ __all__ = [
     "StudyFile",
     "print_json",
     "print_notes",
-    "read_study",
     "refusals",
-    "requested_delay",
     "robot_records",
 ]
 
@@ -40,71 +40,96 @@ StudyFile = Annotated[
         metavar="[STUDY.toml]", help="Robots, coupling and network. Default: the paper's two H-MANs."
     ),
 ]
-Stiffness = Annotated[float | None, typer.Option("--stiffness", help="Stiffness of the spring, N/m.")]
+Stiffness = Annotated[
+    float | None,
+    typer.Option("--stiffness", parser=number(STIFFNESS), metavar="N/m", help="Stiffness of the spring."),
+]
 Delay = Annotated[
-    float | None, typer.Option("--delay", help="One-way delay in s, both ways unless --backward is given.")
+    float | None,
+    typer.Option(
+        "--delay",
+        parser=number(TIME),
+        metavar="TIME",
+        help="One-way delay, such as 80ms or 0.08 (s), both ways unless --backward is given.",
+    ),
 ]
 Backward = Annotated[
     float | None,
-    typer.Option("--backward", help="One-way delay in s from robot 2 to robot 1, if it differs."),
+    typer.Option(
+        "--backward",
+        parser=number(TIME),
+        metavar="TIME",
+        help="One-way delay from robot 2 to robot 1, if it differs.",
+    ),
 ]
 Robot1 = Annotated[
-    Path | None,
-    typer.Option("--robot1", metavar="FILE", help="Robot file for robot 1, written by `identify`."),
+    str | None,
+    typer.Option(
+        "--robot1",
+        metavar="ROBOT",
+        help="Robot 1: a file written by `identify`, or mass,damping (kg, N·s/m), axes apart by '/': "
+        "1.2,6/1.4,8.",
+    ),
 ]
 Robot2 = Annotated[
-    Path | None,
-    typer.Option("--robot2", metavar="FILE", help="Robot file for robot 2, written by `identify`."),
+    str | None, typer.Option("--robot2", metavar="ROBOT", help="Robot 2, in the same way; hman2: the paper's.")
+]
+AllowUnusual = Annotated[
+    bool,
+    typer.Option(
+        "--allow-unusual", help="Accept values that no laboratory has, such as a delay of 80 s."
+    ),
 ]
 
 
 @contextmanager
-def refusals() -> Iterator[None]:
-    """Report refused input and unusable files in a few lines, and exit with status 2."""
+def refusals(options: dict[str, str] | None = None) -> Iterator[None]:
+    """Report refused input and unusable files in a few lines, and exit with status 2.
+
+    `options` names the option that gave a field of the study: a refusal then names the option.
+    """
     try:
         yield
     except InvalidInput as refused:
-        refusal_screen(Console(stderr=True, highlight=False), refused)
+        refusal_screen(screen_console(stderr=True), _named_by_option(refused, options or {}))
         raise typer.Exit(2) from None
     except OSError as error:
+        if error.filename is None:
+            # Only the output has no name.
+            status = output_trouble(error)
+            if status is None:
+                raise
+            raise typer.Exit(status) from None
         unusable = InvalidInput(
             "file",
-            str(error.filename or "file"),
+            str(error.filename),
             f"a file that can be read or written is required ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
-        refusal_screen(Console(stderr=True, highlight=False), unusable)
+        refusal_screen(screen_console(stderr=True), unusable)
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
         print("Stopped. No incomplete file was left behind.", file=sys.stderr)
         raise typer.Exit(130) from None
 
 
-def read_study(study: Path | None, robot1: Path | None = None, robot2: Path | None = None) -> Study:
-    """Read a command's study file, or take the paper's study, and put in robots from files of their own."""
-    read = Study.paper() if study is None else Study.read(study)
-    for side, robot in ((1, robot1), (2, robot2)):
-        if robot is not None:
-            read = read.with_robot(side, robot)
-    return read
+def _named_by_option(refused: InvalidInput, options: dict[str, str]) -> InvalidInput:
+    for field, option in options.items():
+        if refused.field == field or refused.field.startswith((f"{field}.", f"{field}[")):
+            renamed = refused.at(option)
+            renamed.remedy = renamed.remedy.removesuffix(" See [robot] in the robot's text.")
+            return renamed
+    return refused
 
 
-def robot_records(robot1: Path | None, robot2: Path | None) -> tuple[RobotRecord | None, RobotRecord | None]:
-    """Read what identification recorded in the robot files."""
-    if robot1 is robot2 is None:
+def robot_records(*robots: str | Path | None) -> tuple[RobotRecord | None, RobotRecord | None]:
+    """Read what identification recorded in robot files, or in the texts of robots."""
+    if all(robot is None for robot in robots):
         return None, None
     from telespring.study.robot_file import robot_record
 
-    return (
-        None if robot1 is None else robot_record(robot1),
-        None if robot2 is None else robot_record(robot2),
-    )
-
-
-def requested_delay(study: Study, delay: float | None, backward: float | None) -> tuple[float, float]:
-    """Return the one-way delays, s, forward and backward: of the command line, else of the study."""
-    forward, back = study.delay if delay is None else (delay, delay)
-    return forward, back if backward is None else backward
+    one, other = (None if robot is None else robot_record(robot) for robot in robots)
+    return one, other
 
 
 def print_notes(console: Console, records: tuple[RobotRecord | None, RobotRecord | None]) -> None:

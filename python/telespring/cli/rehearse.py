@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from telespring._errors import InvalidInput
-from telespring.cli.common import read_study
+from telespring.cli.common import AllowUnusual, Robot1, Robot2
+from telespring.cli.question import StudyOptions
+from telespring.cli.terminal import screen_console
+from telespring.model import Study
 from telespring.decision.arm_stability import arm_stability
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
@@ -38,17 +40,12 @@ def rehearse(
         int | None,
         typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
     ] = None,
-    robot1: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Robot file for robot 1, written by `identify`."),
-    ] = None,
-    robot2: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Robot file for robot 2, written by `identify`."),
-    ] = None,
+    robot1: Robot1 = None,
+    robot2: Robot2 = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Remove the rehearsal in the folder and start over.")
     ] = False,
+    allow_unusual: AllowUnusual = False,
 ) -> None:
     """Run a study's whole experiment on simulated robots, arms, agents and network.
 
@@ -56,8 +53,11 @@ def rehearse(
     """
     from telespring.rehearsal.summary import summarise_dataset
 
-    console = Console(highlight=False)
-    rehearsed = read_study(study, robot1, robot2)
+    console = screen_console()
+    asked = StudyOptions(study)
+    asked.take_robots(None, robot1, robot2)
+    asked.allow_unusual(is_allowed=allow_unusual)
+    rehearsed = asked.read(Study.paper())
     modules = None if study is None else study.parent
     preflight_screen(console, preflight_warnings(rehearsed, modules))
     finished, trials = 0, 0
@@ -83,7 +83,7 @@ def rehearse(
             f"a writable folder with enough space is required ({error.strerror or error})",
             f"Provide one. {rehearsal_resume_sentence(finished, trials)}",
         )
-        refusal_screen(Console(stderr=True, highlight=False), refused)
+        refusal_screen(screen_console(stderr=True), refused)
         raise typer.Exit(2) from None
     seconds = time.perf_counter() - start
     experiment = rehearsed.experiment

@@ -8,18 +8,19 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 
 from telespring.cli.common import (
+    AllowUnusual,
     Robot1,
     Robot2,
     StudyFile,
     print_notes,
-    read_study,
     refusals,
-    robot_records,
 )
+from telespring.cli.question import StudyOptions
+from telespring.cli.terminal import screen_console
+from telespring.model import Study
 
 __all__ = ["reproduce_command", "study_command"]
 
@@ -31,19 +32,23 @@ def reproduce_command(
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     out: Out = Path("out/study"),
+    allow_unusual: AllowUnusual = False,
 ) -> None:
     """Reproduce the paper: every figure and table, on the robots of a study, as one report.
 
     If interrupted, run the same command again to resume: finished trials are kept.
     """
-    console = Console(highlight=False)
-    with refusals():
+    console = screen_console()
+    asked = StudyOptions(study)
+    with refusals(asked.options):
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         from telespring.paper import STEPS, analyse, write
         from telespring.show.screens.reproduction import allowed_stiffnesses
 
-        read, records = read_study(study, robot1, robot2), robot_records(robot1, robot2)
+        asked.take_robots(None, robot1, robot2)
+        asked.allow_unusual(is_allowed=allow_unusual)
+        read, records = asked.read(Study.paper()), asked.records()
         with Progress(
             TextColumn("{task.description:<28}"),
             BarColumn(),
@@ -75,7 +80,8 @@ def study_command(
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     out: Out = Path("out/study"),
+    allow_unusual: AllowUnusual = False,
 ) -> None:
     """Run `telespring reproduce` under its earlier name."""
     print("`telespring study` is now `telespring reproduce`.", file=sys.stderr)
-    reproduce_command(study, robot1, robot2, out)
+    reproduce_command(study, robot1, robot2, out, allow_unusual)

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
+from telespring._core import check_usual
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.cli.common import (
+    AllowUnusual,
     Backward,
     Delay,
     Robot1,
@@ -19,11 +20,12 @@ from telespring.cli.common import (
     Stiffness,
     StudyFile,
     print_notes,
-    read_study,
     refusals,
-    requested_delay,
-    robot_records,
 )
+from telespring.cli.question import StudyOptions
+from telespring.cli.terminal import screen_console
+from telespring.cli.units import FORCE, FREQUENCY, TIME, number
+from telespring.model import Study
 
 if TYPE_CHECKING:
     import xarray
@@ -42,21 +44,29 @@ def simulate_command(
         list[float] | None,
         typer.Option(
             "--force",
-            help="Step of force at t = 0, N: once per axis for robot 1, then for robot 2. Default: 1 and -1.",
+            parser=number(FORCE),
+            metavar="N",
+            help="Step of force at t = 0: once per axis for robot 1, then for robot 2. Default: 1 and -1.",
         ),
     ] = None,
-    duration: Annotated[float, typer.Option(help="Time to simulate, s.")] = 10.0,
-    rate: Annotated[float, typer.Option(help="Samples per second, Hz.")] = 1000.0,
+    duration: Annotated[
+        float, typer.Option(parser=number(TIME), metavar="TIME", help="Time to simulate, s.")
+    ] = 10.0,
+    rate: Annotated[
+        float, typer.Option(parser=number(FREQUENCY), metavar="Hz", help="Samples per second.")
+    ] = 1000.0,
     out: Annotated[Path, typer.Option(help="File to write: .nc (netCDF) or .csv.", show_default=True)] = Path(
         "out/simulation.nc"
     ),
+    allow_unusual: AllowUnusual = False,
 ) -> None:
     """Simulate the ideal dyad under a step of force.
 
     Controllers are continuous and the delay is constant. Positions and velocities are written to a file.
     """
-    console = Console(highlight=False)
-    with refusals():
+    console = screen_console()
+    asked = StudyOptions(study)
+    with refusals(asked.options):
         from telespring.show.screens.simulation import simulation_summary
         from telespring.theory.simulation import simulate
 
@@ -64,20 +74,27 @@ def simulate_command(
             raise InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
-        read = read_study(study, robot1, robot2)
-        if stiffness is None:
-            stiffness = read.stiffness
-        delays = requested_delay(read, delay, backward)
+        asked.take_robots(None, robot1, robot2)
+        asked.allow_unusual(is_allowed=allow_unusual)
+        asked.take("coupling", "stiffness", stiffness, "--stiffness")
+        asked.take_delay(delay, backward)
+        read = asked.read(Study.paper())
+        stiffness, delays = read.stiffness, read.delay
         forces = _step_forces(force, len(read.dyad.axes))
+        if not allow_unusual:
+            check_usual("rate", "--rate", rate)
+            for value in force or ():
+                check_usual("force", "--force", value)
+        asked.options |= {"duration": "--duration", "rate": "--rate"}
         motion = simulate(read.dyad, stiffness, delays, forces, duration, rate=rate)
         if out.suffix == ".csv":
             write_whole(out, motion_csv(motion))
         else:
             with replacing(out) as unfinished:
                 motion.to_netcdf(unfinished, engine="h5netcdf")
-        for line in simulation_summary(motion, read.dyad, read.name, stiffness, delays, forces):
+        for line in simulation_summary(motion, read.dyad, asked.title(read), stiffness, delays, forces):
             console.print(line)
-        print_notes(console, robot_records(robot1, robot2))
+        print_notes(console, asked.records())
         console.print(f"Written: {out}", markup=False)
 
 

@@ -9,30 +9,35 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from telespring.decision.question import (
+    Question,
+    constant_delay,
+    constant_delay_tier,
+    is_stable,
+    refuse_unusual,
+    stiffness_limit,
+)
+from telespring.decision.reserve import LEAST_PROBABILITY, Status
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
-from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.theory.criteria import Crossing, decay_stiffness, minimum_damping
-from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
+from telespring.model import Dyad, DyadAxis, Network, OperatorRange
+from telespring.theory.criteria import Crossing, decay_stiffness
+from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
     from telespring.study.robot_file import RobotRecord
 
-__all__ = ["AxisDecision", "Decision", "decide"]
+__all__ = ["AxisDecision", "Decision", "OperatorMargins", "decide"]
 
 
 @dataclass(frozen=True)
-class AxisDecision:
-    """The margins of one axis.
-
-    Over ranges of operators the verdict, and with it the stiffnesses, the maximum delay and `stable`, is the
-    worst; what belongs to one operator (intervals, crossings, spectral abscissa, the paper's values) is that
-    of the middle of the ranges.
+class OperatorMargins:
+    """The margins of one axis with one pair of operators.
 
     Attributes
     ----------
-    verdict
-        The verdict of every tier on this axis.
+    operators
+        What holds the handles of robots 1 and 2.
     critical_stiffness_paper
         By Eq. 5, N/m.
     maximum_delay_paper
@@ -48,13 +53,33 @@ class AxisDecision:
         Where roots cross the imaginary axis.
     """
 
-    verdict: AxisVerdict
+    operators: tuple[OperatorPoint, OperatorPoint]
     critical_stiffness_paper: float
     maximum_delay_paper: float
     stable_delays: tuple[tuple[float, float], ...]
     stable_around: tuple[float, float] | None
     spectral_abscissa: float
     crossings: tuple[Crossing, ...]
+
+
+@dataclass(frozen=True)
+class AxisDecision:
+    """The margins of one axis.
+
+    All that is here holds for every operator in question; what belongs to one pair of operators is in
+    `worst_case`.
+
+    Attributes
+    ----------
+    verdict
+        The verdict of every tier on this axis, the worst over ranges of operators.
+    worst_case
+        The margins with the operators that allow the least stiffness at this delay; if the operators are
+        not ranges, with those.
+    """
+
+    verdict: AxisVerdict
+    worst_case: OperatorMargins
 
     @property
     def name(self) -> str:
@@ -105,23 +130,32 @@ class Decision:
         The margins axis by axis.
     horizon
         Stable intervals are listed up to this one-way delay, s.
+    keeps_stiffness_reserve, keeps_delay_reserve
+        Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
+    delay_limit
+        Shorter one-way delays are stable, s; 0 if none is, infinite if no delay destabilises. With sampled
+        controllers the first change on a grid of delays, narrowed down.
     added_damping
-        More than this damping, N·s/m, must be added to both robots for a stable constant delay under
-        continuous controllers; 0 if it is stable now, infinite if no damping suffices.
+        More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
+        stable now, infinite if no damping suffices.
     over_operator_ranges
-        Whether operators are ranges: `AxisDecision` says which values are then the worst over them.
+        Whether operators are ranges.
     decay_rate
         The rate, 1/s, at which every motion but the common drift should decay; None if none was given.
     decay_stiffness
         Ranges of stiffness, N/m, that decay so on all axes, ascending; an infinite end is no limit. They
-        hold for continuous controllers and the operators in the middle of their ranges.
+        hold for continuous controllers and, over ranges of operators, for the worst case of each axis.
     uncertainty
         How well the margins are known and how probable stability is, where the masses and dampings of the
-        robots have errors; None if they do not, or if the axes of a robot are not independent.
+        robots have errors; None if they do not, or if the axes of a robot are not independent. Over ranges of
+        operators for the worst case of each axis.
     robots_without_errors
         The robots, 1 or 2, whose masses and dampings have no errors.
     robot_records
         What identification recorded about robots 1 and 2.
+    free
+        The decision on the same question with free handles; None if the handles are free, or if it was not
+        requested.
     arms
         Stability in the study's own arms; None if it was not requested.
     """
@@ -129,6 +163,9 @@ class Decision:
     verdicts: Verdicts
     axes: tuple[AxisDecision, ...]
     horizon: float
+    keeps_stiffness_reserve: bool
+    keeps_delay_reserve: bool
+    delay_limit: float
     added_damping: float
     over_operator_ranges: bool
     decay_rate: float | None = None
@@ -136,7 +173,33 @@ class Decision:
     uncertainty: MarginUncertainty | None = None
     robots_without_errors: tuple[int, ...] = (1, 2)
     robot_records: tuple[RobotRecord | None, RobotRecord | None] = (None, None)
+    free: Decision | None = None
     arms: ArmStability | None = None
+
+    @property
+    def status(self) -> Status:
+        """The answer in one word: "stable", "marginal", "unstable" or "not proven"."""
+        if not self.stable:
+            return "unstable"
+        if not self.is_proven:
+            return "not proven"
+        return "stable" if self.keeps_reserve else "marginal"
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether nothing that was not examined may decide: coupled axes, roots that were not counted."""
+        sampled = (axis.verdict.sampled for axis in self.axes)
+        counted = all(each is None or each.certificate != "incomplete" for each in sampled)
+        return counted and self.axes_independent is not False
+
+    @property
+    def keeps_reserve(self) -> bool:
+        """Whether it has the reserve of stiffness and delay, and is probable enough if robots have errors."""
+        return (
+            self.keeps_stiffness_reserve
+            and self.keeps_delay_reserve
+            and (self.uncertainty is None or self.uncertainty.stable.value >= LEAST_PROBABILITY)
+        )
 
     @property
     def stiffness(self) -> float:
@@ -151,7 +214,7 @@ class Decision:
     @property
     def constant_delay(self) -> tuple[float, float]:
         """The delay that is judged, s: the network's, or with jitter or gaps that behind a playout buffer."""
-        return self._constant_delay_verdict.buffer_delay or self.delay
+        return constant_delay(self.verdicts)
 
     @property
     def mean_delay(self) -> float:
@@ -171,24 +234,17 @@ class Decision:
     @property
     def continuous_stable(self) -> bool:
         """Whether continuous controllers are stable at this constant delay for every operator."""
-        return self._constant_delay_verdict.satisfied
+        return self.verdicts.tier("constant delay").satisfied
 
     @property
     def stable(self) -> bool:
         """Whether this constant delay is stable for every operator, sampled controllers included."""
-        return self.continuous_stable and self.sampled_stable is not False
+        return is_stable(self.verdicts)
 
     @property
     def stiffness_limit(self) -> float:
         """Every smaller stiffness is stable at this delay, sampled controllers included, N/m; may be 0."""
-        sampled = [axis.sampled_stiffness_bound for axis in self.verdicts.axes]
-        bounds = [self._constant_delay_verdict.stiffness_bound, *sampled]
-        return min((bound for bound in bounds if bound is not None), default=math.nan)
-
-    @property
-    def delay_limit(self) -> float:
-        """Every shorter one-way delay is stable under continuous controllers, s; 0 if none is."""
-        return min(axis.maximum_delay for axis in self.axes)
+        return stiffness_limit(self.verdicts)
 
     @property
     def worst_axis(self) -> AxisDecision:
@@ -197,7 +253,7 @@ class Decision:
             self.axes,
             key=lambda axis: (
                 not axis.stable,
-                axis.spectral_abscissa if axis.sampled_abscissa is None else axis.sampled_abscissa,
+                axis.worst_case.spectral_abscissa if axis.sampled_abscissa is None else axis.sampled_abscissa,
             ),
         )
 
@@ -209,10 +265,6 @@ class Decision:
         """
         return _are_recorded_axes_independent(self.robot_records)
 
-    @property
-    def _constant_delay_verdict(self) -> Verdict:
-        return self.verdicts.tier("constant delay")
-
 
 def decide(
     dyad: Dyad,
@@ -221,13 +273,15 @@ def decide(
     *,
     jitter: float = 0.0,
     max_gap: float = 0.0,
-    sample_period: float = 0.0,
+    sample_period: float = 0.001,
     computing_time: float = 0.0,
     operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
     horizon: float | None = None,
     decay_rate: float | None = None,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    compare_free: bool = False,
+    allow_unusual: bool = False,
 ) -> Decision:
     """Judge one dyad, stiffness and network, and compute the margins.
 
@@ -241,7 +295,7 @@ def decide(
         One-way delay each way, s, or the pair (forward, backward).
     jitter, max_gap, sample_period, computing_time
         What adds to the delay, s: its variation, the longest wait for a newer sample, the period of the
-        controllers, and the time from reading the samples to applying the force.
+        controllers (0 for continuous ones), and the time from reading the samples to applying the force.
     operator_ranges
         A study's ranges of operators, over which the verdicts are the worst; None for the dyad's own.
     horizon
@@ -253,6 +307,10 @@ def decide(
         Errors of the robots' masses and dampings, as `telespring.Study.uncertainty` gives them.
     records
         What identification recorded, as `robot_record` reads it.
+    compare_free
+        Whether to answer the question for free handles too, if they are held.
+    allow_unusual
+        Whether to accept values that no laboratory has, such as a delay of 80 s.
 
     Returns
     -------
@@ -262,44 +320,62 @@ def decide(
     Raises
     ------
     telespring.InvalidInput
-        If a value is out of range.
+        If a value is out of range, or no laboratory has it.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> [decide(ts.hman(), k, 0.1).status for k in (71.2, 97.0, 110.0)]
+    ['stable', 'marginal', 'unstable']
     """
+    network = Network(delay, jitter, max_gap, sample_period, computing_time)
+    if not allow_unusual:
+        refuse_unusual(dyad, network, operator_ranges, stiffness)
+    question = Question(dyad, network, operator_ranges)
     # Checks every value before anything is derived from it.
-    judged = verdicts(
-        dyad,
-        stiffness,
-        delay,
-        jitter=jitter,
-        max_gap=max_gap,
-        sample_period=sample_period,
-        computing_time=computing_time,
-        operator_range=operator_ranges,
-    )
-    constant = judged.tier("constant delay")
-    forward, backward = constant.buffer_delay or judged.network.delay
+    judged = question.judge(stiffness)
+    forward, backward = constant_delay(judged)
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
-    damping = 0.0
-    if not constant.satisfied:
-        # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        damping = max(judged.remedies.damping or 0.0, minimum_damping(dyad, stiffness, mean))
+    worst = question.held_by(judged)
     certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
+    longest = question.delay_limit(judged)
     return Decision(
         verdicts=judged,
         axes=tuple(
-            _decide_axis(axis, verdict, stiffness, (forward, backward), horizon)
-            for axis, verdict in zip(dyad, judged.axes, strict=True)
+            AxisDecision(verdict, _operator_margins(axis, verdict, stiffness, (forward, backward), horizon))
+            for axis, verdict in zip(worst, judged.axes, strict=True)
         ),
         horizon=horizon,
-        added_damping=damping,
+        keeps_stiffness_reserve=question.keeps_stiffness_reserve(judged),
+        keeps_delay_reserve=question.keeps_delay_reserve(judged, longest),
+        delay_limit=longest,
+        added_damping=0.0 if is_stable(judged) else question.added_damping(judged),
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
-        decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(dyad, mean, decay_rate)),
+        decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(worst, mean, decay_rate)),
         uncertainty=None
         if certain
-        else margin_uncertainty(dyad, uncertainty, stiffness, (forward, backward)),
+        else margin_uncertainty(
+            worst, uncertainty, stiffness, (forward, backward), sampling=question.sampling
+        ),
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
+        free=decide(
+            Dyad(*dyad.robots, coupling_damping=dyad.coupling_damping),
+            stiffness,
+            delay,
+            jitter=jitter,
+            max_gap=max_gap,
+            sample_period=sample_period,
+            computing_time=computing_time,
+            horizon=horizon,
+            uncertainty=uncertainty,
+            records=records,
+            allow_unusual=True,
+        )
+        if compare_free and question.is_held
+        else None,
     )
 
 
@@ -314,21 +390,22 @@ def _contains(interval: tuple[float, float], delay: float) -> bool:
     return (start < delay or start == 0.0) and delay < end
 
 
-def _decide_axis(
+def _operator_margins(
     axis: DyadAxis,
     verdict: AxisVerdict,
     stiffness: float,
     delay: tuple[float, float],
     horizon: float,
-) -> AxisDecision:
+) -> OperatorMargins:
     mean = 0.5 * sum(delay)
-    around = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
-    return AxisDecision(
-        verdict=verdict,
+    # Once, up to the farther end; the list ends at the horizon.
+    intervals = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
+    return OperatorMargins(
+        operators=constant_delay_tier(verdict).operators,
         critical_stiffness_paper=DyadAxis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
-        stable_delays=tuple(axis.stable_delays(stiffness, horizon)),
-        stable_around=next((interval for interval in around if _contains(interval, mean)), None),
+        stable_delays=tuple((start, min(end, horizon)) for start, end in intervals if start < horizon),
+        stable_around=next((interval for interval in intervals if _contains(interval, mean)), None),
         spectral_abscissa=axis.spectral_abscissa(stiffness, delay),
         crossings=tuple(axis.crossings(stiffness)),
     )

@@ -204,13 +204,28 @@ def stable_probability(
 
 
 def _stable_draws(
-    parameters: FloatArray, dyad: Dyad, stiffness: float, delay: float
+    parameters: FloatArray,
+    dyad: Dyad,
+    stiffness: float,
+    delay: float,
+    sampling: tuple[float, float] = (0.0, 0.0),
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Judge every draw; sampled controllers to first order in their period.
+
+    A force that is held for a period and computed in some time lags by half the period plus that time. The
+    partner's position is then older by this lag, and the own one, older too, takes stiffness times lag from
+    the damping.
+    """
+    period, computing = sampling
+    lag = 0.5 * period + computing
     stable = np.ones(parameters.shape[2], dtype=bool)
     for axis in dyad:
         m1, b1, m2, b2 = parameters[:, axis.index]
-        count = unstable_root_count(m1, b1, m2, b2, stiffness, delay, **axis.keywords)
-        stable &= np.asarray(count) == 0
+        b1, b2 = b1 - stiffness * lag, b2 - stiffness * lag
+        damped = (b1 >= 0.0) & (b2 >= 0.0)
+        b1, b2 = np.maximum(b1, 0.0), np.maximum(b2, 0.0)
+        count = unstable_root_count(m1, b1, m2, b2, stiffness, delay + lag, **axis.keywords)
+        stable &= damped & (np.asarray(count) == 0)
     return stable
 
 
@@ -222,11 +237,14 @@ def margin_uncertainty(
     *,
     draws: int = DRAWS,
     seed: int = SEED,
+    sampling: tuple[float, float] = (0.0, 0.0),
 ) -> MarginUncertainty:
     """Propagate the errors of the parameters to critical stiffness, maximum delay and the verdict.
 
     The stiffness is that of the maximum delay and the verdict; other arguments are as in
-    `stable_probability`. The 95 % intervals are from the 2.5 % and 97.5 % quantiles of the draws.
+    `stable_probability`. The 95 % intervals are from the 2.5 % and 97.5 % quantiles of the draws. `sampling`
+    is the controllers' sample period and computing time, s, which the verdict accounts for to first order;
+    the margins are those of continuous controllers.
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
     critical, delays = [], []
@@ -238,7 +256,7 @@ def margin_uncertainty(
     return MarginUncertainty(
         axes=tuple(_margin_intervals(name, k, d) for name, k, d in zip(names, critical, delays, strict=True)),
         worst=_margin_intervals(None, np.min(critical, axis=0), np.min(delays, axis=0)),
-        stable=Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay)))),
+        stable=Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay)), sampling)),
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.decide import AxisDecision, Decision
+from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.show.screens.robots import robot_notes
@@ -31,7 +32,14 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "mean": decision.mean_delay,
             "buffered": decision.buffered,
         },
+        "status": decision.status,
         "stable": decision.stable,
+        "reserve": {
+            "required": RESERVE,
+            "stiffness_kept": decision.keeps_stiffness_reserve,
+            "delay_kept": decision.keeps_delay_reserve,
+        },
+        "sample_period": verdicts.network.sample_period,
         "worst_axis": decision.worst_axis.name,
         "horizon": decision.horizon,
         "axes": [_decision_axis_json(axis) for axis in decision.axes],
@@ -63,28 +71,33 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
         "axes_independent": decision.axes_independent,
         "warnings": robot_notes(decision),
+        "free": None if decision.free is None else decision_json(decision.free),
         "in_arms": None if decision.arms is None else _arm_stability_json(decision.arms),
     }
 
 
 def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
+    own = axis.worst_case
     return {
         "axis": axis.name,
+        "operators": [
+            {"mass": each.mass, "damping": each.damping, "stiffness": each.stiffness} for each in own.operators
+        ],
         "critical_stiffness": finite_or_none(axis.critical_stiffness),
         "critical_stiffness_unbounded": math.isinf(axis.critical_stiffness),
-        "critical_stiffness_paper": finite_or_none(axis.critical_stiffness_paper),
+        "critical_stiffness_paper": finite_or_none(own.critical_stiffness_paper),
         "maximum_delay": finite_or_none(axis.maximum_delay),
         "maximum_delay_unbounded": math.isinf(axis.maximum_delay),
-        "maximum_delay_paper": finite_or_none(axis.maximum_delay_paper),
-        "maximum_delay_paper_unbounded": math.isinf(axis.maximum_delay_paper),
+        "maximum_delay_paper": finite_or_none(own.maximum_delay_paper),
+        "maximum_delay_paper_unbounded": math.isinf(own.maximum_delay_paper),
         "maximum_stiffness": finite_or_none(axis.maximum_stiffness),
         "maximum_stiffness_unbounded": math.isinf(axis.maximum_stiffness),
-        "stable_delays": [list(interval) for interval in axis.stable_delays],
-        "spectral_abscissa": finite_or_none(axis.spectral_abscissa),
+        "stable_delays": [list(interval) for interval in own.stable_delays],
+        "spectral_abscissa": finite_or_none(own.spectral_abscissa),
         "sampled_abscissa": None if axis.sampled_abscissa is None else finite_or_none(axis.sampled_abscissa),
         "crossings": [
             {"delay": crossing.delay, "frequency": crossing.frequency, "direction": crossing.direction}
-            for crossing in axis.crossings
+            for crossing in own.crossings
         ],
         "stable": axis.stable,
     }

@@ -218,7 +218,12 @@ impl<'r, 'a> Entry<'r, 'a> {
         let Some(value) = value else {
             return Err(self.reject(format!("{kinds} is required"), "Write numbers without quotes or units."));
         };
-        quantity.check(&self.field, value).map_err(|error| self.place(error))
+        let checked = quantity.check(&self.field, value);
+        let checked = match checked {
+            Ok(value) if !self.source.allows_unusual => quantity.check_usual(&self.field, value),
+            other => other,
+        };
+        checked.map_err(|error| self.place(error))
     }
 
     /// Reads an entry as a number, or with `ranges` also {min = …, max = …}.

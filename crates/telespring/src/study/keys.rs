@@ -1,7 +1,5 @@
 //! The keys of every section of a study file, and suggestions for misspelt ones.
 
-use toml::de::DeTable;
-
 /// The keys of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Keys {
@@ -94,6 +92,9 @@ pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ),
 ];
 
+/// The keys outside the sections.
+pub(super) const TOP: [&str; 2] = ["name", "allow_unusual"];
+
 /// The sections that only a rehearsal needs.
 pub(super) const REHEARSAL: [&str; 7] =
     ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
@@ -107,12 +108,11 @@ impl Keys {
         }
     }
 
-    /// The keys allowed in a section of its kind, and that kind.
-    pub fn allowed_in(self, section: &DeTable<'_>) -> (&'static [&'static str], Option<&'static str>) {
+    /// The keys allowed in a section of the kind that it names, and that kind.
+    pub fn allowed_in(self, named: Option<&str>) -> (&'static [&'static str], Option<&'static str>) {
         match self {
             Self::Fixed(keys) => (keys, None),
             Self::ByKind(kinds) => {
-                let named = section.get("kind").and_then(|value| value.get_ref().as_str());
                 let (kind, keys) = kinds.iter().find(|(kind, _)| Some(*kind) == named).unwrap_or(&kinds[0]);
                 (keys, Some(kind))
             }

@@ -105,10 +105,7 @@ pub(super) fn read_setup(reader: &Reader<'_>) -> Result<Setup> {
         arms: [read_arm(reader, "arm1")?, read_arm(reader, "arm2")?],
         agents: [read_agent(reader, "agent1", agent1)?, read_agent(reader, "agent2", agent2)?],
         task: read_task(reader, paper.task)?,
-        sample_period: reader
-            .get("laboratory", "sample_period")
-            .map(|entry| entry.number(quantity::SAMPLE_PERIOD, "a number"))
-            .transpose()?,
+        sample_period: read_sample_period(reader)?,
         computing_tick: reader
             .get("laboratory", "computing_tick")
             .map_or(Ok(false), |entry| entry.boolean())?,
@@ -117,6 +114,12 @@ pub(super) fn read_setup(reader: &Reader<'_>) -> Result<Setup> {
         jitter: number("jitter", quantity::SPAN)?,
         loss: number("loss", quantity::PROBABILITY)?,
     })
+}
+
+/// Reads the sample period of the laboratory's controllers, s, if given.
+pub(super) fn read_sample_period(reader: &Reader<'_>) -> Result<Option<f64>> {
+    let entry = reader.get("laboratory", "sample_period");
+    entry.map(|entry| entry.number(quantity::SAMPLE_PERIOD, "a number")).transpose()
 }
 
 /// Reads a number of the laboratory, or returns `default` if the key is missing.

@@ -24,7 +24,7 @@
 //! max_gap = 0.02                # s, the longest wait for a newer sample, default 0
 //!
 //! [controller]
-//! sample_period = 0.001         # s, default 0: a continuous controller
+//! sample_period = 0.001         # s, the default; 0 is a continuous controller
 //! computing_time = 0.0002       # s, default 0
 //! ```
 //!
@@ -33,6 +33,7 @@
 //! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]` and `[protocol]`. `docs/study-file.md` lists
 //! every key with its meaning, unit, range and default.
 
+mod changes;
 mod entry;
 mod keys;
 mod laboratory;
@@ -50,10 +51,11 @@ mod source;
 mod writer;
 
 use crate::criteria::paper_critical_stiffness;
-use crate::error::Result;
+use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
 use crate::verdicts::{Network, OperatorRange};
+use changes::Changes;
 use network::read_network;
 use operator::read_operator;
 use reader::Reader;
@@ -89,7 +91,7 @@ pub struct Coupling {
 ///      coupling.stiffness = 20\n\
 ///      network.delay = 0.05",
 /// )?;
-/// assert_eq!(study.coupling().stiffness, 20.0);
+/// assert_eq!(study.coupling()?.stiffness, 20.0);
 /// assert_eq!(Study::from_toml(&study.to_toml())?, study);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
@@ -99,10 +101,13 @@ pub struct Study {
     robots: [RobotSection; 2],
     dyad: Dyad,
     operator_ranges: Option<[OperatorRange; 2]>,
-    stiffness: f64,
+    stiffness: Option<f64>,
+    /// False if the delay of the network is 0 only because none is given.
+    has_delay: bool,
     network: Network,
     setup: Setup,
     protocol: ProtocolChoice,
+    allows_unusual: bool,
     holders: NamedHolders,
 }
 
@@ -130,12 +135,14 @@ impl Study {
                 coulomb: vec![0.0; 2],
                 uncertainty: None,
             }),
-            stiffness: paper_stiffness(&dyad),
+            stiffness: Some(paper_stiffness(&dyad)),
+            has_delay: true,
             dyad,
             operator_ranges: None,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
+            allows_unusual: false,
             holders: NamedHolders(false),
         }
     }
@@ -144,7 +151,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) if the text is not TOML, a key is unknown or missing, a value
+    /// [`InvalidInput`] if the text is not TOML, a key is unknown or missing, a value
     /// has the wrong type or is out of range, or axes do not match. It gives the dotted field, the value, the
     /// allowed values, the nearest remedy and the line. No text causes a panic.
     ///
@@ -155,19 +162,19 @@ impl Study {
     /// assert_eq!(refused.field, "robot1.mass");
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
-        Self::read(Source::file(text))
+        Self::read(Source::file(text), None)
     }
 
     /// The study from a file's source.
-    fn read(source: Source<'_>) -> Result<Self> {
-        let reader = Reader::new(source)?;
+    fn read(source: Source<'_>, changes: Option<&Changes>) -> Result<Self> {
+        let reader = Reader::new(source, changes)?;
         let [(robot1, section1), (robot2, section2)] = read_robots(&reader)?;
         let axes = robot1.axes().len();
         let ranges = [read_operator(&reader, "operator1", axes)?, read_operator(&reader, "operator2", axes)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
         let operators = ranges.each_ref().map(OperatorRange::middle);
-        let stiffness = reader.require("coupling", "stiffness", "N/m", "20.0")?;
-        let stiffness = stiffness.number(quantity::STIFFNESS, "a number")?;
+        let stiffness = reader.get("coupling", "stiffness");
+        let stiffness = stiffness.map(|entry| entry.number(quantity::STIFFNESS, "a number")).transpose()?;
         let damping = reader.number_or_zero("coupling", "damping", quantity::DAMPING)?;
         let dyad = Dyad::new(robot1, robot2, Some(operators), damping).map_err(|mut error| {
             // Only different axes are left to reject; the field is robot2.axes already.
@@ -180,9 +187,11 @@ impl Study {
             dyad,
             operator_ranges: (!single).then_some(ranges),
             stiffness,
+            has_delay: reader.get("network", "delay").is_some(),
             network: read_network(&reader)?,
             setup: laboratory::read_setup(&reader)?,
             protocol: protocol::read_protocol(&reader)?,
+            allows_unusual: reader.allows_unusual(),
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
         };
         study.check_rehearsal(&reader)?;
@@ -214,14 +223,41 @@ impl Study {
         self.operator_ranges.as_ref()
     }
 
+    /// Whether the study gives the stiffness of the spring; one that asks for limits does not.
+    pub fn has_stiffness(&self) -> bool {
+        self.stiffness.is_some()
+    }
+
+    /// Whether the study gives the delay of the network.
+    pub fn has_delay(&self) -> bool {
+        self.has_delay
+    }
+
     /// The study's coupling: spring and damper.
-    pub fn coupling(&self) -> Coupling {
-        Coupling { stiffness: self.stiffness, damping: self.dyad.coupling_damping() }
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if the study gives no stiffness.
+    pub fn coupling(&self) -> Result<Coupling> {
+        let missing = || {
+            let remedy = "Add a section [coupling] with stiffness = 20.0.";
+            InvalidInput::missing("coupling.stiffness", "N/m", remedy)
+        };
+        let stiffness = self.stiffness.ok_or_else(missing)?;
+        Ok(Coupling { stiffness, damping: self.dyad.coupling_damping() })
     }
 
     /// The study's network and the timing of its controllers.
-    pub fn network(&self) -> &Network {
-        &self.network
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if the study gives no delay.
+    pub fn network(&self) -> Result<&Network> {
+        if self.has_delay {
+            return Ok(&self.network);
+        }
+        let remedy = "Add a section [network] with delay = 0.05.";
+        Err(InvalidInput::missing("network.delay", "s, one way", remedy))
     }
 
     /// The study's uncertainty of each robot's parameters; `None` if they are certain.
@@ -230,7 +266,7 @@ impl Study {
     }
 }
 
-/// All keys of a study file as `section.key`, in order, `name` first.
+/// All keys of a study file as `section.key`, in order, those outside the sections first.
 ///
 /// # Examples
 ///
@@ -241,7 +277,7 @@ pub fn keys() -> Vec<String> {
     let dotted = keys::SECTIONS
         .iter()
         .flat_map(|(section, keys)| keys.all().into_iter().map(move |key| format!("{section}.{key}")));
-    std::iter::once("name".to_owned()).chain(dotted).collect()
+    keys::TOP.into_iter().map(str::to_owned).chain(dotted).collect()
 }
 
 /// The paper's 2K_xy: twice Eq. 5 on the x axis, N/m.

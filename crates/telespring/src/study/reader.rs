@@ -3,8 +3,9 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::changes::Changes;
 use super::entry::Entry;
-use super::keys::{Keys, REHEARSAL, SECTIONS, toml_key};
+use super::keys::{Keys, REHEARSAL, SECTIONS, TOP, toml_key};
 use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
@@ -12,49 +13,49 @@ use crate::quantity::Quantity;
 /// A longer text is the wrong file, not a study.
 const LONGEST: usize = 1 << 20;
 
-/// The parsed text of a study file.
+/// The parsed text of a study file, and what takes the place of parts of it.
 pub(super) struct Reader<'a> {
     source: Source<'a>,
     table: DeTable<'a>,
+    changes: Option<(Source<'a>, DeTable<'a>)>,
 }
 
 impl<'a> Reader<'a> {
-    /// Parses the text and checks that all sections and keys are known.
-    pub fn new(source: Source<'a>) -> Result<Self> {
-        let text = source.text();
-        if text.len() > LONGEST {
-            return Err(InvalidInput::new(
-                "study",
-                format!("{} bytes of text", text.len()),
-                format!("a study has at most {LONGEST} bytes"),
-                "Check that this is the study file.",
-            ));
+    /// Parses the text, makes the changes, and checks that all sections and keys are known.
+    pub fn new(source: Source<'a>, changes: Option<&'a Changes>) -> Result<Self> {
+        let mut reader = Self { source, table: parse(source)?, changes: None };
+        if let Some(changes) = changes {
+            changes.remove_from(&mut reader.table);
+            let source = Source::generated(changes.text());
+            reader.changes = Some((source, parse(source)?));
         }
-        let table = DeTable::parse(text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start);
-            let line = source.line(start);
-            let content = text.lines().nth(line - 1).unwrap_or("").trim();
-            InvalidInput::new(
-                "study",
-                format!("{:?}", content.chars().take(60).collect::<String>()),
-                format!("a study must be valid TOML: {}", error.message().trim().replace('\n', ", ")),
-                format!("Correct line {line}."),
-            )
-        })?;
-        let reader = Self { source, table: table.into_inner() };
+        let allows_unusual = reader.top("allow_unusual").map_or(Ok(false), |entry| entry.boolean())?;
+        reader.source.allows_unusual |= allows_unusual;
+        if let Some((changed, _)) = &mut reader.changes {
+            changed.allows_unusual |= allows_unusual;
+        }
         reader.check_keys()?;
         Ok(reader)
+    }
+
+    /// The changes to the study's text, then the text: the first that has a value counts.
+    fn layers(&self) -> impl Iterator<Item = (Source<'a>, &DeTable<'a>)> {
+        let changes = self.changes.iter().map(|(source, table)| (*source, table));
+        changes.chain(std::iter::once((self.source, &self.table)))
     }
 
     /// The reader's check that all sections are known, and the keys in them.
     fn check_keys(&self) -> Result<()> {
         let sections: Vec<&str> = SECTIONS.iter().map(|(name, _)| *name).collect();
-        let mut top = vec!["name"];
+        let mut top = TOP.to_vec();
         top.extend(&sections);
-        for (key, value) in &self.table {
+        for (source, key, value) in self
+            .layers()
+            .flat_map(|(source, table)| table.iter().map(move |(key, value)| (source, key, value)))
+        {
             let name = key.get_ref().as_ref();
             let Some(&(_, keys)) = SECTIONS.iter().find(|(section, _)| *section == name) else {
-                if name == "name" {
+                if TOP.contains(&name) {
                     continue;
                 }
                 let allowed = format!(
@@ -69,27 +70,28 @@ impl<'a> Reader<'a> {
                     allowed,
                     keys: &top,
                 };
-                return Err(self.source.reject_unknown_key(unknown, value));
+                return Err(source.reject_unknown_key(unknown, value));
             };
             let Some(section) = value.get_ref().as_table() else {
-                return Err(self.source.reject(
+                return Err(source.reject(
                     name,
                     value,
                     format!("[{name}] is a section with the keys {}", keys.all().join(", ")),
                     format!("Write [{name}] on a line of its own and its keys below."),
                 ));
             };
-            self.check_section(name, section, keys)?;
+            self.check_section(source, name, section, keys)?;
         }
         Ok(())
     }
 
     /// The reader's check that all keys of a section are known.
-    fn check_section(&self, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
+    fn check_section(&self, source: Source<'a>, name: &str, section: &DeTable<'a>, keys: Keys) -> Result<()> {
         if let (kinds @ [_, ..], Some(entry)) = (&keys.kinds()[..], self.get(name, "kind")) {
             entry.choice(kinds)?;
         }
-        let (known, kind) = keys.allowed_in(section);
+        let kind = self.get(name, "kind");
+        let (known, kind) = keys.allowed_in(kind.as_ref().and_then(|kind| kind.value().as_str()));
         for (key, value) in section {
             let word = key.get_ref().as_ref();
             if known.contains(&word) {
@@ -108,11 +110,11 @@ impl<'a> Reader<'a> {
                 allowed,
                 keys: known,
             };
-            let mut refusal = self.source.reject_unknown_key(unknown, value);
+            let mut refusal = source.reject_unknown_key(unknown, value);
             if let Some(other) = keys.kind_with_key(word) {
                 refusal.remedy =
                     format!("It belongs to kind = \"{other}\": set that kind, or remove the key.");
-                refusal = self.source.with_line(refusal, position);
+                refusal = source.with_line(refusal, position);
             }
             return Err(refusal);
         }
@@ -121,7 +123,12 @@ impl<'a> Reader<'a> {
 
     /// Whether the study file has a section.
     pub fn has(&self, section: &str) -> bool {
-        self.table.contains_key(section)
+        self.section(section).is_some()
+    }
+
+    /// A section of the study file or of the changes to it, with its source.
+    fn section(&self, name: &str) -> Option<(Source<'a>, &Spanned<DeValue<'a>>)> {
+        self.layers().find_map(|(source, table)| Some((source, table.get(name)?)))
     }
 
     /// The kind of a section of the study file; the first kind by default.
@@ -136,13 +143,16 @@ impl<'a> Reader<'a> {
 
     /// The error for a whole section of the study file.
     pub fn reject_section(&self, section: &str, allowed: String, remedy: &str) -> InvalidInput {
-        let position = self.table.get(section).map_or(0, |value| value.span().start);
-        self.source.with_line(InvalidInput::new(section, "a section", allowed, remedy), position)
+        let refusal = InvalidInput::new(section, "a section", allowed, remedy);
+        match self.section(section) {
+            Some((source, value)) => source.with_line(refusal, value.span().start),
+            None => refusal,
+        }
     }
 
     /// The first section that only a rehearsal needs.
     pub fn rehearsal_section(&self) -> Option<&'static str> {
-        REHEARSAL.into_iter().find(|name| self.table.contains_key(*name))
+        REHEARSAL.into_iter().find(|name| self.has(name))
     }
 
     /// Adds the line of the field of an error: of its key, or else of its section.
@@ -151,30 +161,36 @@ impl<'a> Reader<'a> {
         let section = parts.next().unwrap_or_default();
         let key: String =
             parts.next().unwrap_or_default().chars().take_while(|c| !matches!(c, '[' | '.')).collect();
-        let place = self.table.get(section).map(|value| {
-            let key = value.get_ref().as_table().and_then(|table| table.get(key.as_str()));
-            key.unwrap_or(value).span().start
-        });
-        match place {
-            Some(position) => self.source.with_line(error, position),
+        let entry = self.get(section, &key).map(|entry| (entry.source, entry.value));
+        match entry.or_else(|| self.section(section)) {
+            Some((source, value)) => source.with_line(error, value.span().start),
             None => error,
         }
     }
 
     /// The name of the study, if given in the file.
     pub fn name(&self) -> Result<Option<String>> {
-        self.table.get("name").map(|value| self.entry("name".to_owned(), value).text()).transpose()
+        self.top("name").map(|entry| entry.text()).transpose()
     }
 
-    /// A value of the study file with its dotted field.
-    fn entry<'r>(&'r self, field: String, value: &'r Spanned<DeValue<'a>>) -> Entry<'r, 'a> {
-        Entry { source: self.source, field, value }
+    /// Whether the study accepts values that no laboratory has.
+    pub fn allows_unusual(&self) -> bool {
+        self.source.allows_unusual
+    }
+
+    /// A value of the study file outside its sections.
+    fn top(&self, key: &str) -> Option<Entry<'_, 'a>> {
+        let (source, value) = self.section(key)?;
+        Some(Entry { source, field: key.to_owned(), value })
     }
 
     /// The value of a key in a section of the study file, if given.
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_, 'a>> {
-        let value = self.table.get(section)?.get_ref().as_table()?.get(key)?;
-        Some(self.entry(format!("{section}.{key}"), value))
+        let field = format!("{section}.{key}");
+        self.layers().find_map(|(source, table)| {
+            let value = table.get(section)?.get_ref().as_table()?.get(key)?;
+            Some(Entry { source, field: field.clone(), value })
+        })
     }
 
     /// The number of a key in a section; 0 if the key is missing.
@@ -186,11 +202,11 @@ impl<'a> Reader<'a> {
     pub fn require(&self, section: &str, key: &str, unit: &str, example: &str) -> Result<Entry<'_, 'a>> {
         self.get(section, key).ok_or_else(|| {
             let missing = |remedy: String| InvalidInput::missing(format!("{section}.{key}"), unit, remedy);
-            match self.table.get(section) {
+            match self.section(section) {
                 None => missing(format!("Add a section [{section}] with {key} = {example}.")),
-                Some(value) => {
+                Some((source, value)) => {
                     let remedy = format!("Add {key} = {example} under [{section}].");
-                    self.source.with_line(missing(remedy), value.span().start)
+                    source.with_line(missing(remedy), value.span().start)
                 }
             }
         })
@@ -199,9 +215,34 @@ impl<'a> Reader<'a> {
     /// Adds the section and its line to an error of the model.
     pub fn place(&self, section: &str, error: InvalidInput) -> InvalidInput {
         let error = error.within(section);
-        match self.table.get(section) {
-            Some(value) => self.source.with_line(error, value.span().start),
+        match self.section(section) {
+            Some((source, value)) => source.with_line(error, value.span().start),
             None => error,
         }
     }
+}
+
+/// The table that a study's text contains.
+fn parse(source: Source<'_>) -> Result<DeTable<'_>> {
+    let text = source.text();
+    if text.len() > LONGEST {
+        return Err(InvalidInput::new(
+            "study",
+            format!("{} bytes of text", text.len()),
+            format!("a study has at most {LONGEST} bytes"),
+            "Check that this is the study file.",
+        ));
+    }
+    let table = DeTable::parse(text).map_err(|error| {
+        let start = error.span().map_or(0, |span| span.start);
+        let line = source.line(start);
+        let content = text.lines().nth(line - 1).unwrap_or("").trim();
+        InvalidInput::new(
+            "study",
+            format!("{:?}", content.chars().take(60).collect::<String>()),
+            format!("a study must be valid TOML: {}", error.message().trim().replace('\n', ", ")),
+            format!("Correct line {line}."),
+        )
+    })?;
+    Ok(table.into_inner())
 }

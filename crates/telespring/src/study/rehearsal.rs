@@ -2,14 +2,13 @@
 
 use super::Study;
 use super::laboratory::{AgentChoice, Setup, Task};
+use super::network::SAMPLE_PERIOD;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
 use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
-/// Default sample period of the laboratory's controllers, s.
-const SAMPLE_PERIOD: f64 = 0.001;
 
 impl Study {
     /// Each robot's Coulomb friction per axis in the rehearsal, N.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
-use super::keys::SECTIONS;
+use super::keys::{SECTIONS, TOP};
 use super::source::Source;
 use super::{HOLDERS, NamedHolders, RobotFile, Study};
 use crate::error::{InvalidInput, Result};
@@ -14,14 +14,14 @@ use crate::error::{InvalidInput, Result};
 pub enum Replacement {
     /// New values of some keys. `None` removes a key, so that its default holds.
     Keys(BTreeMap<String, Option<Value>>),
-    /// One value instead of a section: the study's name.
+    /// One value outside the sections: the study's name, or whether it allows unusual values.
     Value(Value),
     /// Nothing, so that the section's defaults hold.
     Default,
 }
 
 /// Keys that exclude each other: to set one removes the others.
-const EXCLUSIVE: [(&str, &str, &[&str]); 3] = [
+pub(super) const EXCLUSIVE: [(&str, &str, &[&str]); 3] = [
     ("protocol", "conditions", &["stiffness", "delay"]),
     ("protocol", "stiffness", &["conditions"]),
     ("protocol", "delay", &["conditions"]),
@@ -43,13 +43,14 @@ impl Study {
     /// let stiffness = [("stiffness".to_owned(), Some(Value::from(140.0)))];
     /// let coupling = Replacement::Keys(stiffness.into());
     /// let stiff = Study::paper().replace(&[("coupling".to_owned(), coupling)].into())?;
-    /// assert_eq!(stiff.coupling().stiffness, 140.0);
+    /// assert_eq!(stiff.coupling()?.stiffness, 140.0);
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn replace(&self, sections: &BTreeMap<String, Replacement>) -> Result<Self> {
         let mut tables = self.tables();
         for (name, replacement) in sections {
-            let is_known = name == "name" || SECTIONS.iter().any(|(section, _)| section == name);
+            let is_known =
+                TOP.contains(&name.as_str()) || SECTIONS.iter().any(|(section, _)| section == name);
             match replacement {
                 // left in the text for the reader to refuse
                 _ if !is_known => drop(tables.insert(name.clone(), Value::Table(Table::new()))),
@@ -66,6 +67,9 @@ impl Study {
 
     /// The study with one of its robots replaced by that of a robot file; robots are counted from 0.
     ///
+    /// Where the file records a spring between the robot and the ground, its stiffness is added to that of
+    /// the operator on this side: the equations have one place for both.
+    ///
     /// # Errors
     ///
     /// [`InvalidInput`] if the study refuses the robot.
@@ -74,14 +78,42 @@ impl Study {
         let mut tables = self.tables();
         tables.insert(section.clone(), Value::Table(file.robot().clone()));
         let mut study = Self::from_tables(&tables).map_err(|mut refusal| {
-            let (of_study, of_file) = (format!("[{section}]"), "[robot]");
-            refusal.allowed = refusal.allowed.replace(&of_study, of_file);
-            refusal.remedy =
-                format!("{} See [robot] in {}.", refusal.remedy.replace(&of_study, of_file), file.name());
+            file.sign(&mut refusal, &section);
             refusal
         })?;
         study.holders = self.holders;
-        Ok(study)
+        match file.record()?.stiffness {
+            Some(springs) if robot < 2 => study.with_ground_springs(robot, &springs, file.name()),
+            _ => Ok(study),
+        }
+    }
+
+    /// The study with springs (N/m per axis) added between one robot and the ground.
+    pub(super) fn with_ground_springs(&self, robot: usize, springs: &[f64], file: &str) -> Result<Self> {
+        let (low, high) = match self.operator_ranges() {
+            Some(ranges) => (ranges[robot].low(), ranges[robot].high()),
+            None => (&self.dyad.operators()[robot], &self.dyad.operators()[robot]),
+        };
+        let axes = low.stiffness().len();
+        if springs.len() != axes {
+            return Err(InvalidInput::new(
+                "identification.stiffness",
+                format!("{} values", springs.len()),
+                format!("one stiffness per axis is required, here {axes}"),
+                format!("Leave it as `telespring identify --out` wrote it. See [identification] in {file}."),
+            ));
+        }
+        let ends = low.stiffness().iter().zip(high.stiffness());
+        let stiffness = ends.zip(springs).map(|((low, high), spring)| {
+            if low.to_bits() == high.to_bits() {
+                return Value::Float(low + spring);
+            }
+            let end = |key: &str, value: f64| (key.to_owned(), Value::Float(value + spring));
+            Value::Table([end("min", *low), end("max", *high)].into_iter().collect())
+        });
+        let keys = [("stiffness".to_owned(), Some(Value::Array(stiffness.collect())))];
+        let section = format!("operator{}", robot + 1);
+        self.replace(&[(section, Replacement::Keys(keys.into()))].into())
     }
 
     /// Whether the study names what holds a handle in its rehearsal: whether its file has one of the sections
@@ -98,7 +130,7 @@ impl Study {
     /// The study from its tables after values were replaced.
     fn from_tables(tables: &Table) -> Result<Self> {
         let text = toml::to_string(tables).map_err(|error| unwritable(&error))?;
-        Self::read(Source::generated(&text))
+        Self::read(Source::generated(&text), None)
     }
 }
 

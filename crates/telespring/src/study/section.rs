@@ -79,7 +79,10 @@ fn read_section<T>(
 ) -> Result<T> {
     let tables: Table = [(section.to_owned(), Value::Table(table.clone()))].into_iter().collect();
     let text = toml::to_string(&tables).map_err(|error| unwritable(&error))?;
-    Reader::new(Source::generated(&text)).and_then(|reader| read(&reader)).map_err(|mut refusal| {
+    // What a study may contain is checked when the section becomes part of one.
+    let mut source = Source::generated(&text);
+    source.allows_unusual = true;
+    Reader::new(source, None).and_then(|reader| read(&reader)).map_err(|mut refusal| {
         let (of_study, alone) = (format!("[{section}]"), format!("[{name}]"));
         if let Some(rest) = refusal.field.strip_prefix(section) {
             refusal.field = format!("{name}{rest}");

@@ -12,6 +12,8 @@ pub(super) struct Source<'a> {
     text: &'a str,
     /// False if no person has seen the text, so that its lines mean nothing.
     has_lines: bool,
+    /// True if values that no laboratory has are accepted.
+    pub(super) allows_unusual: bool,
 }
 
 /// A key that the study format does not know.
@@ -33,12 +35,12 @@ pub(super) struct UnknownKey<'k> {
 impl<'a> Source<'a> {
     /// The source text of a file.
     pub fn file(text: &'a str) -> Self {
-        Self { text, has_lines: true }
+        Self { text, has_lines: true, allows_unusual: false }
     }
 
     /// A source written by the library itself: its errors name no line.
     pub fn generated(text: &'a str) -> Self {
-        Self { text, has_lines: false }
+        Self { text, has_lines: false, allows_unusual: false }
     }
 
     /// The whole source text.

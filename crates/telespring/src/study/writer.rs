@@ -12,6 +12,9 @@ use crate::rig::{Arm, Elbow};
 /// The text of a study file, with units as comments.
 pub(super) fn to_toml(study: &Study) -> String {
     let mut text = TomlText(format!("name = {}\n", quoted_text(&study.name)));
+    if study.allows_unusual {
+        text.write_line("allow_unusual", "true", "");
+    }
     for (i, section) in study.robots.iter().enumerate() {
         let robot = &study.dyad.robots()[i];
         text.write_section(&format!("robot{}", i + 1));
@@ -46,7 +49,9 @@ pub(super) fn to_toml(study: &Study) -> String {
         text.write_line("stiffness", ranges_text(low.stiffness(), high.stiffness()), "N/m");
     }
     text.write_section("coupling");
-    text.write_line("stiffness", float_text(study.stiffness), "N/m");
+    if let Some(stiffness) = study.stiffness {
+        text.write_line("stiffness", float_text(stiffness), "N/m");
+    }
     text.write_line("damping", float_text(study.dyad.coupling_damping()), "N·s/m");
     text.write_section("network");
     let delay = study.network.delay();
@@ -55,7 +60,9 @@ pub(super) fn to_toml(study: &Study) -> String {
     } else {
         format!("{{forward = {}, backward = {}}}", float_text(delay.forward()), float_text(delay.backward()))
     };
-    text.write_line("delay", delay, "s, one way");
+    if study.has_delay {
+        text.write_line("delay", delay, "s, one way");
+    }
     text.write_line("jitter", float_text(study.network.jitter()), "s");
     text.write_line("max_gap", float_text(study.network.max_gap()), "s");
     text.write_section("controller");

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from telespring.decision.decide import Decision
     from telespring.study.robot_file import RobotRecord
 
-__all__ = ["identification_notes", "robot_notes"]
+__all__ = ["identification_notes", "outside_probability", "robot_notes"]
 
 
 def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None]) -> list[str]:
@@ -39,3 +39,17 @@ def robot_notes(decision: Decision) -> list[str]:
             f"probability include the uncertainty of robot {3 - exact[0]} only."
         )
     return notes
+
+
+def outside_probability(decision: Decision) -> str:
+    """State what the probability of stability does not cover."""
+    outside = ["what the model of the robots leaves out", "an error of the force sensor's gain"]
+    single = [
+        str(number)
+        for number, record in enumerate(decision.robot_records, start=1)
+        if number not in decision.robots_without_errors and (record is None or record.logs in (None, 1))
+    ]
+    if single:
+        robots = f"robot {single[0]}" if len(single) == 1 else "both robots"
+        outside.append(f"how much logs of {robots} differ from one another")
+    return f"It does not cover {', '.join(outside[:-1])} and {outside[-1]}."

@@ -1,0 +1,149 @@
+//! The values that laboratories have: a value outside is possible, but its unit is probably wrong.
+
+use std::f64::consts::PI;
+
+use super::{
+    ADDED_MASS, AMPLITUDE, ANGULAR_FREQUENCY, CONTROLLER_PERIOD, COULOMB, DAMPING, DAMPING_SD, DELAY, FORCE,
+    GROUND_STIFFNESS, INERTIA, JOINT_DAMPING, LENGTH, LIFETIME, LINK_MASS, MASS, MASS_SD, OFFSET, PLACE,
+    Quantity, RATE, RESOLUTION, SAMPLE_PERIOD, SPAN, SPEED, STIFFNESS,
+};
+use crate::error::{InvalidInput, Result};
+
+/// The magnitudes that a quantity usually has, and the units that it is confused with.
+struct Usual {
+    quantity: Quantity,
+    /// The smallest magnitude besides 0.
+    minimum: f64,
+    maximum: f64,
+    /// Other units with the factor from them to the quantity's unit, the likeliest first.
+    units: &'static [(&'static str, f64)],
+}
+
+/// The usual magnitudes of a quantity.
+const fn usual(
+    quantity: Quantity,
+    minimum: f64,
+    maximum: f64,
+    units: &'static [(&'static str, f64)],
+) -> Usual {
+    Usual { quantity, minimum, maximum, units }
+}
+
+const GRAMS: &[(&str, f64)] = &[("g", 1e-3)];
+const MILLISECONDS: &[(&str, f64)] = &[("ms", 1e-3)];
+const PER_MILLIMETRE: &[(&str, f64)] = &[("N/mm", 1e3), ("mN/m", 1e-3)];
+const LENGTHS: &[(&str, f64)] = &[("cm", 1e-2), ("mm", 1e-3)];
+
+/// Light haptic devices to industrial axes (95 kg and 200 N·s/m have been identified), networks up to a link
+/// through a satellite.
+const USUAL: [Usual; 24] = [
+    usual(MASS, 0.01, 300.0, GRAMS),
+    usual(ADDED_MASS, 0.0, 100.0, GRAMS),
+    usual(DAMPING, 0.0, 1e3, &[("g/s", 1e-3)]),
+    usual(STIFFNESS, 0.1, 2e4, PER_MILLIMETRE),
+    usual(GROUND_STIFFNESS, 1.0, 5e4, PER_MILLIMETRE),
+    usual(DELAY, 0.0, 2.0, MILLISECONDS),
+    usual(SPAN, 0.0, 2.0, MILLISECONDS),
+    usual(CONTROLLER_PERIOD, 0.0, 0.1, MILLISECONDS),
+    usual(SAMPLE_PERIOD, 0.0, 0.1, MILLISECONDS),
+    usual(RATE, 1.0, 1e5, &[("kHz", 1e3)]),
+    usual(COULOMB, 0.0, 200.0, &[("mN", 1e-3)]),
+    usual(FORCE, 0.0, 1e3, &[("mN", 1e-3)]),
+    usual(PLACE, 0.0, 3.0, LENGTHS),
+    usual(AMPLITUDE, 0.0, 1.0, LENGTHS),
+    usual(LENGTH, 0.0, 2.0, LENGTHS),
+    usual(OFFSET, 0.0, 2.0, LENGTHS),
+    usual(RESOLUTION, 0.0, 1e-3, &[("mm", 1e-3), ("µm", 1e-6)]),
+    usual(LINK_MASS, 0.0, 50.0, GRAMS),
+    usual(INERTIA, 0.0, 10.0, &[("kg·cm²", 1e-4)]),
+    usual(JOINT_DAMPING, 0.0, 100.0, &[]),
+    usual(SPEED, 0.0, 5.0, &[("cm/s", 1e-2), ("mm/s", 1e-3)]),
+    usual(LIFETIME, 0.0, 60.0, MILLISECONDS),
+    usual(ANGULAR_FREQUENCY, 0.0, 100.0, &[("°/s", PI / 180.0)]),
+    usual(MASS_SD, 0.0, 30.0, GRAMS),
+];
+
+impl Usual {
+    /// Whether laboratories have a value: 0, or a magnitude in the range.
+    fn contains(&self, value: f64) -> bool {
+        value == 0.0 || (self.minimum..=self.maximum).contains(&value.abs())
+    }
+}
+
+impl Quantity {
+    /// Checks that laboratories have such a `value`, and returns it; a quantity without a usual range has all.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] with `field`, the value, the usual magnitudes, and the unit probably meant.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::quantity::DELAY;
+    /// assert_eq!(DELAY.check_usual("delay", 0.08), Ok(0.08));
+    /// let refused = DELAY.check_usual("delay", 80.0).unwrap_err();
+    /// assert!(refused.remedy.starts_with("Did you mean 80 ms? Write 0.08."));
+    /// ```
+    pub fn check_usual(&self, field: &str, value: f64) -> Result<f64> {
+        // The damping of a robot and its standard deviation differ in range, not in what is usual.
+        let kind = if *self == DAMPING_SD { &DAMPING } else { self };
+        match USUAL.iter().find(|usual| usual.quantity == *kind) {
+            Some(usual) if !usual.contains(value) => Err(self.unusual(usual, field, value)),
+            _ => Ok(value),
+        }
+    }
+
+    /// The refusal of a value that no laboratory has.
+    fn unusual(&self, usual: &Usual, field: &str, value: f64) -> InvalidInput {
+        let meant = usual.units.iter().find_map(|&(unit, factor)| {
+            // A division by a whole number rounds once: 833.4 g are 0.8334 kg.
+            let converted = if factor < 1.0 { value / (1.0 / factor).round() } else { value * factor };
+            let converted = if unit == "°/s" { value * factor } else { converted };
+            usual.contains(converted).then(|| format!("Did you mean {value} {unit}? Write {converted}. "))
+        });
+        let least = if usual.minimum > 0.0 { format!("{} to ", usual.minimum) } else { "up to ".to_owned() };
+        InvalidInput::new(
+            field,
+            format!("{value} {}", self.unit).trim_end(),
+            format!("{} is usually {least}{} {}", self.name, usual.maximum, self.unit),
+            format!(
+                "{}If it is meant, write allow_unusual = true in the study, or --allow-unusual on the command line.",
+                meant.unwrap_or_default()
+            ),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_every_usual_range_lies_within_the_range_of_its_quantity() {
+        for Usual { quantity, minimum, maximum, units } in &USUAL {
+            assert!(minimum < maximum, "{}", quantity.name);
+            assert!(*maximum <= quantity.maximum, "{}", quantity.name);
+            assert!(*minimum == 0.0 || *minimum >= quantity.minimum, "{}", quantity.name);
+            assert!(units.iter().all(|(_, factor)| *factor != 1.0));
+        }
+    }
+
+    #[test]
+    fn ref_a_wrong_unit_is_named_with_the_number_to_write() {
+        for (quantity, value, expected) in [
+            (DELAY, 80.0, "80 ms? Write 0.08."),
+            (SPAN, 15.0, "15 ms? Write 0.015."),
+            (MASS, 1200.0, "1200 g? Write 1.2."),
+            (MASS, 833.4, "833.4 g? Write 0.8334."),
+            (STIFFNESS, 0.0712, "0.0712 N/mm? Write 71.2."),
+            (CONTROLLER_PERIOD, 1.0, "1 ms? Write 0.001."),
+            (AMPLITUDE, 5.0, "5 cm? Write 0.05."),
+            (RESOLUTION, 0.01, "0.01 mm? Write 0.00001."),
+        ] {
+            let refused = quantity.check_usual("field", value).unwrap_err();
+            assert!(refused.remedy.contains(expected), "{}", refused.remedy);
+            assert!(quantity.check("field", value).is_ok());
+        }
+    }
+}

@@ -1,0 +1,215 @@
+"""One question about a dyad and its network, judged at any stiffness, delay and damping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from telespring._core import check_usual
+from telespring.decision.reserve import RESERVE
+from telespring.decision.sampled_limits import damped, enough, first_change
+from telespring.model import Dyad, Network, Operator, OperatorRange
+from telespring.theory.criteria import minimum_damping
+from telespring.theory.verdicts import AxisTier, AxisVerdict, Verdicts, verdicts
+
+__all__ = [
+    "LONGEST_DELAY",
+    "Question",
+    "constant_delay",
+    "constant_delay_tier",
+    "is_stable",
+    "refuse_unusual",
+    "stiffness_limit",
+]
+
+#: Sampled controllers are judged up to this one-way delay, or twice the delay in question, where continuous
+#: ones are stable at any, s.
+LONGEST_DELAY = 1.0
+#: So often a limit that was found for the worst operators is moved until it holds for all.
+_TRIES_OVER_RANGES = 8
+
+
+def is_stable(judged: Verdicts) -> bool:
+    """Return whether the constant delay is stable for every operator, sampled controllers included."""
+    return judged.tier("constant delay").satisfied and judged.sampled_stable is not False
+
+
+def constant_delay(judged: Verdicts) -> tuple[float, float]:
+    """Return the delay that is judged, s: the network's, or that behind the playout buffer."""
+    return judged.tier("constant delay").buffer_delay or judged.network.delay
+
+
+def constant_delay_tier(axis: AxisVerdict) -> AxisTier:
+    """Return the verdict on one axis at one known constant delay."""
+    return next(tier for tier in axis.tiers if tier.tier == "constant delay")
+
+
+def stiffness_limit(judged: Verdicts) -> float:
+    """Return the stiffness, N/m, below which every one is stable at the delay, sampling included; may be 0."""
+    sampled = [axis.sampled_stiffness_bound for axis in judged.axes]
+    bounds = [judged.tier("constant delay").stiffness_bound, *sampled]
+    return min((bound for bound in bounds if bound is not None), default=math.nan)
+
+
+@dataclass(frozen=True)
+class Question:
+    """A dyad over a network, for one pair of operators or for ranges of them.
+
+    Attributes
+    ----------
+    dyad
+        The robots, and their operators unless these are ranges.
+    network
+        The network and the timing of the controllers.
+    operator_ranges
+        The ranges of both operators; None for the dyad's own.
+    """
+
+    dyad: Dyad
+    network: Network
+    operator_ranges: tuple[OperatorRange, OperatorRange] | None = None
+
+    @property
+    def sampling(self) -> tuple[float, float]:
+        """Sample period and computing time of the controllers, s."""
+        return self.network.sample_period, self.network.computing_time
+
+    @property
+    def is_held(self) -> bool:
+        """Whether anything holds a handle."""
+        ranges = self.operator_ranges
+        operators = self.dyad.operators if ranges is None else [each.high for each in ranges]
+        values = ((each.mass, each.damping, each.stiffness) for each in operators)
+        return any(bool(array.any()) for arrays in values for array in arrays)
+
+    def judge(self, stiffness: float) -> Verdicts:
+        """Return the verdicts at this stiffness, N/m."""
+        network = self.network
+        return verdicts(
+            self.dyad,
+            stiffness,
+            network.delay,
+            network.jitter,
+            network.max_gap,
+            network.sample_period,
+            network.computing_time,
+            self.operator_ranges,
+        )
+
+    def at_delay(self, delay: float | tuple[float, float]) -> Question:
+        """Return the question at this constant delay, s."""
+        period, computing = self.sampling
+        return replace(self, network=Network(delay, sample_period=period, computing_time=computing))
+
+    def held_by(self, judged: Verdicts) -> Dyad:
+        """Return the dyad with the operators that allow the least stiffness at the delay, axis by axis."""
+        if self.operator_ranges is None:
+            return self.dyad
+        pairs = [constant_delay_tier(axis).operators for axis in judged.axes]
+        one, other = (
+            Operator(
+                [pair[side].mass for pair in pairs],
+                [pair[side].damping for pair in pairs],
+                [pair[side].stiffness for pair in pairs],
+            )
+            for side in range(2)
+        )
+        return Dyad(*self.dyad.robots, (one, other), self.dyad.coupling_damping)
+
+    def keeps_stiffness_reserve(self, judged: Verdicts) -> bool:
+        """Return whether the dyad is stable up to 5 % more stiffness."""
+        k, limit = judged.stiffness, stiffness_limit(judged)
+        if k < limit:
+            return (1.0 + RESERVE) * k <= limit
+        # Stable above a limit: in an island of stiffnesses, of which the ends are not known.
+        constant = self.at_delay(constant_delay(judged))
+        return all(is_stable(constant.judge(factor * k)) for factor in (1.0 - RESERVE, 1.0 + RESERVE))
+
+    def keeps_delay_reserve(self, judged: Verdicts, delay_limit: float) -> bool:
+        """Return whether the dyad is stable up to 5 % more delay."""
+        forward, backward = constant_delay(judged)
+        mean = 0.5 * (forward + backward)
+        if mean < delay_limit:
+            return (1.0 + RESERVE) * mean < delay_limit
+        # In a later interval of stable delays a shorter delay may be unstable, too.
+        return all(
+            is_stable(self.at_delay((factor * forward, factor * backward)).judge(judged.stiffness))
+            for factor in (1.0 - RESERVE, 1.0 + RESERVE)
+        )
+
+    def delay_limit(self, judged: Verdicts) -> float:
+        """Return the one-way delay, s, below which every one is stable; infinite if none destabilises."""
+        continuous = min(axis.maximum_delay for axis in judged.axes)
+        period = self.network.sample_period
+        if period == 0.0 or continuous == 0.0:
+            return continuous
+        longest = max(LONGEST_DELAY, sum(constant_delay(judged)))
+        end = continuous if math.isfinite(continuous) else longest
+        # The worst case is quick to judge; whether it was the worst at that delay, the ranges decide.
+        worst = Question(self.held_by(judged), self.network)
+
+        def stable(delay: float) -> bool:
+            return is_stable(worst.at_delay(delay).judge(judged.stiffness))
+
+        limit = first_change(stable, end)
+        if limit == end and math.isinf(continuous):
+            limit = math.inf
+        if self.operator_ranges is None or math.isinf(limit):
+            return limit
+        for _ in range(_TRIES_OVER_RANGES):
+            if is_stable(self.at_delay(limit).judge(judged.stiffness)):
+                return limit
+            limit *= 0.98
+        return 0.0
+
+    def added_damping(self, judged: Verdicts) -> float:
+        """Return the damping, N·s/m, of which more must be added to both robots to be stable."""
+        constant = self.at_delay(constant_delay(judged))
+        mean = 0.5 * sum(constant_delay(judged))
+        # An axis that is stable now may, with more damping, be so in a later stable interval only.
+        least = max(judged.remedies.damping or 0.0, minimum_damping(self.dyad, judged.stiffness, mean))
+        if self.network.sample_period == 0.0 or math.isinf(least):
+            return least
+        worst = replace(constant, dyad=self.held_by(judged), operator_ranges=None)
+
+        def stable(question: Question, damping: float) -> bool:
+            more = replace(question, dyad=damped(question.dyad, damping))
+            return is_stable(more.judge(judged.stiffness))
+
+        added = enough(lambda damping: stable(worst, damping), least)
+        if self.operator_ranges is None or math.isinf(added):
+            return added
+        for _ in range(_TRIES_OVER_RANGES):
+            if stable(constant, added):
+                return added
+            added *= 1.05
+        return math.inf
+
+
+def refuse_unusual(
+    dyad: Dyad,
+    network: Network,
+    operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+    stiffness: float | None = None,
+) -> None:
+    """Refuse values that no laboratory has: their unit is probably wrong."""
+    for number, robot in enumerate(dyad.robots, start=1):
+        for i, (mass, damping) in enumerate(zip(robot.mass, robot.damping, strict=True)):
+            check_usual("mass", f"robot{number}.mass[{i}]", float(mass))
+            check_usual("damping", f"robot{number}.damping[{i}]", float(damping))
+    ends = dyad.operators if operator_ranges is None else [r for pair in operator_ranges for r in (pair.low, pair.high)]
+    for operator in ends:
+        for quantity, values in (
+            ("added mass", operator.mass),
+            ("damping", operator.damping),
+            ("ground stiffness", operator.stiffness),
+        ):
+            for value in values:
+                check_usual(quantity, f"operator {quantity.split()[-1]}", float(value))
+    if stiffness is not None:
+        check_usual("stiffness", "stiffness", stiffness)
+    for name, value in zip(("forward delay", "backward delay"), network.delay, strict=True):
+        check_usual("delay", name, value)
+    for name in ("jitter", "max_gap", "computing_time"):
+        check_usual("time span", name, getattr(network, name))
+    check_usual("controller period", "sample_period", network.sample_period)

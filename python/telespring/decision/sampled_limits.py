@@ -1,0 +1,67 @@
+"""Delay and damping that are stable with sampled controllers: found by search, and judged where they end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from telespring.model import Dyad, Robot
+
+__all__ = ["damped", "enough", "first_change"]
+
+#: The delays on which the first change is sought before it is narrowed down.
+_GRID = 16
+_HALVINGS = 14
+
+
+def first_change(is_stable: Callable[[float], bool], end: float, halvings: int = _HALVINGS) -> float:
+    """Return the end of the stable values that begin at 0, at most `end`; 0 if not even 0 is stable.
+
+    The value returned is itself stable, or 0. Values between the points of the grid are not examined.
+
+    Examples
+    --------
+    >>> round(first_change(lambda value: value < 0.3, 1.0), 3)
+    0.3
+    >>> first_change(lambda value: True, 1.0), first_change(lambda value: False, 1.0)
+    (1.0, 0.0)
+    """
+    if not is_stable(0.0):
+        return 0.0
+    points = [end * i / _GRID for i in range(_GRID + 1)]
+    first = next((i for i, point in enumerate(points) if not is_stable(point)), None)
+    if first is None:
+        return end
+    low, high = points[first - 1], points[first]
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_stable(middle) else (low, middle)
+    return low
+
+
+def enough(is_stable: Callable[[float], bool], least: float, halvings: int = _HALVINGS) -> float:
+    """Return a value from `least` on that is stable, nearly the smallest; infinite if none is found.
+
+    Examples
+    --------
+    >>> round(enough(lambda value: value > 3.0, 2.9), 3), enough(lambda value: False, 1.0)
+    (3.0, inf)
+    """
+    high = least
+    for _ in range(12):
+        if is_stable(high):
+            break
+        high = 1.25 * high + 1e-3
+    else:
+        return math.inf
+    low = least
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if is_stable(middle) else (middle, high)
+    return high
+
+
+def damped(dyad: Dyad, damping: float) -> Dyad:
+    """Return the dyad with this much more damping, N·s/m, on every axis of both robots."""
+    one, other = (Robot(robot.mass, robot.damping + damping, axes=dyad.axes) for robot in dyad.robots)
+    return Dyad(one, other, dyad.operators, dyad.coupling_damping)

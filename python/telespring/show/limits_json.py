@@ -1,0 +1,61 @@
+"""The limits of `telespring decide --json` without a stiffness or a delay, in SI units."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from telespring._json import finite_or_none
+from telespring.decision.limits import DelayLimits, Limits
+from telespring.decision.reserve import RESERVE
+from telespring.show.tiers import TIERS
+
+__all__ = ["limits_json"]
+
+
+def limits_json(found: Limits) -> dict[str, Any]:
+    """Return what `docs/study-json.md` lists for limits."""
+    given = found.stiffness
+    return {
+        "question": "limits",
+        "reserve": RESERVE,
+        "is_delay_given": found.is_delay_given,
+        "sample_period": found.delays[0].verdicts.network.sample_period,
+        "over_operator_ranges": found.over_operator_ranges,
+        "delays": [_delay_json(row, found.axes) for row in found.delays],
+        "stiffness": None
+        if given is None
+        else {
+            "stiffness": given.stiffness,
+            "delay_limit": finite_or_none(given.delay_limit),
+            "usable_delay": finite_or_none(given.usable_delay),
+            "unbounded": math.isinf(given.delay_limit),
+        },
+        "free": None if found.free is None else limits_json(found.free),
+    }
+
+
+def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
+    (forward, backward), (constant_forward, constant_backward) = row.delay, row.constant_delay
+    return {
+        "delay": {"forward": forward, "backward": backward},
+        "constant_delay": {
+            "forward": constant_forward,
+            "backward": constant_backward,
+            "buffered": row.buffered,
+        },
+        "stiffness_limit": finite_or_none(row.stiffness_limit),
+        "usable_stiffness": finite_or_none(row.usable_stiffness),
+        "unbounded": math.isinf(row.stiffness_limit),
+        "verdicts": {
+            TIERS[tier.tier].key: {
+                "stiffness_allowed": finite_or_none(math.nan if tier.stiffness_bound is None else tier.stiffness_bound),
+                "stiffness_unbounded": tier.stiffness_bound is not None and math.isinf(tier.stiffness_bound),
+                "attained": tier.attained,
+                "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
+                "assumption_met": tier.assumption_met,
+                "available": tier.stiffness_bound is not None,
+            }
+            for tier in row.verdicts.tiers
+        },
+    }
