@@ -10,7 +10,10 @@ from telespring.model import Dyad, DyadAxis, Robot, Study, hman
 from telespring.paper.reference import Reference, check_figure_ranges, reference_of
 from telespring.show.figures import StudyMark
 
-__all__ = ["Scene"]
+__all__ = ["DEFAULT_DELAY", "Scene"]
+
+#: One-way delay of a study that gives none, s.
+DEFAULT_DELAY = 0.1
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,10 @@ class Scene:
     Attributes
     ----------
     study
-        The study to reproduce the paper for.
+        The study to reproduce the paper for; without a stiffness or a delay of its own, with `DEFAULT_DELAY`
+        and twice K.
+    is_condition_given
+        Whether the study itself has a stiffness and a delay.
     axes
         Its axes, operators added to the robots.
     reference
@@ -35,6 +41,7 @@ class Scene:
     """
 
     study: Study
+    is_condition_given: bool
     axes: list[DyadAxis]
     reference: Reference
     identical: Dyad
@@ -51,10 +58,17 @@ class Scene:
         mass, damping = float(dyad.robots[0].mass[0]), float(dyad.robots[0].damping[0])
         identical_axis = DyadAxis(mass, damping, mass, damping)
         check_figure_ranges(dyad, axes, identical_axis)
+        reference = reference_of(axes)
+        given = study.has_stiffness and study.has_delay
+        if not study.has_stiffness:
+            study = study.replace(coupling={"stiffness": 2.0 * reference.stiffness})
+        if not study.has_delay:
+            study = study.replace(network={"delay": DEFAULT_DELAY})
         return cls(
             study=study,
+            is_condition_given=given,
             axes=axes,
-            reference=reference_of(axes),
+            reference=reference,
             identical=Dyad(Robot([mass], [damping]), Robot([mass], [damping])),
             identical_axis=identical_axis,
             identical_reference=reference_of([identical_axis]),
@@ -78,8 +92,10 @@ class Scene:
         return experiment.task == printed.task and kinds == printed_kinds
 
     @property
-    def mark(self) -> StudyMark:
-        """The study on a map: its stiffness, its delay, and that behind a playout buffer."""
+    def mark(self) -> StudyMark | None:
+        """The study on a map: its stiffness, its delay, and that behind a playout buffer; None without one."""
+        if not self.is_condition_given:
+            return None
         study, network = self.study, self.study.network
         delay = 0.5 * sum(study.delay)
         return StudyMark(study.stiffness, delay, delay + network.jitter + network.max_gap)
@@ -99,8 +115,8 @@ class Scene:
         return {
             "name": study.name,
             "of_the_paper": self.of_the_paper,
-            "stiffness": study.stiffness,
-            "delay": {"forward": study.delay[0], "backward": study.delay[1]},
+            "stiffness": study.stiffness if self.is_condition_given else None,
+            "delay": {"forward": study.delay[0], "backward": study.delay[1]} if self.is_condition_given else None,
             "operator_ranges": study.operator_ranges is not None,
             "jitter": study.network.jitter,
             "max_gap": study.network.max_gap,

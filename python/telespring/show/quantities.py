@@ -43,6 +43,7 @@ _SHOWN = {
     "m/N": ("mm/N", 1e3),
     "seconds": ("s", 1.0),
     "rad": ("°", 180.0 / math.pi),
+    "share": ("%", 100.0),
 }
 
 
@@ -148,7 +149,7 @@ def format_quantity(
     """Write a quantity for the report: milliseconds, millimetres, significant digits.
 
     The value is in the SI unit `unit`, or None for an unbounded or missing one. The unit is "1" for a pure
-    number and "seconds" for a time that is not shown in milliseconds, such as a trial's length. The style
+    number, "share" for one shown in percent, and "seconds" for a time that is not shown in milliseconds, such as a trial's length. The style
     "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies within it;
     "given" drops zeros at the end, as a person writes a value; "hundredths" has two decimals whatever the
     size, as a table's columns do. A `bare` quantity is without its unit, which is then given above a table's

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import statistics
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -69,6 +71,7 @@ def find_experiment(scene: Scene) -> Findings:
                 "ended_early": sum(row["ended_early"] for row in rows),
                 "reported": compare_reported_tests(analysed) if published else [],
                 "printed_baseline_median": BASELINE_MEDIAN if published else None,
+                "compared": _compare_with_table_1(rows) if published else None,
                 **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
                 "conditions": [_condition_without_trials(condition) for condition in analysed["conditions"]],
             },
@@ -115,6 +118,18 @@ def _printed_table_1_row(row: PublishedRow | None) -> dict[str, Any] | None:
         printed[f"te{i + 1}_sd"] = round(1e3 * row.standard_deviation[i], 2)
         printed[f"te{i + 1}_arrow"] = row.arrow[i]
     return printed
+
+
+def _compare_with_table_1(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Compare all means and arrows with the printed ones: RMS difference in mm, and arrows that agree."""
+    cells = [(row, te) for row in rows if row["printed"] for te in ("te1", "te2")]
+    means = [(row[f"{te}_mean"], row["printed"][f"{te}_mean"]) for row, te in cells]
+    differences = [ours - printed for ours, printed in means if ours is not None]
+    return {
+        "cells": len(cells),
+        "rms_difference": math.sqrt(statistics.fmean(d * d for d in differences)) if differences else None,
+        "arrows_that_agree": sum(row[f"{te}_arrow"] == row["printed"][f"{te}_arrow"] for row, te in cells),
+    }
 
 
 def _condition_without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:

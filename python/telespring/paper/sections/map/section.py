@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 
 import numpy as np
 
@@ -24,9 +25,11 @@ _WIDEST = 1e7
 def find_map(scene: Scene) -> Findings:
     """Compute the stability map of the study's axes; limits are the worst over any ranges of operators."""
     study, axes, base = scene.study, scene.axes, scene.reference
-    # As far as the study itself needs, with room around it.
-    widest = max(MAP_WIDTH * base.stiffness, min(1.15 * scene.mark.stiffness, _WIDEST))
-    longest = max(2.4 * base.delay, 1.15 * scene.mark.longest_delay)
+    widest, longest, mark = MAP_WIDTH * base.stiffness, 2.4 * base.delay, scene.mark
+    if mark is not None:
+        # As far as the study itself needs, with room around it.
+        widest = max(widest, min(1.15 * mark.stiffness, _WIDEST))
+        longest = max(longest, 1.15 * mark.longest_delay)
     stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
     boundaries = []
     for axis in axes:
@@ -60,15 +63,15 @@ def find_map(scene: Scene) -> Findings:
             bounded=bounded,
             conditions=conditions,
             extent=(widest, longest),
-            mark=scene.mark,
+            mark=mark,
             stable_for="operators in the middle" if study.operator_ranges is not None else "all axes",
         ),
         "map",
         "Stability over stiffness and delay",
         "The region where every constant delay is stable on all axes lies under the boundaries of the axes, "
         "which fall as the stiffness rises. Vertical lines mark the stiffness allowed on any network and "
-        "under any constant delay; a falling curve marks the limit for a bounded varying delay. A star "
-        f"marks this study: {scene.mark.stiffness:.4g} N/m, {1e3 * scene.mark.delay:.4g} ms.",
+        "under any constant delay; a falling curve marks the limit for a bounded varying delay. "
+        + ("" if mark is None else "A star marks this study."),
     )
     numbers = {
         "axes": [
@@ -85,11 +88,7 @@ def find_map(scene: Scene) -> Findings:
             }
             for boundary in boundaries
         ],
-        "mark": {
-            "stiffness": scene.mark.stiffness,
-            "delay": scene.mark.delay,
-            "longest_delay": scene.mark.longest_delay,
-        },
+        "mark": None if mark is None else asdict(mark),
         "any_network": finite_or_none(any_network),
         "any_constant_delay": finite_or_none(any_constant),
         "bounded_varying_delay_product": None if bounded is None else float(bounded[0][0] * bounded[1][0]),

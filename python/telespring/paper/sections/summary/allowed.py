@@ -20,19 +20,21 @@ _CONSTANT = ("any constant delay", "constant delay")
 
 
 def summarise(study: Study) -> dict[str, Any]:
-    """Compute the key `summary` of `study.json`: what each verdict allows at each delay.
+    """Compute what each verdict allows at each delay, the study's own among them: most of key `summary`.
 
     Apart from the delay the network is the study's own. The rules for a constant delay assume continuous
     controllers; with sampled ones, a row gives no more than keeps the sampled dyad stable at its delay.
     """
+    own = 0.5 * sum(study.delay)
+    delays = sorted({*SUMMARY_DELAYS, own})
     return {
-        "rows": [_summary_row(study, delay) for delay in SUMMARY_DELAYS],
+        "rows": [_summary_row(study, delay) for delay in delays],
         "tiers": [
             {"key": tier.key, "name": name, "network": tier.network, "rule": tier.rule}
             for name, tier in TIERS.items()
             if name != "paper"
         ],
-        "highlight": SUMMARY_DELAYS.index(0.1),
+        "highlight": delays.index(own),
     }
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.paper.sections.summary.allowed import summarise
+from telespring.paper.sections.summary.answer import answer_study
 
 __all__ = ["SECTION", "find_summary"]
 
 
 def find_summary(scene: Scene) -> Findings:
-    """Compute the largest stiffness for each one-way delay and each promise of the network."""
-    return Findings(numbers={"summary": summarise(scene.study)})
+    """Answer the study's question, and compute the largest stiffness by delay and by the network's promise."""
+    answer = answer_study(scene.study) if scene.is_condition_given else None
+    return Findings(numbers={"summary": {"answer": answer, **summarise(scene.study)}})
 
 
-SECTION = Section(name="summary", anchor="summary", step="allowed stiffness", find=find_summary)
+SECTION = Section(name="summary", anchor="summary", step="allowed stiffness", find=find_summary, mentions=("experiment", "calibration", "arms", "misprints"))

@@ -1,0 +1,46 @@
+"""The answer to the study's own question: is its stiffness stable over its network, and how close is the limit?"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from telespring._json import finite_or_none
+from telespring.decision.decide import decide
+from telespring.decision.reserve import RESERVE
+from telespring.model import Study
+
+__all__ = ["answer_study"]
+
+
+def answer_study(study: Study) -> dict[str, Any]:
+    """Compute the key `summary.answer` of `study.json`."""
+    network = study.network
+    decision = decide(
+        study.dyad,
+        study.stiffness,
+        study.delay,
+        jitter=network.jitter,
+        max_gap=network.max_gap,
+        sample_period=network.sample_period,
+        computing_time=network.computing_time,
+        operator_ranges=study.operator_ranges,
+        uncertainty=study.uncertainty,
+        compare_free=True,
+        allow_unusual=True,
+    )
+    known = decision.uncertainty
+    return {
+        "status": decision.status,
+        "axis": decision.worst_axis.name,
+        "stiffness": decision.stiffness,
+        "constant_delay_in_use": decision.mean_delay,
+        "is_buffered": decision.buffered,
+        "sample_period": network.sample_period,
+        "reserve": RESERVE,
+        "stiffness_limit": finite_or_none(decision.stiffness_limit),
+        "stiffness_to_spare": finite_or_none(decision.stiffness_limit - decision.stiffness),
+        "delay_limit": finite_or_none(decision.delay_limit),
+        "delay_to_spare": finite_or_none(decision.delay_limit - decision.mean_delay),
+        "probability_stable": None if known is None else known.stable.value,
+        "free_handles": None if decision.free is None else decision.free.status,
+    }
