@@ -443,7 +443,10 @@ def test_law_what_the_study_cannot_draw_is_refused_by_what_was_written(
     mass: float, damping: float, field: str
 ) -> None:
     robot = f"{{mass = {mass}, damping = {damping}}}"
-    text = f"allow_unusual = true\nrobot1 = {robot}\nrobot2 = {robot}\ncoupling.stiffness = 1.0\nnetwork.delay = 0.05\n"
+    text = (
+        f"allow_unusual = true\nrobot1 = {robot}\nrobot2 = {robot}\n"
+        "coupling.stiffness = 1.0\nnetwork.delay = 0.05\n"
+    )
     with pytest.raises(ts.InvalidInput, match=field) as refused:
         analyse(ts.Study.from_toml(text))
     assert float(refused.value.value) in (mass, damping)
@@ -456,7 +459,10 @@ def test_law_what_the_study_cannot_draw_is_refused_by_what_was_written(
 )
 def test_law_robots_within_the_ranges_are_drawn(mass: float, damping: float) -> None:
     robot = f"{{mass = {mass}, damping = {damping}}}"
-    text = f"allow_unusual = true\nrobot1 = {robot}\nrobot2 = {robot}\ncoupling.stiffness = 1.0\nnetwork.delay = 0.05\n"
+    text = (
+        f"allow_unusual = true\nrobot1 = {robot}\nrobot2 = {robot}\n"
+        "coupling.stiffness = 1.0\nnetwork.delay = 0.05\n"
+    )
     found = analyse(ts.Study.from_toml(text), parts=OWN)
     json.dumps(found.numbers, allow_nan=False)
     assert found.numbers["table3"]["Delta"]["ours"] == pytest.approx(math.pi * mass / (2 * damping), rel=1e-8)

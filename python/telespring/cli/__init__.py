@@ -54,7 +54,7 @@ def options(
         typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
     ] = False,
 ) -> None:
-    """Two people, two robots, one virtual spring over a network: is it stable, and by what margin?"""
+    """Decide, rehearse and analyse the haptic coupling of two robots over a network."""
 
 
 def main() -> None:

@@ -72,13 +72,12 @@ Robot1 = Annotated[
     ),
 ]
 Robot2 = Annotated[
-    str | None, typer.Option("--robot2", metavar="ROBOT", help="Robot 2, in the same way; hman2: the paper's.")
+    str | None,
+    typer.Option("--robot2", metavar="ROBOT", help="Robot 2, likewise; hman2: the paper's."),
 ]
 AllowUnusual = Annotated[
     bool,
-    typer.Option(
-        "--allow-unusual", help="Accept values that no laboratory has, such as a delay of 80 s."
-    ),
+    typer.Option("--allow-unusual", help="Accept values that no laboratory has, such as a delay of 80 s."),
 ]
 
 

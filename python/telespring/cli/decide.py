@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -42,11 +42,11 @@ def decide_command(
     backward: Backward = None,
     ping: Annotated[
         float | None,
-        typer.Option(parser=_TIME, metavar="TIME", help="Round trip instead of --delay: half of it each way."),
+        typer.Option(parser=_TIME, metavar="TIME", help="Round trip instead of --delay: half each way."),
     ] = None,
     ping_jitter: Annotated[
         float | None,
-        typer.Option(parser=_TIME, metavar="TIME", help="Largest ping less the smallest: all of it each way."),
+        typer.Option(parser=_TIME, metavar="TIME", help="Largest ping less the smallest: all each way."),
     ] = None,
     robot: Annotated[
         list[str] | None,
@@ -180,15 +180,13 @@ def _take_ping(
     if ping is not None:
         delay = 0.5 * ping
         asked.notes.append(
-            f"A ping of {format_time(ping, 6)} is {format_time(delay, 6)} each way; how it is shared does not "
-            "matter, only the sum of both delays does."
+            f"A ping of {format_time(ping, 6)} is {format_time(delay, 6)} each way; how it is shared does "
+            "not matter, only the sum of both delays does."
         )
     if ping_jitter is not None:
         jitter = ping_jitter
         asked.notes.append(
-            f"Its jitter of {format_time(jitter, 6)} may all fall on either way, so each way has it."
-            if ping is not None
-            else f"A ping's jitter of {format_time(jitter, 6)} may all fall on either way, so each way has it."
+            f"A jitter of {format_time(jitter, 6)} of the ping may all fall on one way: both have it."
         )
     return delay, jitter
 
@@ -221,7 +219,7 @@ def _answer(
     # The delay is 0 where none is given, and not used.
     timed = read if read.has_delay else read.replace(network={"delay": 0.0})
     network = timed.network
-    common = {
+    common: dict[str, Any] = {
         "jitter": network.jitter,
         "max_gap": network.max_gap,
         "sample_period": network.sample_period,
@@ -237,7 +235,11 @@ def _answer(
         from telespring.show.limits_json import limits_json
         from telespring.show.screens.limits import limits_screen
 
-        unanswerable = [("--check", check), ("--decay-rate", decay_rate is not None), ("--horizon", horizon)]
+        unanswerable = [
+            ("--check", check),
+            ("--decay-rate", decay_rate is not None),
+            ("--horizon", horizon is not None),
+        ]
         for option, is_given in unanswerable:
             if is_given:
                 raise InvalidInput(

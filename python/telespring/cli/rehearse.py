@@ -12,8 +12,8 @@ from telespring._errors import InvalidInput
 from telespring.cli.common import AllowUnusual, Robot1, Robot2
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console
-from telespring.model import Study
 from telespring.decision.arm_stability import arm_stability
+from telespring.model import Study
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
 from telespring.show.screens.refusal import refusal_screen

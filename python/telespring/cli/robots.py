@@ -33,12 +33,12 @@ class GivenRobot(NamedTuple):
 
 
 def read_robot(written: str, option: str) -> GivenRobot:
-    """Read a robot as an option gives it.
+    r"""Read a robot as an option gives it.
 
     Examples
     --------
     >>> read_robot("1.2,6/1.4,8", "--robot").source
-    '[robot]\\nmass = [1.2, 1.4]\\ndamping = [6.0, 8.0]\\n'
+    '[robot]\nmass = [1.2, 1.4]\ndamping = [6.0, 8.0]\n'
     """
     paper = {"hman1": hman().robots[0], "hman2": hman().robots[1]}
     if written in paper:

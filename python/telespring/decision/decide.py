@@ -134,7 +134,8 @@ class Decision:
         Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
     delay_limit
         Shorter one-way delays are stable, s; 0 if none is, infinite if no delay destabilises. With sampled
-        controllers the first change on a grid of delays, narrowed down.
+        controllers the first change near that of the dyad that samples to first order; over ranges of
+        operators for the worst case, and judged over the ranges up to twice the delay.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
         stable now, infinite if no damping suffices.

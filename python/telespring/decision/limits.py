@@ -199,4 +199,3 @@ def _stiffness_limits(question: Question, stiffness: float) -> StiffnessLimits:
     extra = question.network.jitter + question.network.max_gap
     # Jitter and gaps are part of the delay behind a playout buffer.
     return StiffnessLimits(stiffness, max(0.0, limit - extra), max(0.0, usable - extra))
-

@@ -25,8 +25,10 @@ __all__ = [
 #: Sampled controllers are judged up to this one-way delay, or twice the delay in question, where continuous
 #: ones are stable at any, s.
 LONGEST_DELAY = 1.0
+#: Bisections of a limit that is known to a few periods.
+_HALVINGS = 5
 #: So often a limit that was found for the worst operators is moved until it holds for all.
-_TRIES_OVER_RANGES = 8
+_TRIES_OVER_RANGES = 6
 
 
 def is_stable(judged: Verdicts) -> bool:
@@ -45,7 +47,7 @@ def constant_delay_tier(axis: AxisVerdict) -> AxisTier:
 
 
 def stiffness_limit(judged: Verdicts) -> float:
-    """Return the stiffness, N/m, below which every one is stable at the delay, sampling included; may be 0."""
+    """Return the stiffness, N/m, below which every one is stable at the delay, sampling included."""
     sampled = [axis.sampled_stiffness_bound for axis in judged.axes]
     bounds = [judged.tier("constant delay").stiffness_bound, *sampled]
     return min((bound for bound in bounds if bound is not None), default=math.nan)
@@ -73,6 +75,12 @@ class Question:
     def sampling(self) -> tuple[float, float]:
         """Sample period and computing time of the controllers, s."""
         return self.network.sample_period, self.network.computing_time
+
+    @property
+    def lag(self) -> float:
+        """Mean age of a force that is held for a period, computing time included, s."""
+        period, computing = self.sampling
+        return 0.5 * period + computing
 
     @property
     def is_held(self) -> bool:
@@ -140,27 +148,49 @@ class Question:
     def delay_limit(self, judged: Verdicts) -> float:
         """Return the one-way delay, s, below which every one is stable; infinite if none destabilises."""
         continuous = min(axis.maximum_delay for axis in judged.axes)
-        period = self.network.sample_period
-        if period == 0.0 or continuous == 0.0:
+        if self.network.sample_period == 0.0 or continuous == 0.0:
             return continuous
-        longest = max(LONGEST_DELAY, sum(constant_delay(judged)))
-        end = continuous if math.isfinite(continuous) else longest
         # The worst case is quick to judge; whether it was the worst at that delay, the ranges decide.
-        worst = Question(self.held_by(judged), self.network)
-
-        def stable(delay: float) -> bool:
-            return is_stable(worst.at_delay(delay).judge(judged.stiffness))
-
-        limit = first_change(stable, end)
-        if limit == end and math.isinf(continuous):
-            limit = math.inf
-        if self.operator_ranges is None or math.isinf(limit):
+        worst = replace(self, dyad=self.held_by(judged), operator_ranges=None)
+        limit = worst._sampled_delay_limit(judged)
+        if self.operator_ranges is None:
+            return limit
+        # The ranges are judged near the delay in question only: far from it that takes minutes.
+        mean = 0.5 * sum(constant_delay(judged))
+        candidate = limit if is_stable(judged) else min(limit, 0.95 * mean)
+        if candidate > 2.0 * mean:
             return limit
         for _ in range(_TRIES_OVER_RANGES):
-            if is_stable(self.at_delay(limit).judge(judged.stiffness)):
-                return limit
-            limit *= 0.98
+            if is_stable(self.at_delay(candidate).judge(judged.stiffness)):
+                return candidate
+            candidate *= 0.9
         return 0.0
+
+    def _sampled_delay_limit(self, judged: Verdicts) -> float:
+        """Return the same for sampled controllers and one pair of operators.
+
+        The limit of the dyad that samples to first order is exact for the first change; near it the sampled
+        controllers themselves are judged.
+        """
+        k, period = judged.stiffness, self.network.sample_period
+
+        def stable(delay: float) -> bool:
+            return is_stable(self.at_delay(delay).judge(k))
+
+        longest = max(LONGEST_DELAY, sum(constant_delay(judged)))
+        slower = damped(self.dyad, -k * self.lag)
+        about = math.nan
+        if slower is not None:
+            about = min(axis.maximum_delay(k) for axis in slower) - self.lag
+        if about > longest and stable(longest):
+            return math.inf
+        low, high = about - 4.0 * period, about + period
+        if not (low >= 0.0 and high <= longest and stable(low) and not stable(high)):
+            return first_change(stable, longest)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if stable(middle) else (low, middle)
+        return low
 
     def added_damping(self, judged: Verdicts) -> float:
         """Return the damping, N·s/m, of which more must be added to both robots to be stable."""
@@ -171,19 +201,33 @@ class Question:
         if self.network.sample_period == 0.0 or math.isinf(least):
             return least
         worst = replace(constant, dyad=self.held_by(judged), operator_ranges=None)
+        slower = damped(self.dyad, -judged.stiffness * self.lag)
+        if slower is not None:
+            least = max(least, 0.999 * minimum_damping(slower, judged.stiffness, mean + self.lag))
 
         def stable(question: Question, damping: float) -> bool:
-            more = replace(question, dyad=damped(question.dyad, damping))
-            return is_stable(more.judge(judged.stiffness))
+            more = damped(question.dyad, damping)
+            assert more is not None  # it is damped more, not less
+            return is_stable(replace(question, dyad=more).judge(judged.stiffness))
 
         added = enough(lambda damping: stable(worst, damping), least)
         if self.operator_ranges is None or math.isinf(added):
             return added
+        if stable(constant, added):
+            return added
+        # Another pair of operators is worse with sampled controllers.
+        step = 0.02 * float(max(robot.damping.max() for robot in self.dyad.robots))
+        low, high = added, 2.0 * added + step
         for _ in range(_TRIES_OVER_RANGES):
-            if stable(constant, added):
-                return added
-            added *= 1.05
-        return math.inf
+            if stable(constant, high):
+                break
+            low, high = high, 2.0 * high + step
+        else:
+            return math.inf
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if stable(constant, middle) else (middle, high)
+        return high
 
 
 def refuse_unusual(
@@ -197,7 +241,11 @@ def refuse_unusual(
         for i, (mass, damping) in enumerate(zip(robot.mass, robot.damping, strict=True)):
             check_usual("mass", f"robot{number}.mass[{i}]", float(mass))
             check_usual("damping", f"robot{number}.damping[{i}]", float(damping))
-    ends = dyad.operators if operator_ranges is None else [r for pair in operator_ranges for r in (pair.low, pair.high)]
+    ends = (
+        dyad.operators
+        if operator_ranges is None
+        else [r for pair in operator_ranges for r in (pair.low, pair.high)]
+    )
     for operator in ends:
         for quantity, values in (
             ("added mass", operator.mass),

@@ -11,7 +11,7 @@ __all__ = ["damped", "enough", "first_change"]
 
 #: The delays on which the first change is sought before it is narrowed down.
 _GRID = 16
-_HALVINGS = 14
+_HALVINGS = 10
 
 
 def first_change(is_stable: Callable[[float], bool], end: float, halvings: int = _HALVINGS) -> float:
@@ -61,7 +61,9 @@ def enough(is_stable: Callable[[float], bool], least: float, halvings: int = _HA
     return high
 
 
-def damped(dyad: Dyad, damping: float) -> Dyad:
-    """Return the dyad with this much more damping, N·s/m, on every axis of both robots."""
+def damped(dyad: Dyad, damping: float) -> Dyad | None:
+    """Return the dyad with this much more damping, N·s/m, on all axes; None if it is negative."""
+    if any((robot.damping + damping < 0.0).any() for robot in dyad.robots):
+        return None
     one, other = (Robot(robot.mass, robot.damping + damping, axes=dyad.axes) for robot in dyad.robots)
     return Dyad(one, other, dyad.operators, dyad.coupling_damping)

@@ -81,7 +81,8 @@ def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
     return {
         "axis": axis.name,
         "operators": [
-            {"mass": each.mass, "damping": each.damping, "stiffness": each.stiffness} for each in own.operators
+            {"mass": each.mass, "damping": each.damping, "stiffness": each.stiffness}
+            for each in own.operators
         ],
         "critical_stiffness": finite_or_none(axis.critical_stiffness),
         "critical_stiffness_unbounded": math.isinf(axis.critical_stiffness),

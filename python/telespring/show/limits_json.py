@@ -49,7 +49,9 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         "unbounded": math.isinf(row.stiffness_limit),
         "verdicts": {
             TIERS[tier.tier].key: {
-                "stiffness_allowed": finite_or_none(math.nan if tier.stiffness_bound is None else tier.stiffness_bound),
+                "stiffness_allowed": finite_or_none(
+                    math.nan if tier.stiffness_bound is None else tier.stiffness_bound
+                ),
                 "stiffness_unbounded": tier.stiffness_bound is not None and math.isinf(tier.stiffness_bound),
                 "attained": tier.attained,
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],

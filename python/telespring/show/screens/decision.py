@@ -51,7 +51,7 @@ def decision_screen(
         _verdict_table(decision),
         *_verdict_notes(decision),
         _suggested_changes(decision),
-        *decision_details(decision, held),
+        *decision_details(decision),
     )
 
 
@@ -94,7 +94,11 @@ def _answer(decision: Decision) -> Text:
         case "stable":
             word, style, why = "STABLE", "bold green", f" {where}, with {RESERVE:.0%} in reserve"
         case "marginal":
-            word, style, why = "MARGINAL", "bold yellow", f": stable {where}, but {_missing_reserve(decision)}"
+            word, style, why = (
+                "MARGINAL",
+                "bold yellow",
+                f": stable {where}, but {_missing_reserve(decision)}",
+            )
         case "not proven":
             coupled = decision.axes_independent is False
             word = "STABLE AXIS BY AXIS ONLY" if coupled else "NOT PROVEN"
@@ -102,9 +106,7 @@ def _answer(decision: Decision) -> Text:
         case _:
             names = [axis.name for axis in decision.axes if not axis.stable]
             unstable = f"{'axis' if len(names) == 1 else 'axes'} {', '.join(names)}"
-            return Text.assemble(
-                ("UNSTABLE", "bold red"), f" on {unstable} {where}{_growth(decision)}."
-            )
+            return Text.assemble(("UNSTABLE", "bold red"), f" on {unstable} {where}{_growth(decision)}.")
     return Text.assemble((word, style), f"{why.replace('%', ' %')}. {_margins(decision)}".rstrip())
 
 
@@ -153,6 +155,8 @@ def _margins(decision: Decision) -> str:
 def _delay_margin(decision: Decision) -> str:
     delay, end = decision.mean_delay, decision.delay_limit
     if math.isinf(end):
+        if decision.over_operator_ranges and decision.sampled_stable is not None:
+            return "With continuous controllers no constant delay, however long, destabilises it."
         if decision.sampled_stable is None:
             return "No constant delay, however long, destabilises it."
         # Sampled controllers are judged up to a delay, continuous ones at all.
@@ -183,7 +187,7 @@ def _delay_margin(decision: Decision) -> str:
 def _verdict_table(decision: Decision) -> Fitting:
     bounds = tier_bounds(decision.verdicts)
     if decision.free is not None:
-        rows = [
+        beside: list[tuple[str | Text, ...]] = [
             (
                 own.verdict.tier,
                 allowed_stiffness(free.bound, free.attained),
@@ -193,10 +197,11 @@ def _verdict_table(decision: Decision) -> Fitting:
             for own, free in zip(bounds, tier_bounds(decision.free.verdicts), strict=True)
         ]
         delays = decision.free.delay_limit, decision.delay_limit
-        longest = ("longest delay", *(format_time(end, rounding="down") for end in delays), hand_effect(*delays))
+        free_delay, held_delay = (format_time(end, rounding="down") for end in delays)
+        beside.append(("longest delay", free_delay, held_delay, hand_effect(*delays)))
         headings = ("network", "free handles", "held", "a hand")
-        return fitting_table("How stiff can the spring be, N/m?", headings, [*rows, longest], right=(1, 2))
-    rows = []
+        return fitting_table("How stiff can the spring be, N/m?", headings, beside, right=(1, 2))
+    rows: list[tuple[str | Text, ...]] = []
     for own in bounds:
         formula = TIERS[own.verdict.tier].formula
         if own.bound is None:

@@ -27,7 +27,7 @@ __all__ = ["decision_details"]
 _INTERVALS = 6
 
 
-def decision_details(decision: Decision, held: str) -> list[RenderableType]:
+def decision_details(decision: Decision) -> list[RenderableType]:
     """Lay out what stands behind a decision."""
     return [
         *_margins(decision),
@@ -72,7 +72,7 @@ def _margins(decision: Decision) -> list[RenderableType]:
 
 def _margins_over_ranges(decision: Decision) -> Group:
     """Keep what holds over the ranges apart from what belongs to the worst operators."""
-    rows = [
+    rows: list[list[str | Text]] = [
         [
             Text(axis.name, style="green" if axis.stable else "red"),
             format_stiffness(axis.critical_stiffness).removesuffix(" N/m"),
@@ -81,15 +81,18 @@ def _margins_over_ranges(decision: Decision) -> Group:
         for axis in decision.axes
     ]
     title = "Margins by axis over the ranges of operators: critical stiffness kₘ, maximum delay δₘ"
-    lines = [
-        Text(
-            f"Axis {axis.name}, worst case at this delay: robot 1 {_describe_operator(axis.worst_case.operators[0])},"
-            f" robot 2 {_describe_operator(axis.worst_case.operators[1])}. Slowest root "
-            f"{format_number(axis.worst_case.spectral_abscissa)} 1/s; stable delays up to "
-            f"{format_time(decision.horizon, 6)}: {_format_stable_delays(axis).replace(chr(10), ', ')}."
+    lines = []
+    for axis in decision.axes:
+        own = axis.worst_case
+        one, other = (_describe_operator(each) for each in own.operators)
+        intervals = _format_stable_delays(axis).replace("\n", ", ")
+        lines.append(
+            Text(
+                f"Axis {axis.name}, worst case at this delay: robot 1 {one}, robot 2 {other}. Slowest root "
+                f"{format_number(own.spectral_abscissa)} 1/s; stable delays up to "
+                f"{format_time(decision.horizon, 6)}: {intervals}."
+            )
         )
-        for axis in decision.axes
-    ]
     return Group(fitting_table(title, ("axis", "kₘ, N/m", "δₘ"), rows, right=(1, 2)), *lines)
 
 

@@ -30,7 +30,7 @@ class Fitting:
 def fitting_table(
     title: str, headings: Sequence[str], rows: Sequence[Sequence[str | Text]], *, right: Sequence[int] = ()
 ) -> Fitting:
-    """Lay rows out as a table, or where it does not fit as one paragraph each: the first cell, then the others by name.
+    """Lay rows out as a table, or where it does not fit as a paragraph each, with every cell by its name.
 
     No cell is wrapped or cut in the table. A heading may have a second line with its unit; columns in `right`
     are aligned to the right.

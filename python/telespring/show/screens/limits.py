@@ -28,9 +28,7 @@ __all__ = ["limits_screen"]
 _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
 
 
-def limits_screen(
-    found: Limits, title: str, held: str = "held", notes: Sequence[str] = ()
-) -> RenderableType:
+def limits_screen(found: Limits, title: str, held: str = "held", notes: Sequence[str] = ()) -> RenderableType:
     """Lay limits out for the terminal: what may be used, then what each kind of network allows."""
     period = found.delays[0].verdicts.network.sample_period
     lines = [title]
@@ -102,7 +100,7 @@ def _usable_delay(row: StiffnessLimits) -> Text:
 def _tier_table(found: Limits) -> Fitting:
     bounds = tier_bounds(found.delays[0].verdicts)
     if found.free is None:
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (
                 own.verdict.tier,
                 TIERS[own.verdict.tier].formula,
@@ -128,7 +126,7 @@ def _tier_table(found: Limits) -> Fitting:
 
 def _delay_table(found: Limits) -> Fitting:
     if found.free is None:
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (
                 given_delay(row.delay).removesuffix(" each way"),
                 format_stiffness(row.usable_stiffness).removesuffix(" N/m"),
@@ -149,7 +147,7 @@ def _delay_table(found: Limits) -> Fitting:
         )
         return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4))
     pairs = zip(found.free.delays, found.delays, strict=True)
-    rows = [
+    beside = [
         (
             given_delay(row.delay).removesuffix(" each way"),
             format_stiffness(free.usable_stiffness).removesuffix(" N/m"),
@@ -158,5 +156,5 @@ def _delay_table(found: Limits) -> Fitting:
         )
         for free, row in pairs
     ]
-    headings = ("delay\neach way", "free handles\nN/m", "held\nN/m", "a hand")
-    return fitting_table("", headings, rows, right=(0, 1, 2))
+    names = ("delay\neach way", "free handles\nN/m", "held\nN/m", "a hand")
+    return fitting_table("", names, beside, right=(0, 1, 2))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
@@ -76,7 +78,7 @@ def _encodable_text(text: Text, encoding: str) -> Text:
     # Styles keep their words: the text is spelt between the places where a style begins or ends.
     edges = sorted({0, len(text), *(span.start for span in text.spans), *(span.end for span in text.spans)})
     spelt = Text(style=text.style, justify=text.justify, overflow=text.overflow, no_wrap=text.no_wrap)
-    for start, end in zip(edges, edges[1:], strict=False):
+    for start, end in pairwise(edges):
         styles = [str(span.style) for span in text.spans if span.start <= start and end <= span.end]
         spelt.append(_encodable(text.plain[start:end], encoding), " ".join(styles) or None)
     return spelt

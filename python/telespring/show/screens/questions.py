@@ -1,4 +1,4 @@
-"""Phrases that the screens of a decision and of limits share: delays, controllers, limits, what a hand does."""
+"""Phrases that the screens of a decision and of limits share."""
 
 from __future__ import annotations
 
@@ -7,9 +7,18 @@ from typing import NamedTuple
 
 from telespring.decision.question import is_stable, stiffness_limit
 from telespring.show.quantities import format_number, format_time
-
-__all__ = ["CONTINUOUS_TIERS", "TierBound", "allowed_stiffness", "describe_grip", "given_delay", "hand_effect", "sampling_clause", "tier_bounds"]
 from telespring.theory.verdicts import Verdict, Verdicts
+
+__all__ = [
+    "CONTINUOUS_TIERS",
+    "TierBound",
+    "allowed_stiffness",
+    "describe_grip",
+    "given_delay",
+    "hand_effect",
+    "sampling_clause",
+    "tier_bounds",
+]
 
 #: What the tiers beyond one known delay leave out.
 CONTINUOUS_TIERS = "The rule for any constant delay is that of continuous controllers."
