@@ -20,9 +20,10 @@ from telespring.cli.common import (
     print_json,
     refusals,
 )
+from telespring.cli.figure_file import check_figure_name, save_figure
 from telespring.cli.grip import describe_grips, read_grip
 from telespring.cli.question import StudyOptions
-from telespring.cli.terminal import show
+from telespring.cli.terminal import screen_console, show
 from telespring.cli.units import RATE, TIME, number
 from telespring.model import Study
 from telespring.show.quantities import format_time
@@ -112,6 +113,14 @@ def decide_command(
             "(and with probability 0.95 if the robots have errors); with --grip also with free handles.",
         ),
     ] = False,
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write the map of stable stiffnesses and delays, with this condition marked: .svg, .png or "
+            ".pdf.",
+        ),
+    ] = None,
     allow_unusual: AllowUnusual = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
@@ -128,6 +137,8 @@ def decide_command(
     """
     asked = StudyOptions(study)
     with refusals(asked.options):
+        if figure is not None:
+            check_figure_name(figure)
         asked.take_robots(robot, robot1, robot2)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
@@ -149,9 +160,30 @@ def decide_command(
         if continuous:
             asked.take("controller", "computing_time", 0.0, "--continuous")
         held = _take_grips(asked, grip, grip1, grip2)
-        is_stable = _answer(asked, asked.read(), held, horizon, decay_rate, check=check, as_json=as_json)
+        read = asked.read()
+        is_stable = _answer(asked, read, held, horizon, decay_rate, check=check, as_json=as_json)
+        if figure is not None:
+            _write_map(read, figure)
+            if not as_json:
+                screen_console().print(f"Figure: {figure}", markup=False)
     if check and not is_stable:
         raise typer.Exit(1)
+
+
+def _write_map(study: Study, path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from telespring.plot import stability_map
+
+    mark = None
+    if study.has_stiffness and study.has_delay:
+        delay = 0.5 * sum(study.delay)
+        mark = (study.stiffness, delay, delay + study.network.jitter + study.network.max_gap)
+    drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
+    axes = stability_map(study.dyad, mark=mark, ax=drawing.subplots())
+    if study.operator_ranges is not None:
+        axes.set_xlabel(f"{axes.get_xlabel()}  (operators in the middle of their ranges)")
+    save_figure(drawing, path)
 
 
 def _take_ping(
