@@ -174,13 +174,16 @@ def _write_map(study: Study, path: Path) -> None:
     from matplotlib.figure import Figure
 
     from telespring.plot import stability_map
+    from telespring.show.figures.style import figure_style
 
     mark = None
     if study.has_stiffness and study.has_delay:
         delay = 0.5 * sum(study.delay)
         mark = (study.stiffness, delay, delay + study.network.jitter + study.network.max_gap)
-    drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
-    axes = stability_map(study.dyad, mark=mark, ax=drawing.subplots())
+    with figure_style():
+        drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
+        axes = drawing.subplots()
+    stability_map(study.dyad, mark=mark, ax=axes)
     if study.operator_ranges is not None:
         axes.set_xlabel(f"{axes.get_xlabel()}  (operators in the middle of their ranges)")
     save_figure(drawing, path)

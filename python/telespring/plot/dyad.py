@@ -40,7 +40,8 @@ def stability_map(
     Parameters
     ----------
     dyad
-        Robots and operators. Every stable region is drawn, also those at delays beyond the first.
+        Robots and operators. Every stable region of continuous controllers is drawn, also those at delays
+        beyond the first.
     mark
         A stiffness (N/m) and a one-way delay (s) to mark by a star; a third value is the longest delay, to
         which a bar is drawn.
@@ -86,7 +87,7 @@ def stability_map(
         if star is not None:
             handles.append(draw_study_mark(ax, star, "mark"))
         ax.legend(
-            handles=[Patch(color=STABLE, label="stable on all axes"), *handles],
+            handles=[Patch(color=STABLE, label="stable, continuous controllers"), *handles],
             loc="lower center",
             bbox_to_anchor=(0.5, 1.0),
             ncols=2,
