@@ -80,7 +80,9 @@ def test_cross_exact_p_is_the_share_of_all_assignments(first: int, second: int) 
 
 
 @given(st.integers(0, 1000), st.integers(51, 60), st.integers(8, 60))
-def test_cross_tied_p_of_large_groups_is_that_of_the_rank_formula(seed: int, n_first: int, n_second: int) -> None:
+def test_cross_tied_p_of_large_groups_is_that_of_the_rank_formula(
+    seed: int, n_first: int, n_second: int
+) -> None:
     rng = np.random.default_rng(seed)
     first, second = rng.integers(0, 7, n_first), rng.integers(0, 7, n_second)
     one, other = np.array(first, dtype=float), np.array(second, dtype=float)

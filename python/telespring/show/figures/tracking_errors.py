@@ -22,7 +22,7 @@ __all__ = ["ErrorGroup", "error_figure"]
 _ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
 #: Groups whose largest error is above this multiple of the median group's have a scale of their own.
 _FAR = 2.2
-#: Share of the height that the far groups have, and the height of the whole figure without and with them, inch.
+#: Share of the height that the far groups have; height of the whole figure without and with them, inch.
 _FAR_HEIGHT, _HEIGHT, _SPLIT_HEIGHT = 0.36, 3.1, 4.0
 #: Lines of the median and of a published one, and the colour of what is published.
 _DASHED, _DOTTED = (0.0, (4.0, 2.0)), (0.0, (1.0, 1.5))
@@ -68,8 +68,8 @@ def error_figure(
     A box shows median and quartiles, its whiskers reach to the last value within 1.5 box heights, and every
     trial is a marker. An arrow above a box marks a significant difference from the baseline, whose median TE2
     is `baseline`, m, and None where there is no baseline. Conditions with much larger errors than most have
-    an upper part of the figure with a logarithmic scale, so that the others stay legible. `published_baseline`
-    is a published median TE2 of the baseline, m.
+    an upper part of the figure with a logarithmic scale, so that the others stay legible.
+    `published_baseline` is a published median TE2 of the baseline, m.
     """
     split = _scale_change(groups, [baseline, published_baseline])
     with figure_style():
@@ -83,7 +83,9 @@ def error_figure(
             if baseline is not None:
                 axes.axhline(1e3 * baseline, color="black", linewidth=0.7, linestyle=_DASHED, zorder=1)
             if published_baseline is not None:
-                axes.axhline(1e3 * published_baseline, color=_PUBLISHED, linewidth=0.9, linestyle=_DOTTED, zorder=1)
+                axes.axhline(
+                    1e3 * published_baseline, color=_PUBLISHED, linewidth=0.9, linestyle=_DOTTED, zorder=1
+                )
             axes.set_xlim(places[0] - 0.7, places[-1] + 0.7)
             axes.grid(axis="y", color="#E4E4E4", linewidth=0.5)
             axes.set_axisbelow(True)
@@ -94,7 +96,7 @@ def error_figure(
         lower.set_xticks(places, [group.label for group in groups])
         lower.tick_params(axis="x", length=0.0)
         _limit_scales(parts, groups, split)
-        _draw_significance_brackets(lower, places, groups)
+        _draw_significance_brackets(figure, lower, places, groups)
         _draw_arrows(parts, places, groups)
         if split:
             figure.supylabel("Tracking error, mm", fontsize=7.5)
@@ -113,7 +115,7 @@ def error_figure(
 
 
 def _scale_change(groups: Sequence[ErrorGroup], baselines: Sequence[float | None]) -> float | None:
-    """Choose from which error, mm, the scale is logarithmic, in a part of its own; None: one scale for all."""
+    """Choose from which error, mm, the scale is logarithmic, in a part of its own; None: nowhere."""
     largest = np.array([_largest(group) for group in groups])
     present = largest[np.isfinite(largest)]
     if len(present) < 2:
@@ -122,7 +124,9 @@ def _scale_change(groups: Sequence[ErrorGroup], baselines: Sequence[float | None
     if len(usual) == len(present):
         return None
     published = [mean + sd for group in groups for mean, sd in group.published or ()]
-    return 1e3 * 1.06 * float(max([usual.max(), *published, *(each for each in baselines if each is not None)]))
+    return (
+        1e3 * 1.06 * float(max([usual.max(), *published, *(each for each in baselines if each is not None)]))
+    )
 
 
 def _largest(group: ErrorGroup) -> float:
@@ -311,14 +315,14 @@ def _draw_arrows(parts: Sequence[Axes], places: Sequence[float], groups: Sequenc
             )
 
 
-def _draw_significance_brackets(axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]) -> None:
+def _draw_significance_brackets(
+    figure: Figure, axes: Axes, places: Sequence[float], groups: Sequence[ErrorGroup]
+) -> None:
     # Below the tick labels: in points, as parts of a figure differ in height.
     for family in dict.fromkeys(group.family for group in groups if group.family):
         inside = [place for place, group in zip(places, groups, strict=True) if group.family == family]
         ends = [inside[0] - 0.45, inside[-1] + 0.45]
-        transform = axes.get_xaxis_transform() + ScaledTranslation(
-            0.0, -17.0 / 72.0, axes.get_figure(root=True).dpi_scale_trans
-        )
+        transform = axes.get_xaxis_transform() + ScaledTranslation(0.0, -17.0 / 72.0, figure.dpi_scale_trans)
         axes.plot(ends, [0.0] * 2, color=GREY, linewidth=0.7, transform=transform, clip_on=False)
         axes.annotate(
             family,

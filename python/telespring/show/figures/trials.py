@@ -139,7 +139,7 @@ def _ended_early(panel: TrialPanel) -> NDArray[np.bool_]:
 
 
 def _shown_trials(panel: TrialPanel) -> list[int]:
-    """Choose the trials to draw: all, or the median one of the completed where all together hide each other."""
+    """Choose the trials to draw: all, or the median completed one where they hide each other."""
     everything = list(range(len(panel.position)))
     completed = np.flatnonzero(~_ended_early(panel))
     half = np.nanmax(np.abs(panel.target), axis=0)
@@ -183,7 +183,7 @@ def _trajectory_views(
 
 
 def _reach(panel: TrialPanel, shown: Sequence[int]) -> NDArray[np.float64]:
-    """How far the completed trials that are shown move, mm per axis; of those that ended early, the most part."""
+    """Compute how far the trials that are shown move, mm per axis: the completed ones, if there are any."""
     early = _ended_early(panel)
     completed = [trial for trial in shown if not early[trial]]
     size = np.abs(panel.position[completed or list(shown)]).reshape(-1, 2)

@@ -42,16 +42,14 @@ def analysis_screen(
 
 @dataclass(frozen=True)
 class _WidestThatFits:
-    """The first of several layouts, each of tables below each other, that fits the terminal; else the last."""
+    """The first of several layouts (tables below each other) that fits the terminal, else the last."""
 
     layouts: Sequence[Sequence[Table]]
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         for layout in self.layouts:
             wide = options.update_width(10_000)
-            if all(
-                Measurement.get(console, wide, table).maximum <= options.max_width for table in layout
-            ):
+            if all(Measurement.get(console, wide, table).maximum <= options.max_width for table in layout):
                 break
         for i, table in enumerate(layout):
             if i:
@@ -61,7 +59,7 @@ class _WidestThatFits:
 
 def _table_1_screen(numbers: Mapping[str, Any]) -> Table:
     table = _create_table()
-    _add_error_columns(table, numbers)
+    _add_error_columns(table)
     _add_measure_columns(table, numbers)
     _add_trial_columns(table, numbers)
     for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
@@ -77,7 +75,7 @@ def _table_1_screen(numbers: Mapping[str, Any]) -> Table:
 def _narrow_tables(numbers: Mapping[str, Any]) -> list[Table]:
     """Put the errors and the other measures below each other."""
     errors, measures = _create_table(), _create_table()
-    _add_error_columns(errors, numbers)
+    _add_error_columns(errors)
     _add_trial_columns(errors, numbers)
     _add_measure_columns(measures, numbers)
     for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
@@ -93,7 +91,7 @@ def _create_table() -> Table:
     return table
 
 
-def _add_error_columns(table: Table, numbers: Mapping[str, Any]) -> None:
+def _add_error_columns(table: Table) -> None:
     for robot in (1, 2):
         table.add_column(f"TE{robot}\nmm", justify="right", no_wrap=True)
 
@@ -251,8 +249,8 @@ def _least_p_lines(family: Mapping[str, Any]) -> Iterator[Text]:
         fewest = fewest_values(tested[0]["test"], LEVEL / len(tested))
         yield Text(
             f"With so few {unit} no * can appear: the least p is {_format_least_p(least)}, and Holm's "
-            f"correction asks for {_format_least_p(LEVEL / len(tested))} at first; {fewest} in each condition "
-            "are the fewest.",
+            f"correction asks for {_format_least_p(LEVEL / len(tested))} at first; {fewest} in each "
+            "condition are the fewest.",
             style="yellow",
         )
 
