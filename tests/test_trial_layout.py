@@ -225,6 +225,14 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "discard": (lambda: small().assign_attrs(discard="two"), "the attribute must be a time in s"),
     "a variable": (lambda: small()["position"], "an xarray.Dataset of trials is required"),
+    "mean of the trials": (
+        lambda: small().drop_vars("status").mean("trial"),
+        "single trials, not their mean",
+    ),
+    "another name of a dimension": (
+        lambda: small().rename(trial="repetition"),
+        "If repetition stands for trial, rename it",
+    ),
     "stacked": (lambda: small().stack(place=PER_TRIAL), "position"),
     "dyad and participant": (
         lambda: small().assign(
