@@ -172,15 +172,19 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "bare integers": (lambda: wrong_status(np.zeros((3, 3), dtype=int)), "flag_values and flag_meanings"),
     "unknown flag": (
         lambda: wrong_status(np.full((3, 3), 7), flag_values=[0, 1], flag_meanings="completed diverged"),
-        "7, trial 1 in place of condition 1: one of 0, 1 is required",
+        "7, trial 1 of UM: one of 0, 1 is required",
     ),
     "unknown word": (
         lambda: wrong_status(np.full((3, 3), "complete")),
-        "complete, trial 1 in place of condition 1: one of completed, stopped",
+        "complete, trial 1 of UM: one of completed, stopped",
     ),
     "no status of a trial with positions": (
         lambda: coded(small()).assign(status=lambda each: each["status"].where(each["trial"] != 1)),
-        "missing, trial 1 in place of condition 1",
+        "missing, trial 1 of UM",
+    ),
+    "unknown word of a trial with a number": (
+        lambda: wrong_status(np.full((3, 3), "done")).isel(condition=[2], trial=[1, 2]),
+        "done, trial 2 of CM-36-167: one of",
     ),
     "truth values": (lambda: wrong_status(np.full((3, 3), True)), "of type bool"),
     "target of each robot": (
@@ -246,7 +250,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "no dyad": (
         lambda: small().assign(dyad=(PER_TRIAL, [["a", "", "a"]] * 3)),
-        "a label for every trial is required, and trial 2 of condition 1 has none",
+        "a label for every trial is required, and trial 2 of UM has none",
     ),
 }
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._types import FloatArray
-from telespring.analysis.layout import refuse_trials
+from telespring.analysis.layout import name_place, refuse_trials
 from telespring.study.conditions import condition_labels, distinct_labels
 
 if TYPE_CHECKING:
@@ -88,8 +88,7 @@ def trial_dyads(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[np.str
             raise refuse_trials(
                 present[0],
                 "missing",
-                f"a label for every trial is required, and trial {place[1] + 1} of condition {place[0] + 1} "
-                "has none",
+                f"a label for every trial is required, and {name_place(dataset, *place)} has none",
                 "Label every trial, or leave the variable out.",
             )
         labels[place] = text.removesuffix(".0") if is_number else text

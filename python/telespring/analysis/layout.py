@@ -14,7 +14,15 @@ from telespring._errors import InvalidInput
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["PER_SAMPLE", "PER_TRIAL", "STATUSES", "check_layout", "refuse_trials", "trial_statuses"]
+__all__ = [
+    "PER_SAMPLE",
+    "PER_TRIAL",
+    "STATUSES",
+    "check_layout",
+    "name_place",
+    "refuse_trials",
+    "trial_statuses",
+]
 
 PER_TRIAL = ("condition", "trial")
 PER_SAMPLE = (*PER_TRIAL, "time", "robot", "axis")
@@ -148,7 +156,7 @@ def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:
         if decoded[place] is None and empty[place]:
             decoded[place] = "absent"
         if decoded[place] not in STATUSES:
-            raise _unknown_status(raw, words, place)
+            raise _unknown_status(raw, words, name_place(dataset, *place))
     return decoded.astype(str)
 
 
@@ -182,9 +190,21 @@ def _status_word(raw: Any, words: dict[int, str] | None) -> str | None:
     return " ".join(text.casefold().replace("_", " ").split()) or None
 
 
-def _unknown_status(raw: Any, words: dict[int, str] | None, place: tuple[int, ...]) -> InvalidInput:
+def name_place(dataset: xr.Dataset, condition: int, trial: int) -> str:
+    """Name a trial of a checked dataset by its labels, such as "trial 3 of UM", or by its place from 1."""
+    number: Any = trial + 1
+    if "trial_number" in dataset.variables:
+        number = f"{float(dataset['trial_number'][condition, trial]):g}"
+    elif "trial" in dataset.coords:
+        number = np.asarray(dataset["trial"])[trial]
+    label: Any = f"condition {condition + 1}"
+    if "condition" in dataset.coords:
+        label = np.asarray(dataset["condition"])[condition]
+    return f"trial {number} of {label}"
+
+
+def _unknown_status(raw: Any, words: dict[int, str] | None, where: str) -> InvalidInput:
     text = raw.decode("utf-8", "replace") if isinstance(raw, bytes) else str(raw)
-    where = f"trial {place[1] + 1} in place of condition {place[0] + 1}"
     if words is not None and text != "nan":
         allowed = f"one of {', '.join(str(flag) for flag in words)} is required"
     else:
