@@ -308,6 +308,10 @@ def test_law_the_screen_says_what_few_trials_cannot_show(made: xr.Dataset, tmp_p
     _, words = shown(made.isel(trial=slice(0, 3)), tmp_path)
     assert "With so few distinct trials p cannot be below 0.1, so no arrow can appear" in words
     assert "4 in each condition are the fewest." in words
+    assert "it cannot be below" not in words
+    _, words = shown(made.isel(trial=slice(0, 2), condition=slice(0, 3)), tmp_path)
+    # 6 of the 90 ways to share out six trials to three conditions
+    assert "exact (it cannot be below 0.0667)" in words
     _, words = shown(made.isel(trial=slice(0, 4)), tmp_path)
     # 2 of C(8, 4) assignments, and 9 comparisons; 2/C(12, 6) is the first below 0.05/9
     assert (

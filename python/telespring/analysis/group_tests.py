@@ -11,13 +11,16 @@ from numpy.typing import ArrayLike
 
 from telespring._types import FloatArray
 from telespring.analysis.dyads import dyad_means, matched_dyads, split_dyads
-from telespring.analysis.permutations import friedman_p_value, kruskal_wallis_p_value
-from telespring.analysis.statistics import compare, present_values
+from telespring.analysis.permutations import permute_friedman, permute_kruskal_wallis
+from telespring.analysis.statistics import Comparison, compare, present_values
 
 __all__ = ["GroupTest", "kruskal_wallis"]
 
 #: With at least this many values in every group, or dyads, p is from chi-squared.
 _CHI_SQUARED_FROM = 10
+
+
+_Method = Literal["exact", "permutation", "chi-squared", "asymptotic", "all equal", "no values"]
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,8 @@ class GroupTest:
         None without a statistic.
     p_holm
         Corrected within the test's family.
+    least_p
+        The smallest p that groups of these sizes, with these ties, can have; None if it was not counted.
     method
         "exact": all permutations of the ranks, and for two groups the p of `compare`; "permutation": 9999
         random permutations with a fixed seed; "chi-squared", with ten values or more in every group;
@@ -61,7 +66,8 @@ class GroupTest:
     degrees_of_freedom: int
     p_value: float | None
     p_holm: float | None
-    method: Literal["exact", "permutation", "chi-squared", "asymptotic", "all equal", "no values"]
+    least_p: float | None
+    method: _Method
     epsilon_squared: float | None
     kendalls_w: float | None
 
@@ -77,6 +83,7 @@ class GroupTest:
             "degrees_of_freedom": self.degrees_of_freedom,
             "p": self.p_value,
             "p_holm": self.p_holm,
+            "least_p": self.least_p,
             "method": self.method,
             "epsilon_squared": self.epsilon_squared,
             "kendalls_w": self.kendalls_w,
@@ -135,21 +142,24 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
     count, freedom = sum(sizes), max(0, len(names) - 1)
     if len(names) < 2 or count < 3:
         return GroupTest(
-            names, sizes, "Kruskal-Wallis", unit, None, freedom, None, None, "no values", None, None
+            names, sizes, "Kruskal-Wallis", unit, None, freedom, None, None, None, "no values", None, None
         )
     together = np.concatenate(values)
     if np.ptp(together) == 0.0:
-        return GroupTest(names, sizes, "Kruskal-Wallis", unit, 0.0, freedom, 1.0, 1.0, "all equal", 0.0, None)
+        return GroupTest(
+            names, sizes, "Kruskal-Wallis", unit, 0.0, freedom, 1.0, 1.0, 1.0, "all equal", 0.0, None
+        )
     test = stats.kruskal(*values)
-    statistic, p_value = float(test.statistic), float(test.pvalue)
-    method: Literal["exact", "permutation", "chi-squared", "asymptotic"] = "chi-squared"
+    statistic = float(test.statistic)
+    least: float | None = None
+    method: _Method = "chi-squared"
+    p_value = float(test.pvalue)
     if len(names) == 2:
         # H of two groups is the square of U's standard score, so both tests have one p.
-        comparison = compare(values[0], values[1])
-        assert comparison.p_value is not None
-        p_value, method = comparison.p_value, "exact" if comparison.method == "exact" else "asymptotic"
+        p_value, least, method = _of_two_groups(compare(values[0], values[1]))
     elif min(sizes) < _CHI_SQUARED_FROM:
-        p_value, method = kruskal_wallis_p_value(stats.rankdata(together), sizes)
+        permuted = permute_kruskal_wallis(stats.rankdata(together), sizes)
+        p_value, least, method = permuted.p_value, permuted.least_p, permuted.method
     return GroupTest(
         names,
         sizes,
@@ -159,6 +169,7 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
         freedom,
         p_value,
         p_value,
+        least,
         method,
         statistic / (count - 1),
         None,
@@ -173,20 +184,22 @@ def _friedman(groups: Mapping[str, FloatArray]) -> GroupTest:
     count, dyads = values.shape
     sizes = (dyads,) * count
     if np.all(values == values[0]):
-        return GroupTest(names, sizes, "Friedman", "dyad", 0.0, count - 1, 1.0, 1.0, "all equal", None, 0.0)
+        return GroupTest(
+            names, sizes, "Friedman", "dyad", 0.0, count - 1, 1.0, 1.0, 1.0, "all equal", None, 0.0
+        )
     ranks = stats.rankdata(values, axis=0)
     # Friedman's Q with its correction for ties (Conover 1999, Eq. 5.8.4).
     spread = ((ranks.mean(axis=1) - 0.5 * (count + 1.0)) ** 2).sum()
     statistic = float((count - 1) * dyads**2 * spread / ((ranks - 0.5 * (count + 1.0)) ** 2).sum())
-    method: Literal["exact", "permutation", "chi-squared", "asymptotic"] = "chi-squared"
+    least: float | None = None
+    method: _Method = "chi-squared"
     p_value = float(stats.chi2.sf(statistic, count - 1))
     if count == 2:
         labels = np.arange(dyads).astype(str)
-        comparison = compare(values[0], values[1], dyads=(labels, labels))
-        assert comparison.p_value is not None
-        p_value, method = comparison.p_value, "exact" if comparison.method == "exact" else "asymptotic"
+        p_value, least, method = _of_two_groups(compare(values[0], values[1], dyads=(labels, labels)))
     elif dyads < _CHI_SQUARED_FROM:
-        p_value, method = friedman_p_value(ranks.T)
+        permuted = permute_friedman(ranks.T)
+        p_value, least, method = permuted.p_value, permuted.least_p, permuted.method
     return GroupTest(
         names,
         sizes,
@@ -196,7 +209,13 @@ def _friedman(groups: Mapping[str, FloatArray]) -> GroupTest:
         count - 1,
         p_value,
         p_value,
+        least,
         method,
         None,
         statistic / (dyads * (count - 1)),
     )
+
+
+def _of_two_groups(comparison: Comparison) -> tuple[float, float | None, _Method]:
+    assert comparison.p_value is not None
+    return comparison.p_value, comparison.least_p, comparison.method

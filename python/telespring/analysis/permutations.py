@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations, permutations, product
 from typing import Literal
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from telespring._types import FloatArray
 
-__all__ = ["friedman_p_value", "kruskal_wallis_p_value"]
+__all__ = ["PermutationTest", "permute_friedman", "permute_kruskal_wallis"]
 
 #: Up to so many permutations are counted one by one; of more, so many random ones are drawn. Their seed is
 #: fixed, so that the same trials give the same p.
@@ -19,11 +20,28 @@ _PERMUTATIONS, _SEED = 9999, 20250617
 #: Statistics this close, relative to them, are equal: they are sums of the same ranks in another order.
 _ROUNDING = 1e-12
 
-_Method = Literal["exact", "permutation"]
+
+@dataclass(frozen=True)
+class PermutationTest:
+    """Result of a permutation test.
+
+    Attributes
+    ----------
+    p_value
+        Share of the permutations with a statistic at least as large as the observed one.
+    least_p
+        The smallest p that these ranks can have; None where not all permutations were counted.
+    method
+        "exact": all permutations; "permutation": random ones.
+    """
+
+    p_value: float
+    least_p: float | None
+    method: Literal["exact", "permutation"]
 
 
-def kruskal_wallis_p_value(ranks: FloatArray, sizes: Sequence[int]) -> tuple[float, _Method]:
-    """Compute the share of assignments of the ranks to groups of these sizes with an H at least as large.
+def permute_kruskal_wallis(ranks: FloatArray, sizes: Sequence[int]) -> PermutationTest:
+    """Test by all assignments of the ranks to groups of these sizes, or random ones, with H as statistic.
 
     `ranks` are those of the first group, then of the second, and so on.
 
@@ -31,9 +49,9 @@ def kruskal_wallis_p_value(ranks: FloatArray, sizes: Sequence[int]) -> tuple[flo
     --------
     The most extreme of the 1680 assignments of nine values to three groups: six of them.
 
-    >>> p_value, method = kruskal_wallis_p_value(np.arange(1.0, 10.0), (3, 3, 3))
-    >>> round(1680 * p_value, 9), method
-    (6.0, 'exact')
+    >>> test = permute_kruskal_wallis(np.arange(1.0, 10.0), (3, 3, 3))
+    >>> round(1680 * test.p_value, 9), test.least_p == test.p_value, test.method
+    (6.0, True, 'exact')
     """
     starts = np.cumsum([0, *sizes[:-1]])
 
@@ -44,14 +62,14 @@ def kruskal_wallis_p_value(ranks: FloatArray, sizes: Sequence[int]) -> tuple[flo
     count = len(ranks)
     if math.factorial(count) // math.prod(math.factorial(size) for size in sizes) <= _PERMUTATIONS:
         assigned = np.array(list(_partitions(tuple(range(count)), tuple(sizes))))
-        return _share(spread(ranks[assigned]), float(spread(ranks)), 0), "exact"
+        return _count_all(spread(ranks[assigned]), float(spread(ranks)))
     rng = np.random.default_rng(_SEED)
     drawn = spread(rng.permuted(np.tile(ranks, (_PERMUTATIONS, 1)), axis=1))
-    return _share(drawn, float(spread(ranks)), 1), "permutation"
+    return _count_random(drawn, float(spread(ranks)))
 
 
-def friedman_p_value(ranks: FloatArray) -> tuple[float, _Method]:
-    """Compute the share of permutations within rows with a Friedman statistic at least as large.
+def permute_friedman(ranks: FloatArray) -> PermutationTest:
+    """Test by all permutations within rows, or random ones, with Friedman's statistic.
 
     `ranks` has a row per block (a dyad), ranked within it, and a column per group.
 
@@ -59,8 +77,8 @@ def friedman_p_value(ranks: FloatArray) -> tuple[float, _Method]:
     --------
     Three blocks with the same order of three groups: 6 of 216 permutations.
 
-    >>> p_value, method = friedman_p_value(np.tile([1.0, 2.0, 3.0], (3, 1)))
-    >>> round(216 * p_value, 9), method
+    >>> test = permute_friedman(np.tile([1.0, 2.0, 3.0], (3, 1)))
+    >>> round(216 * test.p_value, 9), test.method
     (6.0, 'exact')
     """
     blocks, groups = ranks.shape
@@ -70,10 +88,10 @@ def friedman_p_value(ranks: FloatArray) -> tuple[float, _Method]:
 
     if math.factorial(groups) ** blocks <= _PERMUTATIONS:
         arranged = np.array(list(product(*(permutations(row) for row in ranks.tolist()))))
-        return _share(spread(arranged), float(spread(ranks)), 0), "exact"
+        return _count_all(spread(arranged), float(spread(ranks)))
     rng = np.random.default_rng(_SEED)
     drawn = spread(rng.permuted(np.tile(ranks, (_PERMUTATIONS, 1, 1)), axis=2))
-    return _share(drawn, float(spread(ranks)), 1), "permutation"
+    return _count_random(drawn, float(spread(ranks)))
 
 
 def _partitions(items: tuple[int, ...], sizes: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
@@ -87,7 +105,17 @@ def _partitions(items: tuple[int, ...], sizes: tuple[int, ...]) -> Iterator[tupl
             yield (*chosen, *others)
 
 
-def _share(statistics: FloatArray, observed: float, itself: int) -> float:
-    """Return the share of permutations at least as extreme; random ones count the observed one too."""
-    extreme = int(np.count_nonzero(statistics >= observed * (1.0 - _ROUNDING)))
-    return (extreme + itself) / (len(statistics) + itself)
+def _count_all(statistics: FloatArray, observed: float) -> PermutationTest:
+    largest = float(statistics.max())
+    return PermutationTest(
+        _count(statistics, observed) / len(statistics), _count(statistics, largest) / len(statistics), "exact"
+    )
+
+
+def _count_random(statistics: FloatArray, observed: float) -> PermutationTest:
+    # The observed arrangement is one of all, so that p is never 0.
+    return PermutationTest((_count(statistics, observed) + 1) / (len(statistics) + 1), None, "permutation")
+
+
+def _count(statistics: FloatArray, limit: float) -> int:
+    return int(np.count_nonzero(statistics >= limit * (1.0 - _ROUNDING)))

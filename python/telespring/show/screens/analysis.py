@@ -184,6 +184,8 @@ def _group_test_sentence(test: Mapping[str, Any]) -> str:
     effect = "W" if is_friedman else "ε²"
     size = test["kendalls_w"] if is_friedman else test["epsilon_squared"]
     how = {"exact": ", exact", "permutation": ", by permutation"}.get(test["method"], "")
+    if test["least_p"] is not None and test["least_p"] >= LEVEL:
+        how += f" (it cannot be below {_format_least_p(test['least_p'])})"
     return (
         f"TE{test['robot']} over all conditions: {test['test']} {symbol}({test['degrees_of_freedom']}) = "
         f"{statistic:.2f}, p {format_p_value(test['p'])}{how}, {effect} = {size:.2f}."
