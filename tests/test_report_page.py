@@ -1,4 +1,4 @@
-"""The report as a browser lays it out, on a screen, on a telephone and on paper, and as axe-core judges it."""
+"""The report as a browser lays it out on a screen, a telephone and paper, and as axe-core judges it."""
 
 from __future__ import annotations
 
@@ -97,7 +97,9 @@ def test_law_on_a_telephone_the_page_does_not_scroll_sideways(analysis: Analysis
 @needs_chromium
 def test_law_what_is_folded_on_the_screen_is_printed(analysis: Analysis, tmp_path: Path) -> None:
     count = 'document.querySelectorAll("details:not([open])").length'
-    script = f"<script>const a = {count}; dispatchEvent(new Event('beforeprint')); report([a, {count}])</script>"
+    script = (
+        f"<script>const a = {count}; dispatchEvent(new Event('beforeprint')); report([a, {count}])</script>"
+    )
     folded, then = look(analysis.html, script, tmp_path)
     assert folded > 3
     assert then == 0

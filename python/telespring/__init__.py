@@ -143,7 +143,7 @@ __all__ = [
 
 serve_moved_modules()
 if TYPE_CHECKING:
-    from telespring import plot
+    from telespring import plot as plot
 else:
     # Hidden from type checkers, which would accept every name.
     _old_name = old_names(__name__)

@@ -93,7 +93,7 @@ class Scene:
 
     @property
     def mark(self) -> StudyMark | None:
-        """The study on a map: its stiffness, its delay, and that behind a playout buffer; None without one."""
+        """The study on a map: stiffness, delay, and that behind a playout buffer; None without them."""
         if not self.is_condition_given:
             return None
         study, network = self.study, self.study.network
@@ -116,7 +116,9 @@ class Scene:
             "name": study.name,
             "of_the_paper": self.of_the_paper,
             "stiffness": study.stiffness if self.is_condition_given else None,
-            "delay": {"forward": study.delay[0], "backward": study.delay[1]} if self.is_condition_given else None,
+            "delay": {"forward": study.delay[0], "backward": study.delay[1]}
+            if self.is_condition_given
+            else None,
             "operator_ranges": study.operator_ranges is not None,
             "jitter": study.network.jitter,
             "max_gap": study.network.max_gap,

@@ -123,7 +123,10 @@ def response(motion: xarray.Dataset, *, ax: Axes | None = None) -> Axes:
         draw_motion(ax, np.asarray(position["time"]), np.asarray(position))
         names = [str(name) for name in position["axis"].values]
         ax.legend(
-            handles=motion_legend(names), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(4, 2 * len(names))
+            handles=motion_legend(names),
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=min(4, 2 * len(names)),
         )
         ax.set(xlabel="Time, s", ylabel="Position, mm")
         ax.margins(x=0.0)
@@ -225,9 +228,9 @@ def frequency_response(
 def _given_or_new_axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
     if ax is not None:
         return ax
-    from matplotlib import pyplot
+    from matplotlib import pyplot as plt
 
-    return pyplot.subplots(figsize=size, layout="constrained")[1]
+    return plt.subplots(figsize=size, layout="constrained")[1]
 
 
 def _map_extent(dyad: Dyad, star: StudyMark | None) -> tuple[float, float]:

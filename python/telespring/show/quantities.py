@@ -149,7 +149,8 @@ def format_quantity(
     """Write a quantity for the report: milliseconds, millimetres, significant digits.
 
     The value is in the SI unit `unit`, or None for an unbounded or missing one. The unit is "1" for a pure
-    number, "share" for one shown in percent, and "seconds" for a time that is not shown in milliseconds, such as a trial's length. The style
+    number, "share" for one shown in percent, and "seconds" for a time that is not shown in milliseconds, such
+    as a trial's length. The style
     "nearest" rounds to the nearest; "limit" rounds down, so that what is shown of a limit lies within it;
     "given" drops zeros at the end, as a person writes a value; "hundredths" has two decimals whatever the
     size, as a table's columns do. A `bare` quantity is without its unit, which is then given above a table's

@@ -19,7 +19,7 @@ __all__ = ["draw_errors", "draw_trajectories"]
 _COLUMNS = 4
 
 
-def draw_trajectories(trials: Trials) -> Figure:
+def draw_trajectories(trials: Trials, figure: Figure | None = None) -> Figure:
     """Draw the trajectories of all trials, Fig. 7, from the trials themselves.
 
     The discarded part of a completed trial is not drawn; a trial that ended early is drawn whole.
@@ -50,7 +50,7 @@ def draw_trajectories(trials: Trials) -> Figure:
         panels = [panel(i) for i in range(len(trials.labels))]
         columns = math.ceil(len(panels) / math.ceil(len(panels) / _COLUMNS))
         return trajectory_figure(
-            None, [panels[first : first + columns] for first in range(0, len(panels), columns)]
+            None, [panels[first : first + columns] for first in range(0, len(panels), columns)], figure
         )
     grid: list[list[TrialPanel | None]] = [[None] * len(delays) for _ in stiffnesses]
     unconnected_panel = None
@@ -60,7 +60,7 @@ def draw_trajectories(trials: Trials) -> Figure:
             grid[row][column] = panel(i)
         else:
             unconnected_panel = panel(i)
-    return trajectory_figure(unconnected_panel, grid)
+    return trajectory_figure(unconnected_panel, grid, figure)
 
 
 def _condition_titles(trials: Trials) -> list[str]:
@@ -76,6 +76,7 @@ def draw_errors(
     numbers: Mapping[str, Any],
     published: Mapping[str, Mapping[str, float]] | None = None,
     published_baseline: float | None = None,
+    figure: Figure | None = None,
 ) -> Figure:
     """Draw the tracking errors of all conditions, Fig. 8, from the analysis that `analyse_trials` returns.
 
@@ -109,7 +110,9 @@ def draw_errors(
             )
         )
     baseline = numbers["baseline"]
-    return error_figure(groups, baseline["te2_median"], baseline["condition"] or "", published_baseline)
+    return error_figure(
+        groups, baseline["te2_median"], baseline["condition"] or "", published_baseline, figure
+    )
 
 
 def _distinct_numbers(values: Sequence[float]) -> dict[float, str]:

@@ -20,7 +20,8 @@ __all__ = [
     "MapAxis",
     "MapColumn",
     "StudyMark",
-    "draw_axis_boundaries", "draw_stable_region",
+    "draw_axis_boundaries",
+    "draw_stable_region",
     "draw_study_mark",
     "region_map",
     "tier_map",
@@ -97,9 +98,7 @@ def draw_axis_boundaries(
     handles = []
     for (name, stable), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
         if stable.any() and not stable.all():
-            axes.contour(
-                stiffness, 1e3 * delay, stable.T, levels=[0.5], colors=[colour], linewidths=1.2
-            )
+            axes.contour(stiffness, 1e3 * delay, stable.T, levels=[0.5], colors=[colour], linewidths=1.2)
         handles.append(legend_line(f"boundary of axis {name}", colour))
     axes.set(
         xlim=(0.0, stiffness[-1]),

@@ -27,6 +27,7 @@ __all__ = [
     "legend_line",
     "legend_mark",
     "panel_label",
+    "sized_figure",
     "text_colour",
     "to_svg",
 ]
@@ -118,6 +119,14 @@ def figure_style(**overrides: object) -> Iterator[None]:
         settings: Any = {**_STYLE, **overrides}
         mpl.rcParams.update(settings)
         yield
+
+
+def sized_figure(figure: Figure | None, width: float, height: float) -> Figure:
+    """Return the given figure, resized (inch), or a new one."""
+    if figure is None:
+        return Figure(figsize=(width, height))
+    figure.set_size_inches(width, height)
+    return figure
 
 
 def panel_label(axes: Axes, label: str, text: str = "") -> None:

@@ -15,11 +15,17 @@ from matplotlib.ticker import LogLocator, NullLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, legend_line
+from telespring.show.figures.style import (
+    FULL_WIDTH,
+    GREY,
+    ROBOT_COLOURS,
+    figure_style,
+    legend_line,
+    sized_figure,
+)
 
 __all__ = ["ErrorGroup", "error_figure"]
 
-_ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
 #: Groups whose largest error is above this multiple of the median group's have a scale of their own.
 _FAR = 2.2
 #: Share of the height that the far groups have; height of the whole figure without and with them, inch.
@@ -62,6 +68,7 @@ def error_figure(
     baseline: float | None,
     baseline_name: str = "UM",
     published_baseline: float | None = None,
+    figure: Figure | None = None,
 ) -> Figure:
     """Draw the tracking errors of both robots in every condition as boxes (Fig. 8).
 
@@ -73,7 +80,8 @@ def error_figure(
     """
     split = _scale_change(groups, [baseline, published_baseline])
     with figure_style():
-        figure = Figure(figsize=(FULL_WIDTH, _SPLIT_HEIGHT if split else _HEIGHT), layout="constrained")
+        figure = sized_figure(figure, FULL_WIDTH, _SPLIT_HEIGHT if split else _HEIGHT)
+        figure.set_layout_engine("constrained")
         parts = _create_axes(figure, split)
         places = _error_box_places(groups)
         for axes in parts:
@@ -200,11 +208,13 @@ def _error_legend(
     published_baseline: float | None,
 ) -> list[Patch | Line2D]:
     handles: list[Patch | Line2D] = [
-        Patch(facecolor=_ROBOTS[0], alpha=0.35, edgecolor=_ROBOTS[0], label="TE1, robot 1 (dots)"),
         Patch(
-            facecolor=_ROBOTS[1],
+            facecolor=ROBOT_COLOURS[0], alpha=0.35, edgecolor=ROBOT_COLOURS[0], label="TE1, robot 1 (dots)"
+        ),
+        Patch(
+            facecolor=ROBOT_COLOURS[1],
             alpha=0.35,
-            edgecolor=_ROBOTS[1],
+            edgecolor=ROBOT_COLOURS[1],
             hatch="////",
             label="TE2, robot 2 (triangles)",
         ),
@@ -251,7 +261,7 @@ def _error_box_places(groups: Sequence[ErrorGroup]) -> list[float]:
 
 
 def _draw_error_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> None:
-    colour = _ROBOTS[robot]
+    colour = ROBOT_COLOURS[robot]
     if group.published is not None:
         mean, sd = group.published[robot]
         axes.errorbar(
@@ -315,7 +325,7 @@ def _draw_arrows(parts: Sequence[Axes], places: Sequence[float], groups: Sequenc
                 textcoords="offset points",
                 ha="center",
                 fontsize=8.0,
-                color=_ROBOTS[robot],
+                color=ROBOT_COLOURS[robot],
                 fontweight="bold",
             )
 

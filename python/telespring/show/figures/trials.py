@@ -12,11 +12,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, figure_style, legend_line
+from telespring.show.figures.style import FULL_WIDTH, ROBOT_COLOURS, figure_style, legend_line, sized_figure
 
 __all__ = ["TrialPanel", "trajectory_figure"]
 
-_ROBOTS = (COLOURS["blue"], COLOURS["vermilion"])
 #: Maximum number of points per trajectory; more cannot be distinguished in such a small panel.
 _POINTS = 600
 #: Dots per inch of the trajectories, which are rasterised: as paths in the SVG they would take 20 MB.
@@ -60,7 +59,11 @@ class TrialPanel:
     ended_early: NDArray[np.bool_] | None = None
 
 
-def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[TrialPanel | None]]) -> Figure:
+def trajectory_figure(
+    unconnected: TrialPanel | None,
+    grid: Sequence[Sequence[TrialPanel | None]],
+    figure: Figure | None = None,
+) -> Figure:
     """Draw the paths of both robots in the plane, all trials of a condition over each other (Fig. 7).
 
     Every condition shows robot 1 on the left and robot 2 on the right, with the target. Panels share one
@@ -88,7 +91,8 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
     height = min(3.0, width * extent[1] / extent[0])
     total = _TOP + rows * (height + above) + _BOTTOM
     with figure_style():
-        figure = Figure(figsize=(FULL_WIDTH, total), dpi=_DOTS)
+        figure = sized_figure(figure, FULL_WIDTH, total)
+        figure.set_dpi(_DOTS)
         for (row, column), panel in placed.items():
             bottom = _BOTTOM + (rows - 1 - row) * (height + above)
             is_first = (row, column - 1) not in placed
@@ -117,7 +121,7 @@ def trajectory_figure(unconnected: TrialPanel | None, grid: Sequence[Sequence[Tr
                     _annotate_trajectory_panel(axes, 0.015, "\n".join(notes), "bottom", "#303030")
         handles = [
             *(
-                legend_line(f"robot {robot + 1} ({side} of each pair)", _ROBOTS[robot])
+                legend_line(f"robot {robot + 1} ({side} of each pair)", ROBOT_COLOURS[robot])
                 for robot, side in ((0, "left"), (1, "right"))
             ),
             legend_line("target", "black", linewidth=0.6),
@@ -206,7 +210,7 @@ def _draw_trajectories(
     axes.add_collection(
         LineCollection(
             lines,
-            colors=_ROBOTS[robot],
+            colors=ROBOT_COLOURS[robot],
             linewidths=0.5 if alone else 0.35,
             alpha=0.8 if alone else 0.35,
             rasterized=True,

@@ -72,7 +72,10 @@ def _arm_operator_numbers(operators: EquivalentOperators) -> dict[str, Any]:
 
 
 def _boundary_findings(
-    operators: EquivalentOperators, connected: list[Condition], printed: tuple[float, ...], mark: StudyMark | None
+    operators: EquivalentOperators,
+    connected: list[Condition],
+    printed: tuple[float, ...],
+    mark: StudyMark | None,
 ) -> tuple[dict[str, Any], str]:
     """Compute the boundary over stiffness and delay for arms that do not depend on the pose."""
     first, second = (Operator(operator.mass, operator.damping) for operator in operators.held.operators)

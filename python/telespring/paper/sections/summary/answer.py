@@ -1,4 +1,4 @@
-"""The answer to the study's own question: is its stiffness stable over its network, and how close is the limit?"""
+"""Whether the study's own stiffness is stable over its network, and how close the limit is."""
 
 from __future__ import annotations
 

@@ -11,9 +11,15 @@ __all__ = ["SECTION", "find_summary"]
 
 
 def find_summary(scene: Scene) -> Findings:
-    """Answer the study's question, and compute the largest stiffness by delay and by the network's promise."""
+    """Answer the study's question, and compute the largest stiffness by delay and by network."""
     answer = answer_study(scene.study) if scene.is_condition_given else None
     return Findings(numbers={"summary": {"answer": answer, **summarise(scene.study)}})
 
 
-SECTION = Section(name="summary", anchor="summary", step="allowed stiffness", find=find_summary, mentions=("experiment", "calibration", "arms", "misprints"))
+SECTION = Section(
+    name="summary",
+    anchor="summary",
+    step="allowed stiffness",
+    find=find_summary,
+    mentions=("experiment", "calibration", "arms", "misprints"),
+)
