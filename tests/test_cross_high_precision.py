@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import math
 import warnings
 from collections.abc import Callable
+from fractions import Fraction
 from itertools import pairwise
 from types import ModuleType
 from typing import Any
@@ -70,6 +72,69 @@ def polished(axis: Axis, k: float, delay: tuple[float, float], start: complex) -
             if abs(step) <= mpmath.mpf(10) ** -52 * (abs(s) + mpmath.mpf(10) ** -30):
                 return s
     pytest.fail(f"Newton does not settle from {start}")
+
+
+def crossing_polished(axis: Axis, delay: float, frequency: float, k: float) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Return the frequency and the stiffness of a crossing near two given ones, to 50 digits."""
+    with mpmath.workdps(60):
+        m1, b1, m2, b2, kh1, kh2, c = (mpmath.mpf(one) for one in axis)
+        total, w, k = 2 * mpmath.mpf(delay), mpmath.mpf(frequency), mpmath.mpf(k)
+        for _ in range(60):
+            s = mpmath.mpc(0, w)
+            one, two = (m1 * s + b1 + c) * s + k + kh1, (m2 * s + b2 + c) * s + k + kh2
+            coupling = k + c * s
+            value = mpmath.log(one * two / coupling**2 * mpmath.exp(total * s))
+            slope = (2 * m1 * s + b1 + c) / one + (2 * m2 * s + b2 + c) / two - 2 * c / coupling + total
+            by_w, by_k = mpmath.mpc(0, 1) * slope, 1 / one + 1 / two - 2 / coupling
+            determinant = by_w.real * by_k.imag - by_w.imag * by_k.real
+            step_w = (by_k.real * value.imag - by_k.imag * value.real) / determinant
+            step_k = (by_w.imag * value.real - by_w.real * value.imag) / determinant
+            w, k = w + step_w, k + step_k
+            if abs(step_w) <= mpmath.mpf(10) ** -45 * w and abs(step_k) <= mpmath.mpf(10) ** -45 * k:
+                return w, k
+    pytest.fail(f"Newton does not settle from {frequency} rad/s, {k} N/m")
+
+
+TINY: list[tuple[Axis, float]] = [
+    *(((0.8334, 7.7257, 0.7776, 7.4208, tiny, 0.0, 0.0), 0.1) for tiny in (1e-6, 1e-14, 1e-16, 1e-200)),
+    *(((0.8334, 7.7257, 0.7776, tiny, 0.0, 0.0, 0.0), 0.1) for tiny in (1e-3, 1e-9, 1e-15)),
+    *(((1.2, 3.0, 0.4, 6.0, tiny, 40.0, 0.0), 0.3) for tiny in (1e-3, 1e-12, 1e-18)),
+    *(((1.2, 3.0, 0.4, 6.0, 0.0, 0.0, tiny), 0.3) for tiny in (1e-3, 1e-12)),
+    ((0.8334, 7.7257, 0.7776, 7.4208, 0.0, 0.0, 0.0), 1e-6),
+    ((0.8334, 7.7257, 0.7776, 7.4208, 0.0, 0.0, 0.0), 100.0),
+    ((1e-4, 1e-3, 1e4, 10.0, 0.0, 0.0, 0.0), 0.1),
+    ((0.11512, 0.046096, 0.29197, 3.751e-5, 0.21427, 353.622, 0.0), 0.012476),
+]
+
+
+@pytest.mark.parametrize(("axis", "delay"), TINY)
+def test_cross_maximum_stiffness_against_fifty_digits(axis: Axis, delay: float) -> None:
+    m1, b1, m2, b2, kh1, kh2, c = axis
+    k = ts.maximum_stiffness(m1, b1, m2, b2, delay, kh1=kh1, kh2=kh2, c=c)
+    crossings = [one for one in ts.crossings(m1, b1, m2, b2, k, kh1=kh1, kh2=kh2, c=c) if one.direction == 1]
+    # the one whose delays recur at this delay
+    turned = [(delay - one.delay) * one.frequency / math.pi for one in crossings]
+    frequency = crossings[int(np.argmin([abs(one - round(one)) for one in turned]))].frequency
+    _, exact = crossing_polished(axis, delay, frequency, k)
+    # 1e-11: rounding of k + kh - m w² relative to what is left of it next to a sharp resonance
+    assert abs(exact - k) <= 1e-11 * exact
+    for part in np.linspace(0.02, 0.999, 50):
+        if part * k >= 1e-6:
+            assert ts.unstable_root_count(m1, b1, m2, b2, part * k, delay, kh1=kh1, kh2=kh2, c=c) == 0
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_ref_next_to_the_critical_stiffness_the_sign_is_exact(seed: int) -> None:
+    random = np.random.default_rng([8, seed])
+    m, b = np.exp(random.uniform(np.log(0.1), np.log(10.0), 2)).tolist()
+    for k in (
+        b * b / (2 * m),
+        math.nextafter(b * b / (2 * m), 0.0),
+        math.nextafter(b * b / (2 * m), math.inf),
+    ):
+        # two identical robots: delay-independent exactly for k <= b²/(2m)
+        independent = Fraction(k) * 2 * Fraction(m) <= Fraction(b) ** 2
+        assert math.isinf(ts.maximum_delay(m, b, m, b, k)) == independent
 
 
 def turns(

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple, TypedDict
 
 import numpy as np
+import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
@@ -195,3 +196,12 @@ def test_law_simulations_superpose(case: Case, k: float, delay: tuple[float, flo
     # 1e-10: ten times what each simulation is promised to
     scale = max(np.abs(one).max(), abs(share) * np.abs(two).max())
     np.testing.assert_allclose(both, expected, rtol=0, atol=1e-10 * scale)
+
+
+def test_law_a_search_that_does_not_end_is_refused_with_a_remedy_that_helps() -> None:
+    light, held = (0.0475, 0.093, 8e-4, 6.2e-6), Held(kh1=0.008, kh2=1e-9, c=29005.0)
+    with pytest.raises(ts.InvalidInput, match="the search for its crossings did not end") as refused:
+        ts.maximum_stiffness(*light, 4.44, **held)
+    assert "shorten the delay" in str(refused.value)
+    stiffness = ts.maximum_stiffness(*light, 0.01, **held)
+    assert ts.maximum_delay(*light, stiffness, **held) == pytest.approx(0.01, rel=1e-9)

@@ -220,6 +220,13 @@ macro_rules! raises {
     };
 }
 
+macro_rules! raises_search {
+    () => {
+        "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range (the element is named), shapes do \
+         not broadcast, or the values span so\n    many decades that the search for all crossings does not end.\n"
+    };
+}
+
 macro_rules! reference {
     () => {
         "\nReferences\n----------\n.. [1] M. Du, S. R. Kulkarni, S. Kager, D. Campolo, \"Stability Criteria and \
@@ -269,8 +276,8 @@ pub fn critical_stiffness<'py>(
     stiffness!("array_like"),
     "\nmethod : {\"exact\", \"paper\"}\n    The exact value, or Eqs. 5 to 9 of [1]_.",
     keywords!("array_like"),
-    "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay is stable. inf if no \
-     constant delay destabilises, 0 where\n    the axis is not stable even without delay. For a dyad the smallest \
+    "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay above 0 is stable. \
+     inf if no constant delay\n    destabilises, 0 where every short delay is unstable. For a dyad the smallest \
      over its axes.",
     raises!(),
     "\nSee Also\n--------\nstable_delays : stability can return at a longer delay.\n",
@@ -306,7 +313,7 @@ pub fn maximum_delay<'py>(
     "\n\nReturns\n-------\nfloat or ndarray\n    sup{K : every 0 < k < K is stable at this delay}, N/m; inf at zero \
      delay. Some dyads are stable again at a\n    larger stiffness; that is not counted. For a dyad the smallest \
      over its axes.",
-    raises!(),
+    raises_search!(),
 )]
 ///
 /// Examples
@@ -336,7 +343,7 @@ pub fn maximum_stiffness<'py>(
     keywords!("array_like"),
     "\n\nReturns\n-------\nfloat or ndarray\n    Damping to add to b1 and to b2, N·s/m; 0 if none needs to be \
      added. For a dyad the largest over its axes.",
-    raises!(),
+    raises_search!(),
 )]
 ///
 /// Examples
@@ -500,7 +507,8 @@ pub fn stable_delays<'py>(
     keywords!("float"),
     "\n\nReturns\n-------\nlist of (float, float)\n    Ranges of stiffness, N/m, ascending; empty if no stiffness has this \
      decay rate. For a dyad those that\n    hold on all its axes.",
-    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range.\n",
+    "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range, delay times decay rate exceeds 5, a rate of 0 meets an undamped\n    \
+     side, or the values span so many decades that the search does not end.\n",
 )]
 ///
 /// Examples

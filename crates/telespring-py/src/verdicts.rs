@@ -206,7 +206,7 @@ record! {
         certificate,
     }
     computed {
-        /// Whether the radius is below 1.
+        /// Whether every multiplier decays: the rate decides, since the radius of a slow motion rounds to 1.
         stable = |spectrum| spectrum.0.is_stable(),
     }
 }
@@ -245,7 +245,8 @@ record! {
         /// The slowest multiplier under sampled controllers, the worst over the operators; None without a
         /// sample period.
         sampled,
-        /// The largest stiffness, N/m, at most the bound of tier 4, at which the sampled dyad is stable.
+        /// The stiffness, N/m, at most the bound of tier 4, below which every stiffness is stable under sampled
+        /// controllers; None without a sample period.
         sampled_stiffness_bound,
     }
 }

@@ -29,6 +29,15 @@ pub(crate) fn exp_m1(z: Complex64) -> Complex64 {
     Complex64::new(grown * (1.0 - versine) - versine, (grown + 1.0) * 2.0 * sin * cos)
 }
 
+/// ln(1 + z) without cancellation near 0, for the ratio of two factors of a characteristic function.
+pub(crate) fn ln_1p(z: Complex64) -> Complex64 {
+    if z.norm_sqr() < 0.25 {
+        Complex64::new(0.5 * (z.re * (2.0 + z.re) + z.im * z.im).ln_1p(), z.im.atan2(1.0 + z.re))
+    } else {
+        (z + 1.0).ln()
+    }
+}
+
 /// The delay factors e^(−T s) and 1 − e^(−T s) at one point s.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DelayExponential {

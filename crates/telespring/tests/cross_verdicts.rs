@@ -268,3 +268,138 @@ fn cross_sampled_any_network_bound_against_simulated_gains() {
         }
     }
 }
+
+/// The sampled bound of a dyad of one axis.
+fn sampled_bound(axis: &DyadAxis, network: &Network) -> f64 {
+    let robot = |side: &Side| Robot::new(vec![side.mass], vec![side.damping], None).unwrap();
+    let operator = |side: &Side| Operator::new(vec![0.0], vec![0.0], vec![side.ground_stiffness]).unwrap();
+    let [first, second] = &axis.sides;
+    let operators = Some([operator(first), operator(second)]);
+    let dyad = Dyad::new(robot(first), robot(second), operators, axis.coupling_damping).unwrap();
+    verdicts(&dyad, None, 1.0, network).unwrap().axes[0].sampled_stiffness_bound.unwrap()
+}
+
+/// A narrow window of unstable stiffnesses far below the next one.
+#[test]
+fn cross_the_sampled_bound_stops_at_the_first_unstable_window() {
+    let axis = DyadAxis::with_operators(2.0, 0.2455, 0.6, 0.2455, 900.0, 370.0, 0.0).unwrap();
+    let radius = |k: f64| radius_of(&one_period(&axis, k, 5e-3, 0.0, [11, 11]), false);
+    let bound = sampled_bound(&axis, &network([11, 11], 5e-3, 0.0));
+    assert!(radius(bound * (1.0 - 1e-6)) < 1.0 && radius(bound * (1.0 + 1e-6)) > 1.0, "{bound}");
+    for i in 1..60 {
+        assert!(radius(bound * f64::from(i) / 60.0) < 1.0, "{i} of {bound}");
+    }
+    // Unstable, and stable again above.
+    assert!(radius(112.9) > 1.0 && radius(150.0) < 1.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn cross_the_sampled_bound_is_the_first_crossing_of_the_eigenvalues(
+        m in prop::array::uniform2(0.3..3.0_f64), b in prop::array::uniform2(0.2..10.0_f64),
+        kh in prop::array::uniform2(prop_oneof![Just(0.0), 1.0..600.0_f64]),
+        c in prop_oneof![2 => Just(0.0), 1 => 0.1..5.0_f64],
+        ticks in prop::array::uniform2(0..6_usize), h in 0.003..0.03_f64, part in 0.0..1.0_f64,
+        computes in any::<bool>(),
+    ) {
+        let axis = DyadAxis::with_operators(m[0], b[0], m[1], b[1], kh[0], kh[1], c).unwrap();
+        let computing = if computes { part * h } else { 0.0 };
+        let bound = sampled_bound(&axis, &network(ticks, h, computing));
+        let radius = |k: f64| radius_of(&one_period(&axis, k, h, computing, ticks), axis.is_free());
+        prop_assert!(bound > 0.0);
+        for i in 1..30 {
+            prop_assert!(radius(bound * f64::from(i) / 30.0) < 1.0, "{} of {}", i, bound);
+        }
+        prop_assert!(radius(bound * (1.0 - 1e-5)) < 1.0 + 1e-9);
+        // The bound is at most that of tier 4, which the sampled dyad may outlast.
+        let continuous = telespring::criteria::maximum_stiffness(&axis, 0.5 * h * (ticks[0] + ticks[1]) as f64);
+        if bound < continuous.unwrap() * (1.0 - 1e-9) {
+            prop_assert!(radius(bound * (1.0 + 1e-5)) > 1.0 - 1e-9, "{}", bound);
+        }
+    }
+}
+
+/// One random dyad: sampled stable below its bound, unstable just above.
+fn bound_agrees_with_the_spectral_radius(axis: &DyadAxis, network: &Network) -> Result<(), TestCaseError> {
+    let bound = sampled_bound(axis, network);
+    prop_assert!(bound > 0.0);
+    for part in [0.01, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.999, 0.999_99] {
+        let found = sampled_spectral_radius(axis, part * bound, network).unwrap();
+        prop_assert!(found.is_stable(), "{} of {}: {:?}", part, bound, found);
+    }
+    let mean = 0.5 * (network.buffered()[0] + network.buffered()[1]);
+    if bound < telespring::criteria::maximum_stiffness(axis, mean).unwrap() * (1.0 - 1e-9) {
+        let found = sampled_spectral_radius(axis, bound * (1.0 + 1e-6), network).unwrap();
+        prop_assert!(!found.is_stable(), "above {}: {:?}", bound, found);
+    }
+    Ok(())
+}
+
+/// Random dyads with light and heavy damping over networks whose delays are no multiples of the period.
+fn sampled_case() -> impl Strategy<Value = (DyadAxis, Network)> {
+    (
+        prop::array::uniform2(0.1..5.0_f64),
+        prop::array::uniform2((-1.0..1.5_f64).prop_map(|e| 10f64.powf(e))),
+        prop::array::uniform2(prop_oneof![Just(0.0), (0.0..3.0_f64).prop_map(|e| 10f64.powf(e))]),
+        prop_oneof![3 => Just(0.0), 1 => 0.1..5.0_f64],
+        prop::array::uniform2(0.001..0.3_f64),
+        (-3.3..-1.7_f64).prop_map(|e| 10f64.powf(e)),
+        prop_oneof![Just(0.0), 0.0..1.0_f64],
+    )
+        .prop_map(|(m, b, kh, c, delay, h, part)| {
+            let delay = Delay::new(delay[0], delay[1]).unwrap();
+            (
+                DyadAxis::with_operators(m[0], b[0], m[1], b[1], kh[0], kh[1], c).unwrap(),
+                Network::new(delay, 0.0, 0.0, h, part * h).unwrap(),
+            )
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn cross_the_sampled_bound_agrees_with_the_count_of_multipliers((axis, network) in sampled_case()) {
+        bound_agrees_with_the_spectral_radius(&axis, &network)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 5000, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    #[ignore = "minutes; make verify"]
+    fn cross_the_sampled_bound_agrees_with_the_count_of_multipliers_5000((axis, network) in sampled_case()) {
+        bound_agrees_with_the_spectral_radius(&axis, &network)?;
+    }
+}
+
+/// One side held and one free, lightly damped: the response dies slowly, and its sum is exact all the same.
+#[test]
+fn cross_sampled_any_network_bound_with_one_side_grounded() {
+    for (h, computing) in [(1e-3, 0.0), (5e-3, 0.0), (1e-3, 6e-4)] {
+        let network = Network::new(Delay::each_way(0.1).unwrap(), 0.0, 0.0, h, computing).unwrap();
+        for sides in [
+            [side(1.0, 2.0, 0.0), side(2.0, 0.6, 370.0)],
+            [side(0.4, 0.3, 90.0), side(1.0, 8.0, 0.0)],
+            [side(0.8, 8.0, 1e-9), side(1.1, 9.0, 0.0)],
+        ] {
+            let result = verdicts(&grounded(sides), None, 1.0, &network).unwrap();
+            let k = result.tier(Tier::AnyNetwork).stiffness_bound.unwrap();
+            let product =
+                |k: f64| sides.iter().map(|side| sampled_gain(side, k, h, computing)).product::<f64>();
+            assert!(k > 0.01, "{sides:?} {k}");
+            for i in 1..12 {
+                let below = product(k * f64::from(i) / 12.0);
+                assert!(below < 1.0 + 1e-9, "{sides:?} {h} {i} of {k}: {below}");
+            }
+            assert!(
+                product(0.999 * k) < 1.0 + 1e-9 && product(1.02 * k) > 1.0,
+                "{sides:?} {h} {k} {}",
+                product(k)
+            );
+        }
+    }
+}

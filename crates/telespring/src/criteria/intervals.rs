@@ -5,10 +5,12 @@ use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
 use crate::quantity;
 
-/// The maximum delay δ_m, s: every shorter one-way delay is stable. Infinite if no constant delay
-/// destabilises, 0 if the undelayed dyad is unstable.
+/// The maximum delay δ_m, s: every shorter one-way delay above 0 is stable. Infinite if no constant delay
+/// destabilises, 0 if every short delay is unstable.
 ///
-/// If the delays of both directions differ, it bounds their mean. It replaces the paper's Eq. 6.
+/// Without delay, a dyad that lacks damping may only be at the limit of stability: two undamped robots with a
+/// coupling damper drift together at a constant speed, which any delay stops. If the delays of both directions
+/// differ, the maximum bounds their mean. It replaces the paper's Eq. 6.
 ///
 /// # Errors
 ///
@@ -25,11 +27,13 @@ use crate::quantity;
 /// ```
 pub fn maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
     quantity::STIFFNESS.check("stiffness", stiffness)?;
-    if !is_stable_without_delay(axis) {
-        return Ok(0.0);
-    }
     let crossings = all_crossings(axis, stiffness);
-    Ok(crossings.iter().fold(f64::INFINITY, |first, crossing| first.min(crossing.delay)))
+    let ends = crossings.iter().map(|crossing| {
+        // A pair that leaves the axis to the left as the delay starts was not unstable; it comes back later.
+        let starts_stable = crossing.delay == 0.0 && crossing.direction < 0;
+        if starts_stable { crossing.period() } else { crossing.delay }
+    });
+    Ok(ends.fold(f64::INFINITY, f64::min))
 }
 
 /// All intervals of stable one-way delays from 0 to `horizon`, s, as `(start, end)`.

@@ -12,11 +12,15 @@
 //! | which stiffness or damping does a delay allow? | [`maximum_stiffness`], [`minimum_damping`], [`decay_stiffness`] |
 //! | what do the paper's formulas give? | [`paper_critical_stiffness`], [`paper_maximum_delay`] |
 
-mod branch_and_bound;
+pub(crate) mod branch_and_bound;
+pub(crate) mod complex_box;
 mod critical;
+mod crossing_search;
 mod crossings;
+mod decay;
 mod intervals;
 mod inverse;
+mod lines;
 mod paper;
 mod polynomial;
 mod undamped_resonance;
@@ -25,6 +29,7 @@ pub(crate) use intervals::is_in_any;
 
 pub use critical::{critical_stiffness, is_delay_independent};
 pub use crossings::{Crossing, Crossings, crossings};
+pub use decay::decay_stiffness;
 pub use intervals::{intersection, maximum_delay, stability_map, stable_delays, unstable_root_count};
-pub use inverse::{decay_stiffness, maximum_stiffness, minimum_damping};
+pub use inverse::{maximum_stiffness, minimum_damping};
 pub use paper::{paper_critical_stiffness, paper_maximum_delay};

@@ -13,7 +13,7 @@ pub(super) const LENGTH: usize = 5;
 /// cancellation: with free handles its constant term is exactly zero.
 pub(super) fn crossing_polynomial<R: Real>(axis: &DyadAxis, stiffness: f64) -> Polynomial<R, LENGTH> {
     let number = R::from;
-    let compliance = number(1.0) / number(stiffness);
+    let compliance = number(1.0).divided_by(number(stiffness));
     let q = compliance.to_f64();
     let c = axis.coupling_damping;
     let [first, second] = axis.sides.map(|side| {

@@ -110,3 +110,20 @@ fn ref_a_root_beyond_every_number_does_no_harm() {
         assert!((roots[0].at - golden).abs() < 1e-14 && (roots[1].at - 1.0 / golden).abs() < 1e-14);
     }
 }
+
+#[test]
+fn ref_a_double_double_quotient_has_all_its_digits() {
+    // Times the divisor it is the dividend again, to 2⁻¹⁰⁰; the crate's own division stops at 2⁻⁵³.
+    let mut seed = 12345_u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        0.5 + (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for _ in 0..1000 {
+        let [a, b] = [0, 1].map(|_| TwoFloat::new_add(random(), 1e-17 * random()));
+        let quotient = a.divided_by(b);
+        assert!((quotient * b - a).to_f64().abs() < 1e-30, "{a} / {b}");
+    }
+    let third = TwoFloat::from(1.0).divided_by(TwoFloat::from(3.0));
+    assert!((third * 3.0 - 1.0).to_f64().abs() < 1e-31);
+}

@@ -159,6 +159,12 @@ pub fn spectral_abscissa(axis: &DyadAxis, stiffness: f64, delay: &Delay) -> Resu
     })
 }
 
+/// The spectral abscissa at any stiffness, for searches over it; minus infinity if no root was found.
+pub(crate) fn largest_real_part(axis: &DyadAxis, stiffness: f64, round_trip: f64) -> f64 {
+    let chi = Characteristic::new(axis, stiffness, round_trip).normalised();
+    dyad::rightmost_roots(&chi, 1).roots.first().map_or(f64::NEG_INFINITY, |root| root.re)
+}
+
 /// Checks the requested number of characteristic roots of a spectrum.
 pub(crate) fn check_root_count(count: usize) -> Result<()> {
     if (1..=MAX_ROOTS).contains(&count) {

@@ -135,5 +135,7 @@ pub(super) fn count_outside_circle(
     if (outside - count).abs() > 1e-3 || count < 0.0 {
         return Err(CountFailure::RootOnCircle);
     }
-    Ok((count as usize, places.into_iter().map(|(_, place)| place).collect()))
+    // A slow real multiplier close to z = 1 shows no minimum there, where all terms vanish together.
+    let places = places.into_iter().map(|(_, place)| place).chain([Complex64::from(rate)]);
+    Ok((count as usize, places.collect()))
 }

@@ -20,6 +20,7 @@ mod paper;
 mod sampled;
 mod sampled_characteristic;
 mod sampled_gain;
+mod sampled_line;
 mod sampled_roots;
 mod zero_order_hold;
 
@@ -170,8 +171,8 @@ pub struct AxisVerdict {
     /// The slowest multiplier under sampled controllers, over the corners of the operator box and the worst
     /// operators of tier 4; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
-    /// The largest stiffness (N/m), up to the bound of tier 4, that is stable under sampled controllers,
-    /// over the corners of the operator box and the worst operators of tier 4.
+    /// The stiffness (N/m), up to the bound of tier 4, below which every stiffness is stable under sampled
+    /// controllers, over the corners of the operator box and the worst operators of tier 4.
     pub sampled_stiffness_bound: Option<f64>,
 }
 
@@ -220,7 +221,9 @@ impl Verdicts {
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] if the stiffness is out of range or a range does not have the dyad's axes.
+/// [`InvalidInput`] if the stiffness is out of range or a range does not have the dyad's axes, or if values span so
+/// many decades that the search for a bound does not end, as for
+/// [`maximum_stiffness`](crate::criteria::maximum_stiffness).
 ///
 /// # Examples
 ///

@@ -3,6 +3,7 @@
 use super::Network;
 use super::contour::{self, CountFailure};
 use super::sampled_characteristic::SampledCharacteristic;
+use super::sampled_line;
 use super::sampled_roots::SampledSpectrum;
 use crate::error::{InvalidInput, Result};
 use crate::model::DyadAxis;
@@ -53,61 +54,41 @@ pub fn sampled_spectral_radius(
     })
 }
 
-/// The largest stiffness (N/m) up to `limit` below which the dyad under sampled controllers is stable: a
-/// count on the unit circle at several levels, then bisection below the first unstable level.
+/// The softest spring, relative to the limit, that is tested where theory does not decide.
+const SOFTEST: f64 = 1e-6;
+
+/// The smallest stiffness (N/m) up to `limit` at which a multiplier of the dyad under sampled controllers reaches
+/// the unit circle, or `limit`; 0 if even a soft spring is unstable. Every smaller stiffness is stable.
 ///
-/// An infinite `limit` stands for the stiffness above which no spring under a hold is stable.
+/// All crossings of the circle are enclosed, at every angle and stiffness, so that no window of unstable
+/// stiffnesses below the bound is missed. An infinite `limit` stands for the stiffness above which no spring
+/// under a hold is stable. If masses, dampings and stiffnesses differ by so many decades that the search does
+/// not end, the bound is the stiffness up to which it has proven stability.
 pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network, limit: f64) -> f64 {
-    const LEVELS: i32 = 40;
+    let h = network.sample_period();
     // A spring under a hold on a free, undamped mass diverges at any k; with damping, above about 2 B/h.
     let strongest = axis
         .sides
         .iter()
-        .map(|side| {
-            let h = network.sample_period();
-            8.0 * (side.mass / (h * h) + side.damping / h) + side.ground_stiffness
-        })
+        .map(|side| 8.0 * (side.mass / (h * h) + side.damping / h) + side.ground_stiffness)
         .fold(0.0, f64::max);
     let limit = limit.min(strongest);
     if limit <= 0.0 {
         return 0.0;
     }
-    // Unknown if the count cannot be completed: the search stops at the proven stiffness.
-    let holds =
-        |k: f64| match contour::count_outside_circle(&SampledCharacteristic::new(axis, k, network), 0.0) {
-            Ok((outside, _)) => Some(outside == 0),
-            Err(CountFailure::RootOnCircle) => Some(false),
-            Err(CountFailure::TooLong) => None,
-        };
-    let mut low = 0.0;
-    let mut high = None;
-    for level in 0..=LEVELS {
-        // The last level lies just inside: the limit itself may be a boundary.
-        let k = limit * (1.0 - 1e-9) * 1e4_f64.powf(f64::from(level - LEVELS) / f64::from(LEVELS));
-        match holds(k) {
-            Some(true) => low = k,
-            Some(false) => {
-                high = Some(k);
-                break;
-            }
-            None => return low,
-        }
+    // With damped sides and no coupling damper, |qᵢ| exceeds k |nᵢ| by far on the whole circle below this stiffness:
+    // a soft spring is stable at every delay.
+    let soft = axis.sides.iter().fold(f64::INFINITY, |soft, side| {
+        soft.min(side.damping / (side.mass / side.damping + h)).min(side.damping * side.damping / side.mass)
+    });
+    if soft > 0.0 && axis.coupling_damping == 0.0 {
+        let start = (1e-3 * soft).min(0.5 * limit);
+        return sampled_line::first_crossing_stiffness(axis, network, (start, limit));
     }
-    let Some(mut high) = high else { return limit };
-    // Without a stable level, the search starts far below any useful stiffness.
-    if low == 0.0 {
-        low = 1e-6;
-        if low >= high || holds(low) != Some(true) {
-            return 0.0;
-        }
+    // Otherwise a count decides for a spring far below any useful stiffness.
+    let start = SOFTEST * limit;
+    match contour::count_outside_circle(&SampledCharacteristic::new(axis, start, network), 0.0) {
+        Ok((0, _)) => sampled_line::first_crossing_stiffness(axis, network, (start, limit)),
+        Ok(_) | Err(CountFailure::RootOnCircle | CountFailure::TooLong) => 0.0,
     }
-    while high - low > 1e-12 * high {
-        let middle = 0.5 * (low + high);
-        match holds(middle) {
-            Some(true) => low = middle,
-            Some(false) => high = middle,
-            None => break,
-        }
-    }
-    low
 }

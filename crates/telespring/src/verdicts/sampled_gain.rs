@@ -1,7 +1,12 @@
 //! Tier 1 for sampled controllers: the gain of the loop of one robot around its own sampled position.
 
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+
 use super::gain::{largest_holding, unit_gain_stiffness};
 use super::zero_order_hold::SampledPlant;
+use crate::characteristic::exp_m1;
 use crate::model::DyadAxis;
 
 /// The stiffness (N/m) up to which two free, sampled sides never widen their common hull.
@@ -69,10 +74,7 @@ fn breakaway_stiffness(side: &SampledPlant) -> f64 {
 pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> f64 {
     const LEVELS: u32 = 24;
     let continuous = unit_gain_stiffness(&axis.sides);
-    let holds = |k: f64| {
-        let [first, second] = sides.each_ref().map(|side| sampled_gain(side, k));
-        first * second < 1.0
-    };
+    let holds = |k: f64| sides.iter().map(|side| log_gain(side, k)).sum::<f64>() < 0.0;
     let mut low = 0.0;
     let mut high = continuous;
     for level in 1..=LEVELS {
@@ -90,74 +92,132 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
     low
 }
 
-/// A matrix of the sampled local loop on (position, velocity, previous force).
-type Loop = [[f64; 3]; 3];
-
-/// The product of two matrices of the sampled local loop, for its gain.
-fn loop_product(a: &Loop, b: &Loop) -> Loop {
-    a.map(|row| {
-        let mut out = [0.0; 3];
-        for (weight, line) in row.iter().zip(b) {
-            for (sum, value) in out.iter_mut().zip(line) {
-                *sum += weight * value;
-            }
-        }
-        out
-    })
-}
-
-/// The row-sum norm of a matrix of the sampled local loop, for its gain.
-fn row_sum_norm(a: &Loop) -> f64 {
-    a.iter().map(|row| row.iter().map(|value| value.abs()).sum::<f64>()).fold(0.0, f64::max)
-}
-
-/// The gain of one sampled side: the l¹ norm of the map from partner position to own position. A proven
-/// bound on the part not summed is added, at most 1e-13 of it unless the loop is so slow that the sum stops
-/// after 2^18 samples; the value is then still an upper bound. Infinite if the loop is unstable.
+/// The gain of one sampled side: the l¹ norm of the map from partner position to own position. Infinite if the
+/// loop is unstable or alternates from sample to sample.
 pub(super) fn sampled_gain(side: &SampledPlant, stiffness: f64) -> f64 {
-    // Units of velocity and force that make all entries similar in size: m per period and N per N/m.
-    let unit = side.change[0][1];
+    log_gain(side, stiffness).exp()
+}
+
+/// The poles of the sampled local loop: a pair, w² + `linear` w + `constant` with w = z − 1, and with a computing
+/// time a third one, z = `third`.
+struct LoopPoles {
+    linear: f64,
+    constant: f64,
+    third: f64,
+}
+
+impl LoopPoles {
+    /// The poles of the loop of one side around its own sampled position, for its gain.
+    fn new(side: &SampledPlant, stiffness: f64) -> Self {
+        let [[a, b], [c, d]] = side.change;
+        let (p0, p1) = (a * d - b * c, -(a + d));
+        let numerator = side.numerator(stiffness, 0.0);
+        if !side.has_computing_time {
+            return Self { linear: p1 + numerator[1], constant: p0 + numerator[0], third: 0.0 };
+        }
+        let [d0, d1, d2] = [p0 + numerator[0], p0 + p1 + numerator[1], p1 + 1.0 + numerator[2]];
+        // The leftmost real root of the cubic in w: from the left Newton's iteration only moves right.
+        let mut w = -1.0 - d0.abs().max(d1.abs()).max(d2.abs());
+        for _ in 0..200 {
+            let value = ((w + d2) * w + d1) * w + d0;
+            let slope = (3.0 * w + 2.0 * d2) * w + d1;
+            let next = w - value / slope;
+            if !(next > w) {
+                break;
+            }
+            w = next;
+        }
+        let constant = -d0 / w;
+        Self { linear: (constant - d1) / w, constant, third: 1.0 + w }
+    }
+
+    /// Whether all poles of the loop lie in the unit circle.
+    fn are_stable(&self) -> bool {
+        let Self { linear, constant, third } = *self;
+        constant > 0.0 && linear > constant && 4.0 - 2.0 * linear + constant > 0.0 && third.abs() < 1.0
+    }
+}
+
+/// ln of the gain of one sampled side, to the last digits even where it is close to 0.
+///
+/// The signed response sums to the static gain k/(k + k_h), so that only its negative samples are needed. A pair
+/// of real poles leaves none after the first few samples; a complex pair leaves one run of them per turn, which
+/// has a sum in closed form.
+fn log_gain(side: &SampledPlant, stiffness: f64) -> f64 {
+    let poles = LoopPoles::new(side, stiffness);
+    let LoopPoles { linear, constant, third } = poles;
+    if !poles.are_stable() {
+        return f64::INFINITY;
+    }
     let [[a, b], [c, d]] = side.change;
-    let [new, old] = [side.new_force, side.old_force].map(|[x, v]| [stiffness * x, stiffness * v * unit]);
-    let step: Loop =
-        [[1.0 + a - new[0], b / unit, old[0]], [c * unit - new[1], 1.0 + d, old[1]], [-1.0, 0.0, 0.0]];
-    // Powers 1, 2, 4, … until one contracts.
-    let mut powers = vec![step];
-    while row_sum_norm(&powers[powers.len() - 1]) > 0.5 {
-        let last = &powers[powers.len() - 1];
-        if powers.len() > 60 || !row_sum_norm(last).is_finite() {
+    let ground = (a * d - b * c) / side.numerator(stiffness, 0.0)[0];
+    // ln |z| of the pair's slower pole.
+    let discriminant = linear * linear - 4.0 * constant;
+    let is_turning = discriminant < 0.0;
+    let slower = if is_turning {
+        0.5 * (constant - linear).ln_1p()
+    } else {
+        if linear >= 2.0 {
             return f64::INFINITY;
         }
-        powers.push(loop_product(last, last));
+        (-2.0 * constant / (linear + discriminant.sqrt())).ln_1p()
+    };
+    // The first samples directly, until the third pole has died away beside the pair.
+    let direct = if third == 0.0 { 2.0 } else { 2.0 + 45.0 / (slower - third.abs().ln()) };
+    if !(direct > 0.0 && direct < 1e5) {
+        return f64::INFINITY;
     }
-    let mut state = [new[0], new[1], 1.0];
-    let mut row = [1.0, 0.0, 0.0];
-    let mut sum = 0.0;
-    let mut rows = 0.0;
-    let mut summed = 1_u64;
-    loop {
-        // One more sample of the response, and of the row that maps any state to a position.
-        sum += state[0].abs();
-        rows += row.iter().map(|value: &f64| value.abs()).sum::<f64>();
-        state = step.map(|line| line.iter().zip(state).map(|(weight, value)| weight * value).sum());
-        let previous = row;
-        row = [0, 1, 2].map(|column| (0..3).map(|i| previous[i] * step[i][column]).sum());
-        if summed.is_power_of_two() {
-            let tail = tail_bound(&powers, summed.trailing_zeros() as usize, rows, &state);
-            if tail <= 1e-13 * sum || summed >= 1 << 18 {
-                return sum + tail;
-            }
-        }
-        summed += 1;
+    let (mut position, mut velocity, mut previous) = (0.0, 0.0, 0.0);
+    let (mut last, mut negative) = (0.0, 0.0);
+    for sample in 0..=direct as u32 {
+        last = position;
+        let force = stiffness * (f64::from(u8::from(sample == 0)) - position);
+        let [new, old] = [side.new_force, side.old_force];
+        (position, velocity) = (
+            position + a * position + b * velocity + new[0] * force + old[0] * previous,
+            velocity + c * position + d * velocity + new[1] * force + old[1] * previous,
+        );
+        previous = force;
+        negative += (-position).max(0.0);
     }
+    if is_turning {
+        let turn = (0.5 * (-discriminant).sqrt()).atan2(1.0 - 0.5 * linear);
+        // The last sample has been counted; the runs start after it.
+        negative += negative_runs(last, position, slower, turn);
+    }
+    let static_gain = ground.ln_1p();
+    (2.0 * negative * (1.0 + ground)).ln_1p() - static_gain
 }
 
-/// An upper bound on the tail of the sampled gain's sum Σ|position| over all future samples from `state`,
-/// given the summed row norms over the first 2^doublings samples.
-fn tail_bound(powers: &[Loop], doublings: usize, rows: f64, state: &[f64; 3]) -> f64 {
-    let size = state.iter().map(|value| value.abs()).fold(0.0, f64::max);
-    // Over 2^(j+1) samples the rows sum to at most (1 + ‖M^(2^j)‖) times those over 2^j.
-    let rows: f64 = powers.iter().skip(doublings).fold(rows, |sum, power| sum * (1.0 + row_sum_norm(power)));
-    let contraction = row_sum_norm(&powers[powers.len() - 1]);
-    rows * size / (1.0 - contraction)
+/// The sum of −xₙ over all negative samples of the sampled loop's response after `newer`, for two successive samples
+/// of xₙ = C e^(−αn) sin(φn + ψ), with α = −`decay` and φ = `turn`: at most the true sum, plus what lies beyond a
+/// fixed number of turns, as an upper bound.
+fn negative_runs(older: f64, newer: f64, decay: f64, turn: f64) -> f64 {
+    const MOST_TURNS: u32 = 1 << 13;
+    let (sin, cos) = turn.sin_cos();
+    // The amplitude with n = 0 at `older`.
+    let amplitude = Complex64::new((newer / decay.exp() - older * cos) / sin, older);
+    let (size, phase) = (amplitude.norm(), amplitude.arg().rem_euclid(TAU));
+    let pole = Complex64::new(decay, turn);
+    let from_one = -exp_m1(pole);
+    // A run of half a turn sums to less than its first factor times 1/sin(φ/2).
+    let largest_run = size / (0.5 * turn).sin();
+    let kept_per_turn = (decay * TAU / turn).exp();
+    let mut sum = 0.0;
+    for count in 0..MOST_TURNS {
+        let starts = (f64::from(count) * TAU + PI - phase) / turn;
+        let first = starts.ceil().max(2.0);
+        let last = (starts + PI / turn).floor();
+        let reach = largest_run * (decay * first).exp();
+        if reach <= 1e-18 * (sum + size) || reach < f64::MIN_POSITIVE {
+            return sum;
+        }
+        if last >= first {
+            let power = |n: f64| (pole * n + Complex64::new(0.0, phase)).exp();
+            let run = ((power(first) - power(last + 1.0)) / from_one).im * size;
+            sum += (-run).max(0.0);
+        }
+    }
+    let first = (f64::from(MOST_TURNS) * TAU + PI - phase) / turn;
+    sum + largest_run * (decay * (first - 1.0)).exp() / (1.0 - kept_per_turn)
 }

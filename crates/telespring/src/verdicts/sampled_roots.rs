@@ -11,9 +11,10 @@ use super::sampled_characteristic::SampledCharacteristic;
 /// The slowest multiplier of the sampled dyad, apart from the rigid-body multiplier z = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledSpectrum {
-    /// The largest |z|: the sampled dyad is stable if it is below 1.
+    /// The largest |z|.
     pub radius: f64,
-    /// ln(radius)/h, 1/s, comparable with the spectral abscissa of the continuous dyad.
+    /// ln(radius)/h, 1/s, comparable with the spectral abscissa of the continuous dyad: the sampled dyad is stable
+    /// if it is negative.
     pub abscissa_equivalent: f64,
     /// |arg z|/h, rad/s: the frequency of this multiplier.
     pub frequency: f64,
@@ -22,9 +23,10 @@ pub struct SampledSpectrum {
 }
 
 impl SampledSpectrum {
-    /// True if all multipliers but the rigid-body one lie inside the unit circle.
+    /// True if all multipliers but the rigid-body one lie inside the unit circle. The rate decides: the radius of
+    /// a slow motion rounds to 1.
     pub fn is_stable(&self) -> bool {
-        self.radius < 1.0
+        self.abscissa_equivalent < 0.0
     }
 }
 
@@ -54,7 +56,8 @@ impl SampledCharacteristic {
             s -= change;
             let previous = step;
             step = change.norm();
-            if step <= 1e-15 * scale || (step <= 1e-11 * scale && step >= 0.5 * previous) {
+            // Relative to the root: the sign of a slow motion's rate decides on stability.
+            if step <= 1e-15 * s.norm() || (step <= 1e-11 * scale && step >= 0.5 * previous) {
                 return Some((s, step));
             }
         }
