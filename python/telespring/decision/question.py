@@ -201,11 +201,12 @@ class Question:
         constant = self.at_delay(constant_delay(judged))
         mean = 0.5 * sum(constant_delay(judged))
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        least = max(judged.remedies.damping or 0.0, minimum_damping(self.dyad, judged.stiffness, mean))
+        held = self.held_by(judged)
+        least = max(judged.remedies.damping or 0.0, minimum_damping(held, judged.stiffness, mean))
         if self.network.sample_period == 0.0 or math.isinf(least):
             return least
-        worst = replace(constant, dyad=self.held_by(judged), operator_ranges=None)
-        slower = damped(self.dyad, -judged.stiffness * self.lag)
+        worst = replace(constant, dyad=held, operator_ranges=None)
+        slower = damped(held, -judged.stiffness * self.lag)
         if slower is not None:
             least = max(least, 0.999 * minimum_damping(slower, judged.stiffness, mean + self.lag))
 
