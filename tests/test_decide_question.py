@@ -95,9 +95,8 @@ def test_cross_remedies_hold_with_sampled_controllers(k: float, delay: float) ->
     assert held_force_abscissa(k, shorter, 0.001) < 0.0
     assert held_force_abscissa(k, shorter + 0.002, 0.001) > 0.0
     if found.status == "unstable":
-        firmer = ts.Dyad(
-            *(ts.Robot(m, b + 1.0001 * found.added_damping) for m, b in ((1.2, 6.0), (2.0, 9.0)))
-        )
+        added = 1.0001 * found.added_damping
+        firmer = ts.Dyad(ts.Robot(1.2, 6.0 + added), ts.Robot(2.0, 9.0 + added))
         assert decide(firmer, k, delay).stable
 
 
@@ -166,7 +165,9 @@ def test_law_robot_files_of_one_axis_replace_robots_of_two(tmp_path: Path) -> No
     for name in ("left", "right"):
         (tmp_path / f"{name}.toml").write_text("[robot]\nmass = 0.9\ndamping = 7.0\n")
     files = ("--robot1", str(tmp_path / "left.toml"), "--robot2", str(tmp_path / "right.toml"))
-    for arguments in (files, ("examples/hman.toml", *files)):
+    study = tmp_path / "two.toml"
+    study.write_text("robot1 = {mass = [1, 2], damping = 6}\nrobot2 = {mass = [2, 3], damping = 9}\n")
+    for arguments in (files, (str(study), *files)):
         screen = run("decide", *arguments, "--stiffness", "20", "--delay", "50ms")
         assert screen.exit_code == 0, screen.output
         assert "left" in screen.stdout.splitlines()[0]
@@ -210,7 +211,7 @@ def test_law_a_refused_option_is_named_with_its_remedy(arguments: list[str], wor
         ["--delay", "80", "--stiffness", "20", "--allow-unusual"],
         ["--delay", "80 ms", "--stiffness", "71.2 N/m"],
         ["--delay", "80ms", "--stiffness", "0.0712 N/mm", "--robot", "1200g,6", "--robot", "2 kg,9 N*s/m"],
-        ["--robot", "hman1", "--robot2", "hman2"][:0] + ["--robot1", "hman1", "--robot2", "hman2"],
+        ["--robot1", "hman1", "--robot2", "hman2"],
     ],
 )
 def test_law_units_and_allowed_values_are_read(arguments: list[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,7 +47,8 @@ def read_robot(written: str, option: str) -> GivenRobot:
     if Path(written).suffix == ".toml" or Path(written).is_file():
         return GivenRobot(Path(written), Path(written).stem, option)
     masses, dampings = [], []
-    for axis in written.split("/"):
+    # Not the slash of a unit such as N*s/m.
+    for axis in re.split(r"/(?=\s*[\d.+-])", written):
         mass, comma, damping = axis.partition(",")
         if not comma:
             raise InvalidInput(

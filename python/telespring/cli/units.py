@@ -75,7 +75,7 @@ def read_number(text: str, unit: Unit) -> float:
     (71.2, 7.7)
     """
     found = _NUMBER.fullmatch(text)
-    if found is None:
+    if found is None or found[2].startswith(","):
         comma = " Write a decimal point, not a comma." if re.match(r"\s*[+-]?\d+,\d", text) else ""
         raise typer.BadParameter(f"{text!r} is not {unit.kind}: write, for example, {unit.example}.{comma}")
     value, written = float(found[1]), found[2]

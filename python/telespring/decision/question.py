@@ -22,7 +22,7 @@ __all__ = [
     "stiffness_limit",
 ]
 
-#: Sampled controllers are judged up to this one-way delay, or twice the delay in question, where continuous
+#: Sampled controllers are judged up to this one-way delay, or the delay in question, where continuous
 #: ones are stable at any, s.
 LONGEST_DELAY = 1.0
 #: Bisections of a limit that is known to a few periods.
@@ -138,7 +138,11 @@ class Question:
         forward, backward = constant_delay(judged)
         mean = 0.5 * (forward + backward)
         if mean < delay_limit:
-            return (1.0 + RESERVE) * mean < delay_limit
+            if (1.0 + RESERVE) * mean < delay_limit or self.network.sample_period == 0.0:
+                return (1.0 + RESERVE) * mean < delay_limit
+            # The limit is known to a part of a period; whether the reserve is kept is judged.
+            more = ((1.0 + RESERVE) * forward, (1.0 + RESERVE) * backward)
+            return is_stable(self.at_delay(more).judge(judged.stiffness))
         # In a later interval of stable delays a shorter delay may be unstable, too.
         return all(
             is_stable(self.at_delay((factor * forward, factor * backward)).judge(judged.stiffness))
@@ -177,7 +181,7 @@ class Question:
         def stable(delay: float) -> bool:
             return is_stable(self.at_delay(delay).judge(k))
 
-        longest = max(LONGEST_DELAY, sum(constant_delay(judged)))
+        longest = max(LONGEST_DELAY, *constant_delay(judged))
         slower = damped(self.dyad, -k * self.lag)
         about = math.nan
         if slower is not None:
@@ -197,11 +201,12 @@ class Question:
         constant = self.at_delay(constant_delay(judged))
         mean = 0.5 * sum(constant_delay(judged))
         # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        least = max(judged.remedies.damping or 0.0, minimum_damping(self.dyad, judged.stiffness, mean))
+        held = self.held_by(judged)
+        least = max(judged.remedies.damping or 0.0, minimum_damping(held, judged.stiffness, mean))
         if self.network.sample_period == 0.0 or math.isinf(least):
             return least
-        worst = replace(constant, dyad=self.held_by(judged), operator_ranges=None)
-        slower = damped(self.dyad, -judged.stiffness * self.lag)
+        worst = replace(constant, dyad=held, operator_ranges=None)
+        slower = damped(held, -judged.stiffness * self.lag)
         if slower is not None:
             least = max(least, 0.999 * minimum_damping(slower, judged.stiffness, mean + self.lag))
 

@@ -160,7 +160,7 @@ def _delay_margin(decision: Decision) -> str:
         if decision.sampled_stable is None:
             return "No constant delay, however long, destabilises it."
         # Sampled controllers are judged up to a delay, continuous ones at all.
-        longest = format_time(max(LONGEST_DELAY, 2.0 * delay), 6)
+        longest = format_time(max(LONGEST_DELAY, *decision.constant_delay), 6)
         return f"No constant delay up to {longest} destabilises it, and none with continuous controllers."
     if delay < end:
         growth = format_time(end - delay, 3, rounding="down")
@@ -187,7 +187,7 @@ def _delay_margin(decision: Decision) -> str:
 def _verdict_table(decision: Decision) -> Fitting:
     bounds = tier_bounds(decision.verdicts)
     if decision.free is not None:
-        beside: list[tuple[str | Text, ...]] = [
+        beside: list[tuple[str, ...]] = [
             (
                 own.verdict.tier,
                 allowed_stiffness(free.bound, free.attained),
@@ -199,8 +199,8 @@ def _verdict_table(decision: Decision) -> Fitting:
         delays = decision.free.delay_limit, decision.delay_limit
         free_delay, held_delay = (format_time(end, rounding="down") for end in delays)
         beside.append(("longest delay", free_delay, held_delay, hand_effect(*delays)))
-        headings = ("network", "free handles", "held", "a hand")
-        return fitting_table("How stiff can the spring be, N/m?", headings, beside, right=(1, 2))
+        columns = ("network", "free handles", "held", "a hand")
+        return fitting_table("How stiff can the spring be, N/m?", columns, beside, right=(1, 2))
     rows: list[tuple[str | Text, ...]] = []
     for own in bounds:
         formula = TIERS[own.verdict.tier].formula
