@@ -69,6 +69,7 @@ __all__ = [
     "arm_operator",
     "certified_roots",
     "characteristic_roots",
+    "check_usual",
     "critical_stiffness",
     "cross_inertia",
     "crossings",

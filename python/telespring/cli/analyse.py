@@ -13,6 +13,7 @@ from rich.console import Console
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.cli.common import print_json, refusals
+from telespring.cli.units import TIME, number
 from telespring.model import Study
 
 if TYPE_CHECKING:
@@ -34,7 +35,11 @@ def analyse_command(
     ] = None,
     discard: Annotated[
         float | None,
-        typer.Option(help="Duration to leave out at the start of every trial, s. Default: as recorded."),
+        typer.Option(
+            parser=number(TIME),
+            metavar="TIME",
+            help="Duration to leave out at the start of every trial, s. Default: as recorded.",
+        ),
     ] = None,
     baseline: Annotated[
         str | None,

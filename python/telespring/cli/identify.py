@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from telespring.cli.common import print_json
+from telespring.cli.units import FREQUENCY, TIME, number
 
 if TYPE_CHECKING:
     from telespring.identification.results import Identification, Method
@@ -48,10 +49,19 @@ def identify_command(
         float, typer.Option(help="Newtons per unit of the force columns; -1 reverses the force.")
     ] = 1.0,
     force_delay: Annotated[
-        float, typer.Option(help="Correct the force for this lag behind the position, s.")
+        float,
+        typer.Option(
+            parser=number(TIME), metavar="TIME", help="Correct the force for this lag behind the position, s."
+        ),
     ] = 0.0,
-    start: Annotated[float | None, typer.Option(help="Use samples from this time on, s.")] = None,
-    end: Annotated[float | None, typer.Option(help="Use samples up to this time, s.")] = None,
+    start: Annotated[
+        float | None,
+        typer.Option(parser=number(TIME), metavar="TIME", help="Use samples from this time on, s."),
+    ] = None,
+    end: Annotated[
+        float | None,
+        typer.Option(parser=number(TIME), metavar="TIME", help="Use samples up to this time, s."),
+    ] = None,
     coulomb: Annotated[bool, typer.Option("--coulomb", help="Also estimate Coulomb friction.")] = False,
     offset: Annotated[bool, typer.Option("--offset", help="Also estimate an offset of the force.")] = False,
     method: Annotated[
@@ -60,7 +70,12 @@ def identify_command(
     iterations: Annotated[int, typer.Option(help="Reweightings of the paper's method.")] = 1,
     cutoff: Annotated[
         float | None,
-        typer.Option(help="Cut-off frequency of the filter, Hz.", show_default="chosen from the movement"),
+        typer.Option(
+            parser=number(FREQUENCY),
+            metavar="Hz",
+            help="Cut-off frequency of the filter, Hz.",
+            show_default="chosen from the movement",
+        ),
     ] = None,
     name: Annotated[
         str | None, typer.Option(help="Name of the robot.", show_default="name of the log")

@@ -44,7 +44,7 @@ def enough(is_stable: Callable[[float], bool], least: float, halvings: int = _HA
 
     Examples
     --------
-    >>> round(enough(lambda value: value > 3.0, 2.9), 3), enough(lambda value: False, 1.0)
+    >>> round(enough(lambda value: value > 3.0, 2.9), 2), enough(lambda value: False, 1.0)
     (3.0, inf)
     """
     high = least
