@@ -269,19 +269,22 @@ def test_law_parquet_without_pyarrow_says_what_to_install(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
-        ("log.xlsx", b"x", "must end in .csv, .parquet or .mat"),
-        ("log.csv", b"", "log.csv, empty"),
-        ("log.csv", b"time;position_x\n0,1;1,2\n0,2;1,3\n", "separated by semicolons"),
-        ("log.csv", b"time\tposition_x\n0.1\t1.2\n0.2\t1.3\n", "separated by tabs"),
-        ("log.csv", b"time,position_x\ns,m\n0.1,1.2\n0.2,1.3\n", "no numbers in the second line (s, m)"),
+        ("log.xlsx", b"x", "must end in .csv, .txt, .tsv, .dat, .parquet or .mat"),
+        ("log.csv", b"", "log.csv = empty"),
+        ("log.csv", b"PK\x03\x04\x14\x00\x06\x00", "a text file is required"),
         ("log.csv", b"Dear all,\nhere is, as promised, a log.\n", "a table is required"),
-        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "a text file in UTF-8 is required"),
+        ("log.csv", b"Zeit,Weg,St\xe4rke\n0,1,2\n", "the columns of log.csv are: Zeit, Weg, Stärke"),
         ("log.csv", b"time,position_x\n0,1\n", "the columns of log.csv are: "),
         ("log.csv", b"time,position_x,position_y,force_x,force_y\n", "contains no samples"),
         ("log.mat", b"not matlab", "cannot be read as one"),
         (
             "log.csv",
             b"time,position_x,position_y,force_x,force_y\na,1,1,1,1\nb,1,2,1,1\n",
+            "numbers, dates as in ISO 8601",
+        ),
+        (
+            "log.csv",
+            b"time,position_x,position_y,force_x,force_y\n1,1,1,a,1\n2,1,2,b,1\n",
             "this one contains none",
         ),
     ],

@@ -34,6 +34,9 @@ _MESSAGES = {
         "newtons per unit with --force-scale. Otherwise mass and damping are wrong by that factor. Scalars "
         "in the same file: {scalars}."
     ),
+    "words among numbers": (
+        'The column {column} has {count} fields that are no numbers, the first "{word}". They count as lost samples.'
+    ),
     "uneven time stamps": (
         "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
         "interpolated."
