@@ -18,6 +18,7 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from telespring import InvalidInput, cli
 from telespring.identification import identify, paper_excitation, read_log, robot_toml, write_robot
+from telespring.study.robot_file import robot_record
 
 TRUTH = {"x": (0.8334, 7.7257), "y": (1.0649, 10.1168)}
 
@@ -412,6 +413,7 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     study = ts.Study.paper().with_robot(2, robot)
     known = study.uncertainty[1]
     assert known is not None
+    assert robot_record(robot).logs == 1
     np.testing.assert_array_equal(known.mass_sd, written_robot["robot"]["mass_sd"])
     found = CliRunner().invoke(
         cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.1", "--json"]
@@ -429,6 +431,25 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     # certain robots: nothing is said
     certain = CliRunner().invoke(cli.app, ["decide", "--json"])
     assert json.loads(certain.stdout)["uncertainty"] is None
+
+
+def test_law_a_spring_in_the_robot_file_holds_the_robot_and_adds_to_a_grip() -> None:
+    text = "[robot]\nmass = [0.84, 1.07]\ndamping = 7.7\n[identification]\nstiffness = [3.0, 2.5]\nlogs = 2"
+    free = ts.Study.paper().with_robot(2, text)
+    np.testing.assert_array_equal(free.dyad.operators[1].stiffness, [3.0, 2.5])
+    np.testing.assert_array_equal(free.dyad.operators[0].stiffness, [0.0, 0.0])
+    gripped = ts.Study.paper().replace(operator2={"stiffness": {"min": 0, "max": 300}})
+    assert gripped.operator_ranges is not None
+    held = gripped.with_robot(2, text).operator_ranges
+    assert held is not None
+    np.testing.assert_array_equal(held[1].low.stiffness, [3.0, 2.5])
+    np.testing.assert_array_equal(held[1].high.stiffness, [303.0, 302.5])
+    assert robot_record(text).logs == 2
+    with pytest.raises(InvalidInput, match="one stiffness per axis"):
+        ts.Study.paper().with_robot(2, text.replace("[3.0, 2.5]", "[3.0]"))
+    for spoilt in ("logs = 0", 'logs = "two"', "stiffness = [-1.0, 2.0]", "stiffness = 3.0"):
+        with pytest.raises(InvalidInput, match=r"identification\."):
+            robot_record(f"[robot]\nmass = 1.0\ndamping = 1.0\n[identification]\n{spoilt}")
 
 
 def coupled(table: pd.DataFrame) -> pd.DataFrame:

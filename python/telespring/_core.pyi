@@ -511,9 +511,13 @@ class RobotRecord(_Record):
         cls,
         independent: bool | None,
         warnings: tuple[str, ...],
+        logs: int | None,
+        stiffness: tuple[float, ...] | None,
     ) -> RobotRecord: ...
     independent: Final[bool | None]
     warnings: Final[tuple[str, ...]]
+    logs: Final[int | None]
+    stiffness: Final[tuple[float, ...] | None]
 
 @final
 class DelaySystem:

@@ -463,7 +463,8 @@ impl Study {
     ///
     /// A robot file, as `telespring identify` writes it, has the section `[robot]` with the keys that
     /// `[robot1]` and `[robot2]` have in a study. Its section `[identification]`, if any, is a record that
-    /// `robot_record` reads.
+    /// `robot_record` reads. If the record has a spring between the robot and the ground, its stiffness is
+    /// added to that of this side's operator.
     ///
     /// Parameters
     /// ----------
@@ -615,6 +616,11 @@ record! {
         independent,
         /// Reservations about the estimates, as sentences.
         warnings,
+        /// How many logs the estimates are from; None if that is unknown. The scatter between logs is in the
+        /// standard deviations only of two logs or more.
+        logs,
+        /// Stiffness of a spring between the robot and the ground, N/m per axis; None if none was found.
+        stiffness,
     }
 }
 
@@ -642,7 +648,7 @@ record! {
 /// >>> from telespring.study.robot_file import robot_record
 /// >>> text = "[robot]\nmass = 0.84\ndamping = 7.7\n[identification]\naxes_independent = false"
 /// >>> robot_record(text)
-/// RobotRecord(independent=False, warnings=())
+/// RobotRecord(independent=False, warnings=(), logs=None, stiffness=None)
 #[pyfunction]
 pub fn robot_record(robot_file: &Bound<'_, PyAny>) -> Outcome<RobotRecord> {
     Ok(RobotRecord(read_robot_file(robot_file)?.record()?))

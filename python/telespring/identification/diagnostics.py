@@ -22,8 +22,8 @@ from telespring.identification.axis_fit import AxisModel, axis_regressor, fit_ax
 from telespring.identification.cutoff import filtered_noise, largest_cutoff
 from telespring.identification.filtering import Signals, filter_signals
 from telespring.identification.regression import least_squares
-from telespring.identification.resampling import UniformLog
 from telespring.identification.results import AxisIdentification, CrossInertia
+from telespring.identification.stretches import Stretch
 from telespring.identification.unmodelled import UnmodelledTerms, is_moving
 from telespring.identification.warning_messages import UNITS, Diagnostic, diagnostic
 
@@ -182,7 +182,7 @@ def check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
 
 
 def check_cutoff(
-    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals, model: AxisModel
+    axes: Sequence[AxisIdentification], log: Stretch, signals: Signals, model: AxisModel
 ) -> list[Diagnostic]:
     """Find estimates that depend on the cut-off, and refuse a cut-off that lets too much noise pass.
 
@@ -211,9 +211,7 @@ def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray,
     return np.asarray(estimate - np.linalg.solve(clean, measured @ estimate))
 
 
-def _check_noise_bias(
-    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals
-) -> list[Diagnostic]:
+def _check_noise_bias(axes: Sequence[AxisIdentification], log: Stretch, signals: Signals) -> list[Diagnostic]:
     warnings = []
     limit = min(largest_cutoff(row, log.rate) for row in log.position)
     for axis, position in zip(axes, log.position, strict=True):
@@ -246,7 +244,7 @@ def _check_noise_bias(
 
 
 def _check_half_cutoff(
-    axes: Sequence[AxisIdentification], log: UniformLog, signals: Signals, model: AxisModel
+    axes: Sequence[AxisIdentification], log: Stretch, signals: Signals, model: AxisModel
 ) -> list[Diagnostic]:
     """Compare with estimates at half of the cut-off: where the model holds, the filter changes nothing."""
     half = 0.5 * signals.cutoff

@@ -17,7 +17,7 @@ from telespring.identification.axis_fit import AxisModel, axis_regressor, fit_ax
 from telespring.identification.cutoff import CUTOFF_RULE, choose_cutoff, noise_deviation
 from telespring.identification.filtering import filter_signals
 from telespring.identification.log_checks import check_log
-from telespring.identification.resampling import resample_uniformly, shift_force
+from telespring.identification.resampling import even_stretches, shift_force
 from telespring.identification.results import (
     METHODS,
     AxisIdentification,
@@ -107,7 +107,7 @@ def identify(
     positions, forces = _log_signal_rows("position", position), _log_signal_rows("force", force)
     times = as_numbers("time", time)
     log_warnings = check_log(times, positions, forces)
-    log, resampling_warnings = resample_uniformly(times, positions, forces)
+    [log], resampling_warnings = even_stretches(times, positions, forces)
     names = _identified_axis_names(axes, len(positions))
     if force_delay:
         log = shift_force(log, as_number("force_delay", force_delay))

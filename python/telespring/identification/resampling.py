@@ -1,35 +1,30 @@
-"""A log on evenly spaced times: interpolate jittering time stamps, and shift a late force."""
+"""Logs on evenly spaced times: interpolate jittering time stamps, and shift a late force."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.identification.stretches import Stretch
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
-__all__ = ["UniformLog", "resample_uniformly", "shift_force"]
+__all__ = ["even_stretches", "shift_force"]
 
 #: Time stamps closer than this share of a step to even ones are taken as even.
 _EVEN = 0.01
 
 
-@dataclass(frozen=True)
-class UniformLog:
-    """Times (s), and positions (m) and forces (N) of shape (axes, n), sampled at an even rate (Hz)."""
-
-    time: FloatArray
-    position: FloatArray
-    force: FloatArray
-    rate: float
-
-
-def resample_uniformly(
+def even_stretches(
     time: FloatArray, position: FloatArray, force: FloatArray
-) -> tuple[UniformLog, list[Diagnostic]]:
-    """Interpolate a checked log to evenly spaced times, by cubic splines where its time stamps jitter."""
+) -> tuple[tuple[Stretch, ...], list[Diagnostic]]:
+    """Turn a checked log into stretches of evenly spaced samples.
+
+    Times are in s, shape (n,); positions (m) and forces (N) have shape (axes, n). Where time stamps jitter,
+    they are interpolated by cubic splines.
+    """
     # The mean, not the median: stamps may be rounded, to ms for instance.
     step = float((time[-1] - time[0]) / (time.size - 1))
     even = time[0] + step * np.arange(time.size)
@@ -44,16 +39,16 @@ def resample_uniformly(
                 np.asarray(CubicSpline(time, rows, axis=-1)(even)) for rows in (position, force)
             )
             warnings.append(diagnostic("uneven time stamps", jitter=jitter))
-    return UniformLog(even, position, force, 1.0 / step), warnings
+    usable = np.ones(time.size, dtype=bool)
+    return (Stretch(even, position, force, usable, 1.0 / step),), warnings
 
 
-def shift_force(log: UniformLog, delay: float) -> UniformLog:
+def shift_force(stretch: Stretch, delay: float) -> Stretch:
     """Shift the force back to the time when it acted; its samples are `delay` (s, may be negative) late."""
     from scipy.interpolate import CubicSpline
 
-    time, position, force = log.time, log.position, log.force
-    step = float(time[1] - time[0])
-    if not abs(delay) < 0.1 * float(time[-1] - time[0]):
+    time, step = stretch.time, 1.0 / stretch.rate
+    if not abs(delay) < 0.1 * stretch.duration:
         raise InvalidInput(
             "force_delay",
             f"{delay:g} s",
@@ -63,5 +58,7 @@ def shift_force(log: UniformLog, delay: float) -> UniformLog:
     lost = int(np.ceil(abs(delay) / step))
     keep = slice(0, time.size - lost) if delay > 0.0 else slice(lost, time.size)
     inner = time[keep]
-    shifted = np.asarray(CubicSpline(time, force, axis=-1)(inner + delay))
-    return UniformLog(inner, position[:, keep], shifted, log.rate)
+    shifted = np.asarray(CubicSpline(time, stretch.force, axis=-1)(inner + delay))
+    whole = np.asarray(stretch.usable, dtype=float)
+    usable = np.interp(inner + delay, time, whole) * whole[keep] > 0.99
+    return replace(stretch, time=inner, position=stretch.position[:, keep], force=shifted, usable=usable)

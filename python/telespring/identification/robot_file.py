@@ -65,6 +65,7 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
         {key: value for key, value in cross.items() if value is not None}
         for cross in record["cross_inertias"]
     ]
+    record["logs"] = 1
     record["condition_number"] = [axis.condition_number for axis in axes]
     record["r_squared"] = [axis.r_squared for axis in axes]
     if source:

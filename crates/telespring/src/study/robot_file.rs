@@ -13,12 +13,16 @@ pub struct RobotFile {
 }
 
 /// What identification recorded in addition to a robot's parameters.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RobotRecord {
     /// False if the axes are coupled by inertia; `None` if that is unknown.
     pub independent: Option<bool>,
     /// Reservations about the estimates, as sentences.
     pub warnings: Vec<String>,
+    /// How many logs the estimates are from; `None` if that is unknown.
+    pub logs: Option<usize>,
+    /// Stiffness of a spring between the robot and the ground, N/m per axis; `None` if none was found.
+    pub stiffness: Option<Vec<f64>>,
 }
 
 impl RobotFile {
@@ -106,6 +110,25 @@ impl RobotFile {
                 .and_then(|items| items.iter().map(|item| item.as_str().map(str::to_owned)).collect())
                 .ok_or_else(|| refuse("warnings", value, "a list of strings is required"))?,
         };
-        Ok(RobotRecord { independent, warnings })
+        let logs = match self.identification.get("logs") {
+            None => None,
+            Some(value) => Some(
+                value
+                    .as_integer()
+                    .and_then(|count| usize::try_from(count).ok().filter(|count| *count > 0))
+                    .ok_or_else(|| refuse("logs", value, "a number of logs, 1 or more, is required"))?,
+            ),
+        };
+        let stiffness = match self.identification.get("stiffness") {
+            None => None,
+            Some(value) => Some(
+                value
+                    .as_array()
+                    .and_then(|items| items.iter().map(|item| item.as_float()).collect::<Option<Vec<f64>>>())
+                    .filter(|items| items.iter().all(|item| item.is_finite() && *item >= 0.0))
+                    .ok_or_else(|| refuse("stiffness", value, "one stiffness in N/m per axis is required"))?,
+            ),
+        };
+        Ok(RobotRecord { independent, warnings, logs, stiffness })
     }
 }
