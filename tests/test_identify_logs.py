@@ -146,7 +146,7 @@ def short(table: pd.DataFrame) -> pd.DataFrame:
         (without_rows, "time", "--start 4.1 --end 11.999"),
         (doubled, "time", "Remove duplicate samples"),
         (turned, "time", "one log at a time"),
-        (missing, "force (column 2)", "--start, --end"),
+        (missing, "time", "--start 0.721 --end 11.999"),
         (in_milliseconds, "time", "--time-scale 0.001"),
         (in_minutes, "time", "--time-scale 60"),
         (in_millimetres, "position", "--position-scale 0.001"),

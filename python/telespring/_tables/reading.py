@@ -71,9 +71,9 @@ def read_text_table(path: Path, file: str, *, as_texts: bool = False) -> TextTab
 
     The separator, the decimal mark, and whether a line of names, of units, comments (`#`, `%`, `//`) or other
     lines stand above the numbers, are found from the lines themselves. Exponents may be written with D. A
-    separator at the end of lines is no column. `file` names the file in messages; `as_texts` keeps every field
-    as it is written. InvalidInput where the file is no text, is empty, or has a line of another length than
-    the names; OSError where it cannot be read.
+    separator at the end of lines is no column. `file` names the file in messages; `as_texts` keeps every
+    field as it is written. InvalidInput where the file is no text, is empty, or has a line of another length
+    than the names; OSError where it cannot be read.
     """
     lines = text_lines(path, file)
     if not lines.table:
@@ -188,7 +188,7 @@ def _parse_rows(texts: Sequence[str], width: int, layout: TextLayout, *, as_text
     blank = layout.separator == " "
     # Quoted decimal commas between commas are read as texts.
     decimal = "." if layout.decimal == layout.separator else layout.decimal
-    return pd.read_csv(
+    table: pd.DataFrame = pd.read_csv(
         io.StringIO("\n".join(text.strip() for text in texts) if blank else "\n".join(texts)),
         header=None,
         names=list(range(width)),
@@ -201,3 +201,4 @@ def _parse_rows(texts: Sequence[str], width: int, layout: TextLayout, *, as_text
         low_memory=False,
         **options,
     )
+    return table

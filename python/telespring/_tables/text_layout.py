@@ -20,10 +20,9 @@ _NUMBERS = {
     for mark, digits in ((".", r"\d+\.?\d*|\.\d+"), (",", r"\d+(,\d+)?|,\d+"))
 }
 #: Words for a number that is missing.
-MISSING = frozenset(
-    ("", "nan", "na", "n/a", "#n/a", "null", "none", "-nan", "inf", "+inf", "-inf", "infinity", "-infinity")
-    + ("nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)", "--")
-)
+_MISSING = "nan,-nan,na,n/a,#n/a,null,none,inf,+inf,-inf,infinity,-infinity,--"
+_MISSING_IN_C = "nan(ind),-nan(ind),nan(snan),-nan(snan)"
+MISSING = frozenset(["", *_MISSING.split(","), *_MISSING_IN_C.split(",")])
 #: The layout shows in so many lines.
 _SAMPLED = 300
 _UNIT = re.compile(

@@ -55,7 +55,8 @@ def text_lines(path: Path, file: str) -> TextLines:
     if is_quoted:
         joined = _join_quotations(numbered)
         numbered, is_quoted = (numbered, False) if joined is None else (joined, True)
-    table, comments = [], []
+    table: list[Line] = []
+    comments: list[Line] = []
     for line in numbered:
         (comments if _COMMENT.match(line.text) else table).append(line)
     return TextLines(table, comments, named[1] if named else None, is_quoted)

@@ -107,7 +107,15 @@ def identify(
     positions, forces = _log_signal_rows("position", position), _log_signal_rows("force", force)
     times = as_numbers("time", time)
     log_warnings = check_log(times, positions, forces)
-    [log], resampling_warnings = even_stretches(times, positions, forces)
+    stretches, resampling_warnings = even_stretches(times, positions, forces)
+    log = max(stretches, key=lambda stretch: stretch.time.size)
+    if len(stretches) > 1:
+        raise InvalidInput(
+            "time",
+            f"{len(stretches) - 1} long gaps",
+            "a log without long gaps is required",
+            f"Use its longest part without a gap: --start {log.time[0]:.6g} --end {log.time[-1]:.6g}.",
+        )
     names = _identified_axis_names(axes, len(positions))
     if force_delay:
         log = shift_force(log, as_number("force_delay", force_delay))

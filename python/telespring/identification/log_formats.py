@@ -137,7 +137,7 @@ def _with_index_as_columns(table: pd.DataFrame) -> pd.DataFrame:
         name if name is not None else ("time" if is_time else "index" if i == 0 else f"index {i + 1}")
         for i, name in enumerate(table.index.names)
     ]
-    index = table.index.to_frame(index=False, name=names)
+    index = table.index.to_frame(index=False).set_axis(names, axis=1)
     return pd.concat([index, table.reset_index(drop=True)], axis=1)
 
 

@@ -12,22 +12,20 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.log_formats import LogColumns, read_log_columns
+from telespring.identification.log_columns import (
+    check_column_lengths,
+    check_column_numbers,
+    find_column,
+    refuse_column_without_numbers,
+    suspect_force_columns,
+    words_among_numbers,
+)
+from telespring.identification.log_formats import read_log_columns
 from telespring.identification.runs import find_runs, select_run
 from telespring.identification.time_stamps import TimeStamps, read_time_stamps
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["Log", "read_log"]
-
-#: A force column whose name has one of these as a word is probably not a force.
-_OTHER_QUANTITIES = {"v", "volt", "volts", "voltage", "vir", "u", "current", "amp", "amps", "mv", "ma", "pwm"}
-#: SI units as a line of units below the names spells them, and what other units are worth.
-_SPELLINGS = {
-    "time": ("s", "sec", "second", "seconds"),
-    "position": ("m", "meter", "metre", "meters", "metres"),
-    "force": ("n", "newton", "newtons"),
-}
-_PREFIXES = {"k": 1e3, "c": 0.01, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9}
 
 
 @dataclass(frozen=True)
@@ -51,8 +49,8 @@ class Log:
     runs
         Names of the runs.
     time_form
-        How the file writes the time: "s", "epoch in ms" (or s, µs, ns), "date", "time of the day", or "sample rate"
-        if it was given instead.
+        How the file writes the time: "s", "epoch in ms" (or s, µs, ns), "date", "time of the day", or "sample
+        rate" if it was given instead.
     first_time
         The first time stamp as an ISO date, if the stamps tell the date.
     diagnostics
@@ -107,17 +105,17 @@ def read_log(
     start: float | None = None,
     end: float | None = None,
 ) -> Log:
-    """Read the columns of a log.
+    r"""Read the columns of a log.
 
     Parameters
     ----------
     path : path-like
-        A table in a text file (.csv, .txt, .tsv, .dat), .parquet (needs pyarrow) or .mat (all versions). In a text
-        file the separator, the decimal mark, comments and the line of names are found by themselves. The columns of
-        a MATLAB matrix are named `name[0]`, `name[1]`, …, the fields of a struct `name.field`.
+        A table in a text file (.csv, .txt, .tsv, .dat), .parquet (needs pyarrow) or .mat (all versions). In a
+        text file the separator, the decimal mark, comments and the line of names are found by themselves. The
+        columns of a MATLAB matrix are named `name[0]`, `name[1]`, …, the fields of a struct `name.field`.
     time : str
-        Time column: its name, or its number from 1. Seconds, or with `time_scale` another unit; dates (ISO 8601),
-        times of the day, and counts since 1970 in s, ms, µs or ns are known by themselves.
+        Time column: its name, or its number from 1. Seconds, or with `time_scale` another unit; dates (ISO
+        8601), times of the day, and counts since 1970 in s, ms, µs or ns are known by themselves.
     position, force : sequence of str
         Position and force columns by name or number, one per axis, in the same order.
     axes : sequence of str
@@ -126,8 +124,8 @@ def read_log(
         Factors that convert the file's numbers to s, m and N, such as 0.001 for ms or mm, or the newtons per
         volt of a motor; force_scale -1 reverses the force.
     rate : float
-        Samples per second, for a log without time stamps. No time column is read then, and lost samples cannot be
-        noticed.
+        Samples per second, for a log without time stamps. No time column is read then, and lost samples
+        cannot be noticed.
     run : str or int
         Read only this run of several: the value in the run column or, where the time starts again, its number
         from 1. By default all runs are read; `Log.split` separates them.
@@ -144,8 +142,8 @@ def read_log(
     Raises
     ------
     telespring.InvalidInput
-        If the file has another format, a line of another length, a column that is missing or contains no numbers,
-        or a scale is 0.
+        If the file has another format, a line of another length, a column that is missing or contains no
+        numbers, or a scale is 0.
     OSError
         If the file cannot be read.
 
@@ -154,7 +152,7 @@ def read_log(
     >>> import tempfile
     >>> from pathlib import Path
     >>> path = Path(tempfile.mkdtemp()) / "log.csv"
-    >>> _ = path.write_text("0,00;0,01;1,5\\n0,01;0,02;1,6\\n")
+    >>> _ = path.write_text("0,00;0,01;1,5\n0,01;0,02;1,6\n")
     >>> read_log(path, time="1", position=["2"], force=["3"]).position.ravel().tolist()
     [0.01, 0.02]
     """
@@ -172,26 +170,27 @@ def read_log(
         if limit is not None and np.isnan(limit):
             raise InvalidInput(option, f"{limit:g}", "a time in s is required", "Omit it for the whole log.")
     log = read_log_columns(log_path)
-    position_names = [_find_column(log, "position", name, position_scale) for name in position]
-    force_names = [_find_column(log, "force", name, force_scale) for name in force]
-    time_name = None if rate is not None else _find_column(log, "time", time, time_scale)
-    _check_lengths(log, [*([time_name] if time_name else []), *position_names, *force_names])
+    position_names = [find_column(log, "position", name, position_scale) for name in position]
+    force_names = [find_column(log, "force", name, force_scale) for name in force]
+    time_name = None if rate is not None else find_column(log, "time", time, time_scale)
+    check_column_lengths(log, [*([time_name] if time_name else []), *position_names, *force_names])
     positions, forces = (
         np.column_stack([log.numbers(name) for name in selected])
         for selected in (position_names, force_names)
     )
-    _check_numbers(log, position_names, positions, "position")
-    _check_numbers(log, force_names, forces, "force")
+    check_column_numbers(position_names, positions, "position")
+    check_column_numbers(force_names, forces, "force")
     if time_name is not None:
         stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
         if np.isnan(stamps.seconds).all():
-            raise _refuse_column_without_numbers("time", time)
+            raise refuse_column_without_numbers("time", time)
     else:
         assert rate is not None  # otherwise there is a time column
         stamps = TimeStamps(np.arange(len(positions)) / rate, "sample rate")
-    run_name = None if run_column is None else _find_column(log, "run-column", run_column, 1.0)
+    run_name = None if run_column is None else find_column(log, "run-column", run_column, 1.0)
     belongs, runs = find_runs(stamps.seconds, None if run_name is None else log.columns[run_name])
-    keep = np.ones(len(positions), dtype=bool)
+    repeated = _repeated_samples(stamps.seconds, positions, forces)
+    keep = ~repeated
     if run is not None:
         chosen = select_run(str(run), runs)
         keep &= belongs == chosen
@@ -211,8 +210,9 @@ def read_log(
         time_form=stamps.form,
         first_time=stamps.first,
         diagnostics=(
-            *_suspect_force_columns(log, force_names, force_scale),
-            *_words_among_numbers(log, [*position_names, *force_names]),
+            *suspect_force_columns(log, force_names, force_scale),
+            *words_among_numbers(log, [*position_names, *force_names]),
+            *([diagnostic("repeated samples", count=int(repeated.sum()))] if repeated.any() else []),
         ),
     )
 
@@ -246,80 +246,11 @@ def _check_scales(scales: Mapping[str, float], rate: float | None) -> None:
         )
 
 
-def _find_column(log: LogColumns, option: str, name: str, scale: float) -> str:
-    """Return the column that an option names; refuse one that is missing, of two, or in another unit."""
-    found = log.find(name)
-    if found is None:
-        longest = max((np.size(values) for values in log.columns.values()), default=0)
-        available = ", ".join(
-            other for other in log.columns if longest < 2 or np.size(log.columns[other]) > 1
-        )
-        if log.has_names:
-            allowed, remedy = (
-                f"the columns of {log.file} are: {available}",
-                f"Name the {option} column with --{option}.",
-            )
-        else:
-            allowed = f"{log.file} does not name its {len(log.columns)} columns"
-            remedy = "Number them from 1, for example --time 1 --position 2,3 --force 4,5."
-        if option == "time":
-            remedy += " If the log has no times, give its sample rate with --rate."
-        raise InvalidInput(f"--{option}", name, allowed, remedy)
-    if found in log.ambiguous:
-        raise InvalidInput(
-            f"--{option}",
-            name,
-            f"{log.file} has several columns of this name",
-            "Choose it by its number, counted from 1.",
-        )
-    unit = log.units.get(found, "").strip("[](){}<> ")
-    spellings = _SPELLINGS.get(option, ())
-    if scale == 1.0 and unit and spellings and unit.lower() not in spellings:
-        prefix = _PREFIXES.get(unit[:1]) if unit[1:].lower() in spellings else None
-        value = f"{prefix:g}" if prefix else f"the {option} in SI units per {unit}"
-        raise InvalidInput(
-            f"--{option}",
-            f"{found} in {unit}",
-            f"the file says that it is not in {spellings[0] if option != 'force' else 'N'}",
-            f"Give --{option}-scale {value}.",
-        )
-    return found
-
-
-def _check_lengths(log: LogColumns, names: Sequence[str]) -> None:
-    """Refuse columns without samples, or of different lengths."""
-    sizes = {name: np.size(log.columns[name]) for name in names}
-    if 0 in sizes.values():
-        raise InvalidInput(
-            "log",
-            log.file,
-            "a log with one row per sample is required, but this one contains no samples",
-            "Check that the recording was saved; the file has only its first line.",
-        )
-    longest = max(sizes.values())
-    for name, size in sizes.items():
-        if size != longest:
-            raise InvalidInput(
-                "log",
-                f"{name}, {size} values",
-                f"one value per sample is required, and other columns have {longest}",
-                "Name a column that was recorded with every sample.",
-            )
-
-
-def _check_numbers(log: LogColumns, names: Sequence[str], values: FloatArray, option: str) -> None:
-    for name, column in zip(names, values.T, strict=True):
-        if column.size > 1 and np.isnan(column).all():
-            raise _refuse_column_without_numbers(option, name)
-
-
-def _refuse_column_without_numbers(option: str, name: str) -> InvalidInput:
-    return InvalidInput(
-        f"--{option}",
-        name,
-        "a column of numbers is required, but this one contains none",
-        "Name another column.",
-    )
+def _repeated_samples(time: FloatArray, *values: FloatArray) -> NDArray[np.bool_]:
+    """Find rows that repeat the row before, as some buses deliver a message twice."""
+    rows = np.column_stack([time, *values])
+    same = ((rows[1:] == rows[:-1]) | (np.isnan(rows[1:]) & np.isnan(rows[:-1]))).all(axis=1)
+    return np.concatenate([[False], same & np.isfinite(time[1:])])
 
 
 def _samples_between(
@@ -343,28 +274,3 @@ def _samples_between(
             "Choose a part within it.",
         )
     return keep
-
-
-def _words_among_numbers(log: LogColumns, names: Sequence[str]) -> list[Diagnostic]:
-    """Find texts between the numbers of a column."""
-    import pandas as pd
-
-    found = []
-    for name in names:
-        column = pd.Series(log.columns[name])
-        words = column[np.isnan(log.numbers(name)) & column.notna().to_numpy()].astype("str").str.strip()
-        words = words[words != ""]
-        if len(words) and column.dtype.kind not in "biufMm":
-            found.append(
-                diagnostic("words among numbers", column=name, count=len(words), word=words.iloc[0][:30])
-            )
-    return found
-
-
-def _suspect_force_columns(log: LogColumns, force: Sequence[str], scale: float) -> list[Diagnostic]:
-    """Find a force column in other units that no scale converts, and scalars that may be the scale."""
-    suspects = [name for name in force if set(name.lower().replace("[", "_").split("_")) & _OTHER_QUANTITIES]
-    if scale != 1.0 or not suspects:
-        return []
-    scalars = ", ".join(name for name, values in log.columns.items() if np.size(values) == 1)
-    return [diagnostic("suspect force column", column=suspects[0], scalars=scalars or "none")]

@@ -18,8 +18,9 @@ _NUMBERS = "biuf"
 def read_matlab_variables(path: Path) -> dict[str, Any]:
     """Read the variables of a MATLAB file.
 
-    Matrices have rows first, as in MATLAB; vectors have one dimension. Objects of classes, such as `timeseries`
-    or `datetime`, are None: their format is not published. Any error of the parser shows a damaged file.
+    Matrices have rows first, as in MATLAB; vectors have one dimension. Objects of classes, such as
+    `timeseries` or `datetime`, are None: their format is not published. Any error of the parser shows a
+    damaged file.
     """
     with path.open("rb") as file:
         beginning = file.read(_TEXT_BLOCK + len(_HDF5_SIGNATURE))

@@ -21,8 +21,8 @@ _FEWEST_SAMPLES = 10
 def find_runs(time: FloatArray, column: Any | None) -> tuple[NDArray[np.int_], tuple[str, ...]]:
     """Return the run of every sample (from 0) and the names of the runs.
 
-    `column` has a value per run, which is its name. Without it a run begins where the time (s) starts again, and
-    they are named "1", "2", …; a time that only steps back is no new run.
+    `column` has a value per run, which is its name. Without it a run begins where the time (s) starts again,
+    and they are named "1", "2", …; a time that only steps back is no new run.
     """
     if column is not None:
         import pandas as pd

@@ -1,7 +1,7 @@
 """Time stamps as loggers write them: seconds, counts since an epoch, dates, times of the day.
 
-Long stamps are subtracted from one another as whole numbers, before they become seconds: the time since 1970 in a
-double is exact to 0.2 µs only, and in six digits to half an hour.
+Long stamps are subtracted from one another as whole numbers, before they become seconds: the time since 1970
+in a double is exact to 0.2 µs only, and in six digits to half an hour.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ _EPOCH_UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 _LONGEST_STEP = 0.06
 #: At least this share of stamps must have the format; the others are lost samples.
 _READABLE = 0.9
+#: Seconds per unit of dates.
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _LARGEST_COUNT = 2**63 - 1
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)")
 _CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}(\.\d+)?|\.\d+)")
@@ -48,8 +50,8 @@ class TimeStamps:
     Attributes
     ----------
     seconds
-        s; counted from the first sample if the stamps are dates, times of the day or counts since 1970. NaN where
-        a sample has no stamp.
+        s; counted from the first sample if the stamps are dates, times of the day or counts since 1970. NaN
+        where a sample has no stamp.
     form
         "s", "epoch in ms" (or s, µs, ns), "date" or "time of the day".
     first
@@ -64,8 +66,9 @@ class TimeStamps:
 def read_time_stamps(values: Any, scale: float, decimal: str = ".") -> TimeStamps:
     """Read a time column: an array or pandas series of numbers, dates, durations or texts.
 
-    `scale` is in seconds per unit of numbers; with 1, counts since 1970 in s, ms, µs or ns are known by their size.
-    `decimal` is the decimal mark of texts. InvalidInput where texts are no time, or a scale is given for dates.
+    `scale` is in seconds per unit of numbers; with 1, counts since 1970 in s, ms, µs or ns are known by their
+    size. `decimal` is the decimal mark of texts. InvalidInput where texts are no time, or a scale is given
+    for dates.
     """
     import pandas as pd
 
@@ -143,8 +146,7 @@ def _from_dates(column: Any, scale: float) -> TimeStamps:
     resolution = column.to_numpy()
     missing = np.isnat(resolution)
     counts = resolution.astype("int64")
-    unit = np.datetime_data(resolution.dtype)[0]
-    period = np.timedelta64(1, unit) / np.timedelta64(1, "s")
+    period = _SECONDS[np.datetime_data(resolution.dtype)[0]]
     seconds = np.full(counts.size, np.nan)
     if not missing.all():
         first = int(np.flatnonzero(~missing)[0])
@@ -169,7 +171,8 @@ def _dates_of_texts(texts: Any) -> Any:
     raise InvalidInput(
         "time",
         shown,
-        "numbers, dates as in ISO 8601 (2024-05-01T12:00:00.001) or times of the day (12:00:00.001) are required",
+        "numbers, dates as in ISO 8601 (2024-05-01T12:00:00.001) or times of the day (12:00:00.001) are "
+        "required",
         "Name another column with --time, or give the sample rate with --rate.",
     )
 

@@ -35,7 +35,19 @@ _MESSAGES = {
         "in the same file: {scalars}."
     ),
     "words among numbers": (
-        'The column {column} has {count} fields that are no numbers, the first "{word}". They count as lost samples.'
+        'The column {column} has {count} fields that are no numbers, the first "{word}". They count as lost '
+        "samples."
+    ),
+    "bridged gaps": (
+        "Lost samples: {count} (gaps: {gaps}, the longest {longest:.3g ms}). They were interpolated, and the "
+        "estimates leave them out."
+    ),
+    "long gaps": (
+        "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the {pieces} "
+        "stretches between them together. Samples left out between close gaps: {left_out}."
+    ),
+    "repeated samples": (
+        "Repeated samples: {count}. A row with the time and the values of the row before was left out."
     ),
     "uneven time stamps": (
         "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
