@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from telespring._errors import InvalidInput
+from telespring._files import spelt_otherwise
 from telespring.analysis.recordings.layout import INDEX
 from telespring.analysis.recordings.reading import read_recorded
 
@@ -32,7 +33,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
     if place.is_dir():
         if (place / _REHEARSAL).is_file():
             place = place / _REHEARSAL
-        elif (place / INDEX).is_file():
+        elif spelt_otherwise(place / INDEX).is_file():
             return read_recorded(place, task)
         else:
             raise InvalidInput(
@@ -41,12 +42,12 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
                 f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is required",
                 "Name the folder that contains one of them, or the file itself.",
             )
-    if place.suffix == ".csv":
+    if place.suffix.lower() in (".csv", ".txt", ".tsv"):
         return read_recorded(place, task)
     # Opened first, so that a missing or unreadable file is reported as such.
     with place.open("rb") as file:
         signature = file.read(len(_HDF5_SIGNATURE))
-    if place.suffix != ".nc":
+    if place.suffix.lower() != ".nc":
         raise InvalidInput(
             "path",
             str(path),

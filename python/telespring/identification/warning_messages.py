@@ -43,8 +43,8 @@ _MESSAGES = {
         "estimates leave them out."
     ),
     "long gaps": (
-        "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the {pieces} "
-        "stretches between them together. Samples left out between close gaps: {left_out}."
+        "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the "
+        "{pieces} stretches between them together. Samples left out between close gaps: {left_out}."
     ),
     "repeated samples": (
         "Repeated samples: {count}. A row with the time and the values of the row before was left out."
