@@ -7,14 +7,13 @@ from telespring.analysis.measures import measure, measure_trials
 from telespring.analysis.recordings.reading import read_recorded
 from telespring.analysis.recordings.writing import write_recorded, write_template
 from telespring.analysis.results import analyse_trials, compare_conditions
+from telespring.analysis.effect_sizes import superiority_interval
+from telespring.analysis.group_tests import GroupTest, kruskal_wallis
 from telespring.analysis.statistics import (
     Comparison,
-    GroupTest,
     compare,
     compare_pairs,
     holm,
-    kruskal_wallis,
-    superiority_interval,
 )
 from telespring.analysis.trials import Trials
 from telespring.study.conditions import condition_label

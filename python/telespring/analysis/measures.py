@@ -43,7 +43,8 @@ def measure(dataset: xr.Dataset, discard: float | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over (condition, trial, robot): ``tracking_error`` (m, Eq. 15), ``lag`` (s) with
+        Over (condition, trial, robot), with the labels of the trials as the dataset has them:
+        ``tracking_error`` (m, Eq. 15), ``lag`` (s) with
         ``lag_correlation``; where the forces were recorded ``interaction_force_rms`` and
         ``interaction_force_peak`` (N) and ``effort_rms`` (N); with velocities also ``power`` (W). NaN for a
         trial that was not completed; ``status`` says why.
@@ -110,17 +111,27 @@ def measure_trials(trials: Trials) -> xr.Dataset:
         if trials.velocity is not None:
             measures["power"] = mean((trials.agent_force * trials.velocity).sum(axis=-1))
     dimensions = ("condition", "trial", "robot")
+    per_trial = ("condition", "trial")
     variables: dict[str, Any] = {
         name: (dimensions, values, {"units": MEASURES[name][0], "long_name": MEASURES[name][1]})
         for name, values in measures.items()
     }
+    # Labels as the data have them, so that results can be joined with the data.
+    labels: dict[str, Any] = {}
+    if trials.trial is not None:
+        labels["trial"] = ("trial", trials.trial)
+    elif trials.has_numbers:
+        labels["trial_number"] = (per_trial, trials.numbers)
+    if trials.dyads is not None:
+        labels["dyad"] = (per_trial, trials.dyads)
     return xr.Dataset(
-        variables | {"status": (("condition", "trial"), trials.status)},
+        variables | {"status": (per_trial, trials.status)},
         coords={
             "condition": ("condition", list(trials.labels)),
             "stiffness": ("condition", trials.stiffness, {"units": "N/m"}),
             "delay": ("condition", trials.delay, {"units": "s"}),
             "robot": ("robot", [1, 2]),
+            **labels,
         },
         attrs={"discard": trials.discard},
     )

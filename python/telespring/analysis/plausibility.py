@@ -20,20 +20,20 @@ _STILL_EXTENT, _STILL_TIME = 1e-3, 0.4
 
 @dataclass(frozen=True)
 class ShortTrial:
-    """A completed trial much shorter than the median one; durations in s, `trial` from 1."""
+    """A completed trial much shorter than the median one; durations in s."""
 
     condition: str
-    trial: int
+    trial: str
     duration: float
     usual_duration: float
 
 
 @dataclass(frozen=True)
 class StillHandle:
-    """A handle that does not move from `since` (s) to the end; None: throughout. `trial`, `robot` from 1."""
+    """A handle that does not move from `since` (s) to the end; None: throughout. `robot` is 1 or 2."""
 
     condition: str
-    trial: int
+    trial: str
     robot: int
     since: float | None
 
@@ -48,10 +48,10 @@ def implausible_trials(trials: Trials) -> list[ShortTrial | StillHandle]:
     step = trials.sample_period
     implausible: list[ShortTrial | StillHandle] = []
     for condition, trial in completed.tolist():
-        label = trials.labels[condition]
+        label, number = trials.labels[condition], trials.trial_number(condition, trial)
         count = int(counts[condition, trial])
         if count < _SHORT * usual:
-            implausible.append(ShortTrial(label, trial + 1, count * step, usual * step))
+            implausible.append(ShortTrial(label, number, count * step, usual * step))
         window = trials.window[condition, trial]
         target = trials.trial_target(condition, trial)[window]
         limit = _STILL_EXTENT * float(np.ptp(target, axis=0).max())
@@ -59,7 +59,7 @@ def implausible_trials(trials: Trials) -> list[ShortTrial | StillHandle]:
             still = _still_samples_at_the_end(trials.position[condition, trial, window, robot], limit)
             if limit > 0.0 and still >= _STILL_TIME * count:
                 since = None if still == count else float(trials.time[window][count - still])
-                implausible.append(StillHandle(label, trial + 1, robot + 1, since))
+                implausible.append(StillHandle(label, number, robot + 1, since))
     return implausible
 
 

@@ -1,8 +1,4 @@
-"""Rank tests between groups of trials, Holm's correction, and effect sizes with their intervals.
-
-The tests are SciPy's and statsmodels'. This module chooses between exact and asymptotic p values, defines the
-families of tests, and adds effect sizes.
-"""
+"""Rank tests between two groups of trials, with effect sizes, and Holm's correction of a family of tests."""
 
 from __future__ import annotations
 
@@ -15,102 +11,65 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from telespring._types import FloatArray
+from telespring.analysis.dyads import dyad_means, matched_dyads, split_dyads
+from telespring.analysis.effect_sizes import paired_shift, paired_superiority_interval, superiority_interval
+from telespring.analysis.rank_distributions import rank_sum_p_values, signed_rank_p_values
 
-__all__ = [
-    "LEVEL",
-    "Comparison",
-    "GroupTest",
-    "compare",
-    "compare_pairs",
-    "holm",
-    "kruskal_wallis",
-    "superiority_interval",
-]
+__all__ = ["LEVEL", "Comparison", "compare", "compare_pairs", "fewest_values", "holm", "present_values"]
 
 #: Significance level of the paper's arrows.
 LEVEL = 0.05
 
-#: The exact distribution is used up to this many values in either group, unless values are tied.
+#: The exact distribution is used up to this many values in either group.
 _EXACT_UP_TO = 50
 
 
 @dataclass(frozen=True)
-class GroupTest:
-    """A Kruskal-Wallis test of several groups.
-
-    Attributes
-    ----------
-    groups
-        Names of the groups.
-    sizes
-        Number of values in each group.
-    statistic
-        H, corrected for ties; None if fewer than two groups have values.
-    degrees_of_freedom
-        Number of groups minus one.
-    p_value
-        From the chi-squared distribution; None without H.
-    p_holm
-        Corrected within the test's family.
-    epsilon_squared
-        Effect size H/(n − 1), from 0 (ranks do not depend on the group) to 1 (Tomczak and Tomczak 2014).
-    """
-
-    groups: tuple[str, ...]
-    sizes: tuple[int, ...]
-    statistic: float | None
-    degrees_of_freedom: int
-    p_value: float | None
-    p_holm: float | None
-    epsilon_squared: float | None
-
-    def to_json(self) -> dict[str, Any]:
-        """Convert a Kruskal-Wallis test to plain values."""
-        return {
-            "groups": list(self.groups),
-            "sizes": list(self.sizes),
-            "h": self.statistic,
-            "degrees_of_freedom": self.degrees_of_freedom,
-            "p": self.p_value,
-            "p_holm": self.p_holm,
-            "epsilon_squared": self.epsilon_squared,
-        }
-
-
-@dataclass(frozen=True)
 class Comparison:
-    """A two-sided Wilcoxon rank-sum test of two groups, with its effect size.
+    """A two-sided rank test of two groups, with its effect size.
 
     Attributes
     ----------
     first, second
         Names of the groups.
     sizes
-        Number of values in each group.
+        Number of independent values in each group: of trials, or of dyads.
+    test
+        "rank-sum": Wilcoxon's (Mann and Whitney's) of unpaired values. "signed-rank": Wilcoxon's of the
+        differences within dyads.
+    unit
+        What counts as one independent value, "trial" or "dyad".
     statistic
-        U of the first group: the number of pairs in which its value is the larger; ties count half.
+        Of the rank-sum test, U of the first group: the number of pairs in which its value is the larger;
+        ties count half. Of the signed-rank test, the rank sum of the positive differences.
     p_value
         Two-sided; None if a group has no values.
     p_holm
         Corrected within the comparison's family.
+    least_p
+        The smallest p that groups of these sizes, with these ties, can have. None without a test.
     method
-        "exact" without ties and with up to 50 values in each group, otherwise "asymptotic": normal,
+        "exact" with up to 50 values in each group, also if values are tied; otherwise "asymptotic": normal,
         corrected for ties and continuity; "all equal" if all values are the same, then p is 1.
     superiority
         Vargha and Delaney's A = U/(n1 n2): the probability that a value of the first group is the
-        larger. Cliff's delta and the rank-biserial correlation are 2A − 1.
+        larger. Cliff's delta and the rank-biserial correlation are 2A − 1. Within dyads: the share of dyads
+        whose first value is the larger.
     superiority_interval
-        95 % interval of A by Newcombe's method 5.
+        95 % interval: of A by Newcombe's method 5, of the share of dyads by Clopper and Pearson's.
     shift
-        Median of all differences first − second (Hodges and Lehmann), in the unit of the values.
+        Hodges and Lehmann's estimate of the difference first − second, in the unit of the values.
     """
 
     first: str
     second: str
     sizes: tuple[int, int]
+    test: Literal["rank-sum", "signed-rank"]
+    unit: Literal["trial", "dyad"]
     statistic: float | None
     p_value: float | None
     p_holm: float | None
+    least_p: float | None
     method: Literal["exact", "asymptotic", "all equal", "no values"]
     superiority: float | None
     superiority_interval: tuple[float, float] | None
@@ -127,20 +86,25 @@ class Comparison:
         The paper uses the raw p; `corrected` takes Holm's.
         """
         p_value = self.p_holm if corrected else self.p_value
-        if p_value is None or p_value >= LEVEL or self.superiority is None or self.superiority == 0.5:
+        if p_value is None or p_value >= LEVEL or self.superiority is None or self.shift is None:
             return ""
-        return "↑" if self.superiority > 0.5 else "↓"
+        larger = self.shift if self.test == "signed-rank" else self.superiority - 0.5
+        return "↑" if larger > 0.0 else "↓" if larger < 0.0 else ""
 
     def to_json(self) -> dict[str, Any]:
-        """Convert a rank-sum comparison to plain values."""
+        """Convert a comparison to plain values."""
         interval = self.superiority_interval
         return {
             "first": self.first,
             "second": self.second,
             "sizes": list(self.sizes),
-            "u": self.statistic,
+            "test": self.test,
+            "unit": self.unit,
+            "u": self.statistic if self.test == "rank-sum" else None,
+            "w": self.statistic if self.test == "signed-rank" else None,
             "p": self.p_value,
             "p_holm": self.p_holm,
+            "least_p": self.least_p,
             "method": self.method,
             "superiority": self.superiority,
             "superiority_interval": None if interval is None else list(interval),
@@ -152,49 +116,17 @@ class Comparison:
         }
 
 
-def kruskal_wallis(groups: Mapping[str, ArrayLike]) -> GroupTest:
-    """Test whether groups differ (Kruskal and Wallis 1952).
+def compare(
+    first: ArrayLike,
+    second: ArrayLike,
+    names: tuple[str, str] = ("first", "second"),
+    dyads: tuple[ArrayLike, ArrayLike] | None = None,
+) -> Comparison:
+    """Compare two groups by a two-sided Wilcoxon test.
 
-    Parameters
-    ----------
-    groups : mapping
-        Values per name. NaN marks a missing value; a group without values is left out.
-
-    Returns
-    -------
-    GroupTest
-        With the raw p as `p_holm`; `holm` corrects a family of tests.
-
-    Examples
-    --------
-    Half-times of mucociliary clearance, Hollander and Wolfe 1973, p. 116.
-
-    >>> test = kruskal_wallis({
-    ...     "normal": [2.9, 3.0, 2.5, 2.6, 3.2],
-    ...     "obstructive": [3.8, 2.7, 4.0, 2.4],
-    ...     "asbestosis": [2.8, 3.4, 3.7, 2.2, 2.0],
-    ... })
-    >>> round(test.statistic, 5), test.degrees_of_freedom, round(test.p_value, 2)
-    (0.77143, 2, 0.68)
-    """
-    from scipy import stats
-
-    present = {name: _drop_missing_values(values) for name, values in groups.items()}
-    present = {name: values for name, values in present.items() if len(values)}
-    names, sizes = tuple(present), tuple(len(values) for values in present.values())
-    count = sum(sizes)
-    freedom = max(0, len(names) - 1)
-    if len(names) < 2 or count < 3:
-        return GroupTest(names, sizes, None, freedom, None, None, None)
-    if np.ptp(np.concatenate(list(present.values()))) == 0.0:
-        return GroupTest(names, sizes, 0.0, freedom, 1.0, 1.0, 0.0)
-    test = stats.kruskal(*present.values())
-    statistic, p_value = float(test.statistic), float(test.pvalue)
-    return GroupTest(names, sizes, statistic, freedom, p_value, p_value, statistic / (count - 1))
-
-
-def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("first", "second")) -> Comparison:
-    """Compare two unpaired groups by Wilcoxon's rank-sum test (Mann and Whitney's U).
+    Without `dyads` the values are independent: the rank-sum test (Mann and Whitney's U). With `dyads` each
+    dyad has one value, the mean of its trials. If most dyads are in both groups, these are compared within
+    dyads, by the signed-rank test; otherwise the dyads that are in one group only, by the rank-sum test.
 
     Parameters
     ----------
@@ -202,6 +134,8 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
         Values; NaN marks a missing one.
     names : (str, str)
         Names of the groups.
+    dyads : (array_like, array_like), optional
+        Label of the dyad of each value, per group.
 
     Returns
     -------
@@ -219,29 +153,59 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
     (35.0, 0.2544, 'exact')
     >>> comparison.superiority, [round(end, 2) for end in comparison.superiority_interval]
     (0.7, [0.39, 0.89])
+
+    Three dyads with two trials each: however large a difference, p cannot be less than 0.25.
+
+    >>> labels = ["a", "a", "b", "b", "c", "c"]
+    >>> comparison = compare([5, 6, 7, 9, 6, 8], [1, 2, 2, 1, 3, 1], dyads=(labels, labels))
+    >>> comparison.test, comparison.sizes, comparison.p_value, comparison.least_p
+    ('signed-rank', (3, 3), 0.25, 0.25)
     """
+    if dyads is None:
+        return _compare_unpaired(present_values(first), present_values(second), names, "trial")
+    groups = [dyad_means(values, labels) for values, labels in zip((first, second), dyads, strict=True)]
+    matched = matched_dyads(groups)
+    if matched is None:
+        one, other = split_dyads(groups)
+        return _compare_unpaired(one, other, names, "dyad")
+    return _compare_paired(np.array([groups[0][dyad] - groups[1][dyad] for dyad in matched]), names)
+
+
+def _compare_unpaired(
+    one: FloatArray, other: FloatArray, names: tuple[str, str], unit: Literal["trial", "dyad"]
+) -> Comparison:
     from scipy import stats
 
-    one, other = _drop_missing_values(first), _drop_missing_values(second)
     sizes = (len(one), len(other))
     if 0 in sizes:
-        return Comparison(*names, sizes, None, None, None, "no values", None, None, None)
+        return Comparison(
+            *names, sizes, "rank-sum", unit, None, None, None, None, "no values", None, None, None
+        )
     together = np.concatenate([one, other])
     tied = len(np.unique(together)) < len(together)
+    # Without ties: the two assignments in which all values of one group are the larger ones.
+    least = min(1.0, 2.0 / math.comb(sum(sizes), sizes[0]))
     method: Literal["exact", "asymptotic", "all equal"]
     if np.ptp(together) == 0.0:
-        method, statistic, p_value = "all equal", 0.5 * sizes[0] * sizes[1], 1.0
+        method, statistic, p_value, least = "all equal", 0.5 * sizes[0] * sizes[1], 1.0, 1.0
     else:
-        method = "asymptotic" if tied or max(sizes) > _EXACT_UP_TO else "exact"
-        test = stats.mannwhitneyu(one, other, alternative="two-sided", method=method)
+        method = "asymptotic" if max(sizes) > _EXACT_UP_TO else "exact"
+        scipys = "asymptotic" if tied else method
+        test = stats.mannwhitneyu(one, other, alternative="two-sided", method=scipys)
         statistic, p_value = float(test.statistic), min(1.0, float(test.pvalue))
+        if tied and method == "exact":
+            # SciPy's exact distribution has no ties.
+            p_value, least = rank_sum_p_values(*sorted((one, other), key=len))
     superiority = statistic / (sizes[0] * sizes[1])
     return Comparison(
         *names,
         sizes,
+        "rank-sum",
+        unit,
         statistic,
         p_value,
         p_value,
+        least,
         method,
         superiority,
         superiority_interval(superiority, sizes),
@@ -249,12 +213,49 @@ def compare(first: ArrayLike, second: ArrayLike, names: tuple[str, str] = ("firs
     )
 
 
+def _compare_paired(differences: FloatArray, names: tuple[str, str]) -> Comparison:
+    from scipy import stats
+
+    count = len(differences)
+    method: Literal["exact", "asymptotic", "all equal"]
+    if not differences.any():
+        method, statistic, p_value, least = "all equal", 0.0, 1.0, 1.0
+    else:
+        present = differences[differences != 0.0]
+        statistic = float(stats.rankdata(np.abs(present))[present > 0.0].sum())
+        if count <= _EXACT_UP_TO:
+            method = "exact"
+            p_value, least = signed_rank_p_values(differences)
+        else:
+            method = "asymptotic"
+            test = stats.wilcoxon(differences, correction=True, method="asymptotic")
+            p_value, least = float(test.pvalue), 0.5 ** (len(present) - 1)
+    superiority = float((np.sign(differences) + 1.0).mean() / 2.0)
+    return Comparison(
+        *names,
+        (count, count),
+        "signed-rank",
+        "dyad",
+        statistic,
+        p_value,
+        p_value,
+        least,
+        method,
+        superiority,
+        paired_superiority_interval(superiority, count),
+        paired_shift(differences),
+    )
+
+
 def compare_pairs(
-    pairs: Sequence[tuple[str, str]], values: Mapping[str, ArrayLike]
+    pairs: Sequence[tuple[str, str]],
+    values: Mapping[str, ArrayLike],
+    dyads: Mapping[str, ArrayLike] | None = None,
 ) -> tuple[Comparison, ...]:
     """Compare pairs of groups, by their names in `values`, as one family: p is corrected by Holm's method.
 
-    A comparison without values does not count towards the family.
+    `dyads` has the dyad of each value, by the same names. A comparison without values does not count towards
+    the family.
 
     Examples
     --------
@@ -264,7 +265,15 @@ def compare_pairs(
     >>> [round(test.p_value, 4) for test in family], [round(test.p_holm, 4) for test in family]
     ([0.0079, 0.7857], [0.0159, 0.7857])
     """
-    raw = [compare(values[first], values[second], (first, second)) for first, second in pairs]
+    raw = [
+        compare(
+            values[first],
+            values[second],
+            (first, second),
+            None if dyads is None else (dyads[first], dyads[second]),
+        )
+        for first, second in pairs
+    ]
     corrected = holm([comparison.p_value for comparison in raw])
     return tuple(replace(comparison, p_holm=p) for comparison, p in zip(raw, corrected, strict=True))
 
@@ -288,52 +297,23 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
     return [None if p is None else next(corrected) for p in p_values]
 
 
-def superiority_interval(
-    superiority: float, sizes: tuple[int, int], confidence: float = 0.95
-) -> tuple[float, float]:
-    """Compute a confidence interval of Vargha and Delaney's A that stays meaningful at 0 and 1.
-
-    Parameters
-    ----------
-    superiority : float
-        A, from 0 to 1.
-    sizes : (int, int)
-        Number of values in the two groups.
-    confidence : float
-        Probability that the interval contains the true A.
-
-    Returns
-    -------
-    low, high : float
-        The values of A from which the observed one is just as far as its standard error allows: Hanley and
-        McNeil's, with the mean of both sizes in place of each (Newcombe 2006, Statistics in Medicine 25,
-        559-573, method 5).
+def fewest_values(test: Literal["rank-sum", "signed-rank"], level: float = LEVEL) -> int:
+    """Compute with how many values, none tied, in each of two groups of one size a p below `level` is possible.
 
     Examples
     --------
-    Two groups of twenty that do not overlap at all.
-
-    >>> low, high = superiority_interval(1.0, (20, 20))
-    >>> round(low, 3), high
-    (0.899, 1.0)
+    >>> fewest_values("rank-sum"), fewest_values("signed-rank")
+    (4, 6)
+    >>> fewest_values("rank-sum", 0.05 / 33)
+    7
     """
-    from scipy import optimize, stats
-
-    width = float(stats.norm.ppf(0.5 + 0.5 * confidence))
-    others = 0.5 * (sizes[0] + sizes[1]) - 1.0
-
-    def excess(truth: float) -> float:
-        inflation = 1.0 + others * ((1.0 - truth) / (2.0 - truth) + truth / (1.0 + truth))
-        variance = truth * (1.0 - truth) * inflation / (sizes[0] * sizes[1])
-        return abs(superiority - truth) - width * math.sqrt(max(0.0, variance))
-
-    # At the observed value the excess is negative (or zero, at 0 and 1), at the far ends positive.
-    inside = min(max(superiority, 1e-12), 1.0 - 1e-12)
-    low = 0.0 if superiority == 0.0 else float(optimize.brentq(excess, 0.0, inside, xtol=1e-12))
-    high = 1.0 if superiority == 1.0 else float(optimize.brentq(excess, inside, 1.0, xtol=1e-12))
-    return low, high
+    count = 1
+    while (2.0 / math.comb(2 * count, count) if test == "rank-sum" else 0.5 ** (count - 1)) >= level:
+        count += 1
+    return count
 
 
-def _drop_missing_values(values: ArrayLike) -> FloatArray:
+def present_values(values: ArrayLike) -> FloatArray:
+    """Return the values that are not NaN, as one row."""
     array = np.asarray(values, dtype=float).reshape(-1)
     return np.asarray(array[~np.isnan(array)])

@@ -10,7 +10,8 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
-from telespring.analysis.statistics import Comparison, compare_pairs
+from telespring.analysis.statistics import Comparison
+from telespring.analysis.tracking_errors import TrackingErrors, tracking_error_name
 from telespring.analysis.trials import Trials
 
 __all__ = [
@@ -19,13 +20,7 @@ __all__ = [
     "mean_sd_median",
     "table_1_csv",
     "table_1_rows",
-    "tracking_error_name",
 ]
-
-
-def tracking_error_name(robot: int, label: str) -> str:
-    """Name the tracking errors of one robot in one condition, such as "TE2 CM-36-167"."""
-    return f"TE{robot} {label}"
 
 
 def choose_baseline(trials: Trials, requested: str | None = None) -> str | None:
@@ -43,7 +38,7 @@ def choose_baseline(trials: Trials, requested: str | None = None) -> str | None:
 
 
 def compare_with_baseline(
-    errors: Mapping[str, FloatArray], trials: Trials, baseline: str | None
+    errors: TrackingErrors, trials: Trials, baseline: str | None
 ) -> dict[str, Comparison]:
     """Compare every tracking error with TE2 in the baseline, as one family, by the name of the first group.
 
@@ -59,7 +54,7 @@ def compare_with_baseline(
         for robot in (1, 2)
         if tracking_error_name(robot, label) != reference
     ]
-    return {comparison.first: comparison for comparison in compare_pairs(pairs, errors)}
+    return {comparison.first: comparison for comparison in errors.compare(pairs)}
 
 
 def mean_sd_median(values: FloatArray) -> dict[str, float | None]:
@@ -73,11 +68,12 @@ def mean_sd_median(values: FloatArray) -> dict[str, float | None]:
 
 
 def table_1_rows(
-    errors: Mapping[str, FloatArray], trials: Trials, comparisons: Mapping[str, Comparison]
+    errors: TrackingErrors, trials: Trials, comparisons: Mapping[str, Comparison]
 ) -> list[dict[str, Any]]:
     """Lay out Table I, a row per condition, from tracking errors (m) and comparisons with the baseline.
 
-    docs/recorded-trials.md lists the keys of a row; means, standard deviations and medians are in mm.
+    docs/recorded-trials.md lists the keys of a row; means, standard deviations and medians are in mm and
+    over distinct trials, of which `n` is the number.
     """
     rows = []
     begun = (trials.status != "absent").sum(axis=1)
@@ -93,16 +89,20 @@ def table_1_rows(
         for robot in (1, 2):
             name, key = tracking_error_name(robot, label), f"te{robot}"
             comparison = comparisons.get(name)
-            millimetres = mean_sd_median(1e3 * errors[name])
+            values = errors.values[name]
+            millimetres = mean_sd_median(1e3 * values)
             row |= {f"{key}_{statistic}": value for statistic, value in millimetres.items()}
             interval = None if comparison is None else comparison.superiority_interval
             low, high = (None, None) if interval is None else interval
             row |= {
-                f"{key}_n": int(np.isfinite(errors[name]).sum()),
+                f"{key}_n": int(np.isfinite(values).sum()),
+                f"{key}_copies": int(errors.copies[i, :, robot - 1].sum()),
+                f"{key}_dyads": errors.count_dyads(name),
                 f"{key}_arrow": "" if comparison is None else comparison.arrow(),
                 f"{key}_arrow_holm": "" if comparison is None else comparison.arrow(corrected=True),
                 f"{key}_p": None if comparison is None else comparison.p_value,
                 f"{key}_p_holm": None if comparison is None else comparison.p_holm,
+                f"{key}_least_p": None if comparison is None else comparison.least_p,
                 f"{key}_superiority": None if comparison is None else comparison.superiority,
                 f"{key}_superiority_low": low,
                 f"{key}_superiority_high": high,

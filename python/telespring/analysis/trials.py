@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.study.conditions import condition_labels
+from telespring.analysis.identifiers import TrialNames, condition_names, trial_dyads, trial_numbers
+from telespring.analysis.layout import PER_TRIAL, check_layout, refuse_trials, trial_statuses
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Trials", "trial_statuses"]
+__all__ = ["Trials"]
 
-_PER_SAMPLE = ("condition", "trial", "time", "robot", "axis")
 #: The discarded part may end this fraction of a sample after a sample that is still kept, for rounding.
 _ROUNDING = 1e-6
 
@@ -30,11 +30,21 @@ class Trials:
     Attributes
     ----------
     labels
-        Names of the conditions, such as "UM" or "CM-36-167".
+        Names of the conditions, such as "UM" or "CM-36-167", each different.
     stiffness
         N/m per condition, NaN in the unconnected mode.
     delay
         One-way delay, s, per condition.
+    numbers
+        (condition, trial): the number or label of every trial, as the data have it.
+    trial
+        The labels of the dimension ``trial``; None where it has none.
+    has_numbers
+        Whether the data number their trials one by one, in ``trial_number``.
+    dyads
+        (condition, trial): label of the dyad, or None if the data do not say.
+    is_simulated
+        Whether a simulation made the trials, so that their number was free to choose.
     status
         (condition, trial): "completed"; "absent" if a condition has fewer trials than others; otherwise
         how the trial ended early.
@@ -55,6 +65,11 @@ class Trials:
     labels: tuple[str, ...]
     stiffness: FloatArray
     delay: FloatArray
+    numbers: NDArray[Any]
+    trial: NDArray[Any] | None
+    has_numbers: bool
+    dyads: NDArray[np.str_] | None
+    is_simulated: bool
     status: NDArray[np.str_]
     time: FloatArray
     position: FloatArray
@@ -85,6 +100,10 @@ class Trials:
         shared = self.target.shape[:2]
         return np.asarray(self.target[condition % shared[0], trial % shared[1]])
 
+    def trial_number(self, condition: int, trial: int) -> str:
+        """Name one trial within its condition by its number and dyad, such as "3" or "3 of dyad B"."""
+        return TrialNames(self.labels, self.numbers, self.dyads).number(condition, trial)
+
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset, discard: float | None = None) -> Trials:
         """Check a dataset of trials and lay it out as arrays.
@@ -92,12 +111,15 @@ class Trials:
         Parameters
         ----------
         dataset : xarray.Dataset
-            ``position`` (m) over (condition, trial, time, robot, axis) with two robots and the axes x and
-            y; ``target`` (m) over (time, axis) or (condition, trial, time, axis). Optional: ``velocity``
-            (m/s), ``coupling_force`` and ``agent_force`` (N), shaped as ``position``; ``status``
-            (condition, trial), without which all trials count as completed; ``samples`` (condition, trial)
-            where trials differ in length. Coordinates ``stiffness`` (N/m, NaN unconnected) and ``delay``
-            (s) over condition, and ``time`` (s).
+            ``position`` (m) over (condition, trial, time, robot, axis) with the robots 1 and 2 and the axes
+            x and y; ``target`` (m) over (time, axis), and over condition and trial where it differs.
+            Optional: ``velocity`` (m/s), ``coupling_force`` and ``agent_force`` (N), shaped as ``position``;
+            ``status`` (condition, trial), words or numbers with ``flag_values`` and ``flag_meanings``,
+            without which all trials count as completed; ``samples`` (condition, trial) where trials differ
+            in length; ``dyad`` or ``participant`` (condition, trial); ``trial_number`` (condition, trial)
+            where the dimension ``trial`` has no labels. Coordinates ``stiffness`` (N/m, NaN unconnected) and
+            ``delay`` (s) over condition, and ``time`` (s). Repetitions that `xarray.concat` makes, dimensions
+            of one condition or trial that indexing drops, and another order of robots and axes are repaired.
         discard : float, optional
             Duration to leave out at the start of every trial, s. Default: the dataset's attribute
             ``discard``, or nothing.
@@ -110,41 +132,47 @@ class Trials:
         Raises
         ------
         telespring.InvalidInput
-            If a variable is missing, or a completed trial has a value that is not a number.
+            If a variable is missing or has other dimensions, another type or unit; a status is unknown; or a
+            completed trial has a value that is not a number.
         """
-        _check_trials_layout(dataset)
+        # Before float32 becomes float64, as its times are that much less exact.
+        time_dtype = dataset["time"].dtype if "time" in getattr(dataset, "variables", {}) else None
+        dataset = check_layout(dataset)
         time = _trial_times(dataset)
-        stiffness = np.asarray(dataset["stiffness"], dtype=float)
-        delay = np.asarray(dataset["delay"], dtype=float)
-        if dataset["condition"].dtype.kind in "UOT" and "condition" in dataset.coords:
-            labels = tuple(str(label) for label in np.asarray(dataset["condition"]))
-        else:
-            pairs = zip(stiffness.tolist(), delay.tolist(), strict=True)
-            labels = tuple(condition_labels([(None if math.isnan(k) else k, d) for k, d in pairs]))
+        stiffness, delay = _condition_values(dataset)
+        labels = condition_names(dataset, stiffness, delay)
         status = trial_statuses(dataset)
+        numbers = trial_numbers(dataset, status)
+        dyads = trial_dyads(dataset, status)
         if discard is None:
-            discard = float(dataset.attrs.get("discard", 0.0))
-        target = dataset["target"]
-        if "condition" in target.dims:
-            targets = _contiguous_signal(target.transpose("condition", "trial", "time", "axis"))
-        else:
-            targets = _contiguous_signal(target.transpose("time", "axis"))[None, None]
+            discard = _recorded_discard(dataset)
         series = {
-            name: _contiguous_signal(dataset[name].transpose(*_PER_SAMPLE))
+            name: _contiguous_signal(dataset[name])
             for name in ("position", "velocity", "coupling_force", "agent_force")
-            if name in dataset.variables and set(_PER_SAMPLE) == set(dataset[name].dims)
+            if name in dataset.variables
         }
-        window = _analysed_trial_samples(dataset, status, labels, time, discard)
-        for name, values in {**series, "target": targets[..., None, :]}.items():
-            _check_trials_finite(name, values, window, labels, time)
+        target = dataset["target"]
+        shared = {name: 1 for name in PER_TRIAL if name not in target.dims}
+        target = _contiguous_signal(target.expand_dims(shared).transpose(*PER_TRIAL, "time", "axis"))
+        window = _analysed_trial_samples(dataset, status, time, discard, time_dtype)
+        names = TrialNames(labels, numbers, dyads)
+        _check_trial_lengths(window, status, names, time, discard, dataset)
+        for name, values in {**series, "target": target[..., None, :]}.items():
+            _check_trials_finite(name, values, window, names, time)
         return cls(
             labels=labels,
             stiffness=stiffness,
             delay=delay,
+            numbers=numbers,
+            trial=np.asarray(dataset["trial"]) if "trial" in dataset.coords else None,
+            has_numbers="trial_number" in dataset.variables,
+            dyads=dyads,
+            is_simulated="seed" in dataset.variables
+            or str(dataset.attrs.get("schema", "")).startswith("telespring rehearsal"),
             status=status,
             time=time,
             position=series["position"],
-            target=targets,
+            target=target,
             velocity=series.get("velocity"),
             coupling_force=series.get("coupling_force"),
             agent_force=series.get("agent_force"),
@@ -153,44 +181,40 @@ class Trials:
         )
 
 
-def trial_statuses(dataset: xr.Dataset) -> NDArray[np.str_]:
-    """Decode how every trial ended, (condition, trial): words, or flags as the CF conventions write them."""
-    if "status" not in dataset.variables:
-        return np.full((dataset.sizes["condition"], dataset.sizes["trial"]), "completed")
-    status = dataset["status"].transpose("condition", "trial")
-    raw: NDArray[Any] = np.asarray(status)
-    meanings = status.attrs.get("flag_meanings")
-    if raw.dtype.kind in "iu" and meanings is not None:
-        words = dict(zip(np.ravel(status.attrs["flag_values"]).tolist(), str(meanings).split(), strict=True))
-        return np.array([[words[int(flag)].replace("_", " ") for flag in row] for row in raw])
-    return raw.astype(str)
-
-
-def _check_trials_layout(dataset: xr.Dataset) -> None:
-    for name, dimensions in (("position", _PER_SAMPLE), ("target", ("time", "axis"))):
-        if name not in dataset.variables or not set(dimensions) <= set(dataset[name].dims):
-            raise _refuse_trials(name, f"{name} over {', '.join(dimensions)} is required")
-    for name in ("time", "stiffness", "delay"):
-        if name not in dataset.variables:
-            raise _refuse_trials(name, f"a coordinate {name} is required")
-    sizes = dataset.sizes
-    if sizes["robot"] != 2 or sizes["axis"] != 2 or 0 in sizes.values():
-        raise _refuse_trials(
-            "position", "two robots, two axes and at least one condition, trial and sample are required"
+def _condition_values(dataset: xr.Dataset) -> tuple[FloatArray, FloatArray]:
+    """Return stiffness and delay of every condition; a condition without a delay has neither."""
+    stiffness, delay = np.asarray(dataset["stiffness"]), np.asarray(dataset["delay"])
+    wrong = ~(np.isfinite(delay) & (delay >= 0.0))
+    if wrong.any():
+        raise refuse_trials(
+            "delay",
+            f"{delay[wrong][0]:g}",
+            "a delay of 0 s or more for every condition is required",
+            "Set it, or drop conditions that were not run (a join or reindex adds them).",
         )
+    wrong = ~(np.isnan(stiffness) | (np.isfinite(stiffness) & (stiffness > 0.0)))
+    if wrong.any():
+        raise refuse_trials(
+            "stiffness",
+            f"{stiffness[wrong][0]:g}",
+            "a stiffness above 0 N/m is required, or NaN in the unconnected mode",
+            "Correct it.",
+        )
+    return stiffness, delay
 
 
-def _refuse_trials(field: str, allowed: str) -> InvalidInput:
-    return InvalidInput(
-        field,
-        "missing, or of another shape",
-        allowed,
-        "Use a file from `telespring rehearse`, or recorded trials as in docs/recorded-trials.md.",
-    )
+def _recorded_discard(dataset: xr.Dataset) -> float:
+    recorded = dataset.attrs.get("discard", 0.0)
+    try:
+        return float(recorded)
+    except (TypeError, ValueError):
+        raise refuse_trials(
+            "discard", str(recorded), "the attribute must be a time in s", "Correct it, or remove it."
+        ) from None
 
 
 def _trial_times(dataset: xr.Dataset) -> FloatArray:
-    time = np.asarray(dataset["time"], dtype=float)
+    time = np.asarray(dataset["time"])
     if len(time) < 2:
         raise InvalidInput(
             "time",
@@ -198,36 +222,71 @@ def _trial_times(dataset: xr.Dataset) -> FloatArray:
             "trials of two samples or more are required",
             "Record longer trials, or keep more samples per second.",
         )
-    if not np.all(np.diff(time) > 0.0):
-        raise _refuse_trials("time", "times that increase are required")
+    steps = np.diff(time)
+    if not np.all(steps > 0.0):
+        place = int(np.argmax(~(steps > 0.0)))
+        raise refuse_trials(
+            "time",
+            f"{time[place + 1]:.10g} after {time[place]:.10g}",
+            "times that increase are required",
+            "Sort the samples by time (.sortby('time')), and remove duplicates.",
+        )
     return time
 
 
 def _analysed_trial_samples(
-    dataset: xr.Dataset, status: NDArray[np.str_], labels: tuple[str, ...], time: FloatArray, discard: float
+    dataset: xr.Dataset, status: NDArray[np.str_], time: FloatArray, discard: float, dtype: Any
 ) -> NDArray[np.bool_]:
     """Select the samples of completed trials after the discarded part, (condition, trial, time)."""
     if not (math.isfinite(discard) and discard >= 0.0):
         raise InvalidInput(
             "discard", str(discard), "a time of 0 s or more is required", "Omit it to discard nothing."
         )
-    samples = np.full(status.shape, len(time))
-    if "samples" in dataset.variables:
-        samples = np.asarray(dataset["samples"].transpose("condition", "trial"), dtype=int)
-    kept = time >= discard - _ROUNDING * float(np.median(np.diff(time)))
+    samples = _sample_counts(dataset, status, len(time))
+    rounding = _ROUNDING * float(np.median(np.diff(time)))
+    if dtype == np.float32:
+        rounding += discard * float(np.finfo(np.float32).eps)
+    kept = time >= discard - rounding
     completed = status == "completed"
-    window = kept & (np.arange(len(time)) < samples[..., None]) & completed[..., None]
-    too_short = completed & (window.sum(axis=-1) < 2)
+    return np.asarray(kept & (np.arange(len(time)) < samples[..., None]) & completed[..., None])
+
+
+def _sample_counts(dataset: xr.Dataset, status: NDArray[np.str_], longest: int) -> NDArray[np.int_]:
+    """Return the number of samples of every trial, (condition, trial)."""
+    if "samples" not in dataset.variables:
+        return np.full(status.shape, longest)
+    samples = np.asarray(dataset["samples"])
+    needed = status == "completed"
+    # More than there are is what is left of a longer time axis; the check of the values finds what is missing.
+    valid = np.isfinite(samples) & (samples >= 0.0) & (samples % 1.0 == 0.0)
+    if not np.all(valid | ~needed):
+        raise refuse_trials(
+            "samples",
+            f"{samples[needed & ~valid][0]:g}",
+            "a whole number of samples for every completed trial is required",
+            "Correct it, or leave the variable out if no trial is shorter than others.",
+        )
+    return np.where(needed, samples, 0.0).astype(int)
+
+
+def _check_trial_lengths(
+    window: NDArray[np.bool_],
+    status: NDArray[np.str_],
+    names: TrialNames,
+    time: FloatArray,
+    discard: float,
+    dataset: xr.Dataset,
+) -> None:
+    too_short = (status == "completed") & (window.sum(axis=-1) < 2)
     if np.any(too_short):
-        condition, trial = np.argwhere(too_short)[0]
-        end = time[max(0, samples[condition, trial] - 1)]
+        condition, trial = np.argwhere(too_short)[0].tolist()
+        count = min(int(_sample_counts(dataset, status, len(time))[condition, trial]), len(time))
         raise InvalidInput(
             "discard",
             f"{discard:g} s",
-            f"trial {trial + 1} of {labels[condition]} ends at {end:g} s, so less must be discarded",
+            f"{names(condition, trial)} ends at {time[max(0, count - 1)]:g} s, so less must be discarded",
             "Discard less (--discard), or remove that trial.",
         )
-    return np.asarray(window)
 
 
 def _contiguous_signal(values: xr.DataArray) -> FloatArray:
@@ -236,15 +295,15 @@ def _contiguous_signal(values: xr.DataArray) -> FloatArray:
 
 
 def _check_trials_finite(
-    name: str, values: FloatArray, window: NDArray[np.bool_], labels: tuple[str, ...], time: FloatArray
+    name: str, values: FloatArray, window: NDArray[np.bool_], names: TrialNames, time: FloatArray
 ) -> None:
     missing = window & ~np.isfinite(values).all(axis=(-2, -1))
     if np.any(missing):
-        condition, trial, sample = np.argwhere(missing)[0]
+        condition, trial, sample = np.argwhere(missing)[0].tolist()
+        without = "" if name in ("position", "target") else f", or drop {name} from all trials"
         raise InvalidInput(
             name,
             "not a number",
-            f"trial {trial + 1} of {labels[condition]} counts as completed, but has no {name} at "
-            f"{time[sample]:g} s",
-            "Fill the gap, or set the trial's status to how it ended.",
+            f"{names(condition, trial)} counts as completed, but has no {name} at {time[sample]:g} s",
+            f"Fill the gap, or set the trial's status to how it ended{without}.",
         )

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from telespring._core import Condition
 
-__all__ = ["condition_label", "condition_labels"]
+__all__ = ["condition_label", "condition_labels", "distinct_labels"]
 
 
 def condition_label(stiffness: float | None, delay: float, digits: int = 0) -> str:
@@ -55,9 +55,22 @@ def condition_labels(conditions: Iterable[Condition | tuple[float | None, float]
         names = [condition_label(k, delay, digits) for k, delay in pairs]
         if len(set(names)) == distinct:
             break
-    occurrences: dict[str, int] = {}
-    labels = []
+    return distinct_labels(names)
+
+
+def distinct_labels(names: Iterable[str]) -> list[str]:
+    """Number names that occur again, so that all are different.
+
+    Examples
+    --------
+    >>> distinct_labels(["UM", "CM-36-0", "UM", "UM (2)"])
+    ['UM', 'CM-36-0', 'UM (2)', 'UM (2) (2)']
+    """
+    labels: list[str] = []
     for name in names:
-        occurrences[name] = occurrences.get(name, 0) + 1
-        labels.append(name if occurrences[name] == 1 else f"{name} ({occurrences[name]})")
+        label, count = name, 1
+        while label in labels:
+            count += 1
+            label = f"{name} ({count})"
+        labels.append(label)
     return labels

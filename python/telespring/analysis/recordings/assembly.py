@@ -28,7 +28,7 @@ __all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset"]
 class TrialEntry:
     """A line of the list of trials: stiffness in N/m (None unconnected), times in s.
 
-    `ended_at` (NaN if empty), `seed` and `discard` are None if the list has no such column.
+    `ended_at` (NaN if empty), `seed`, `discard` and `dyad` are None if the list has no such column.
     """
 
     file: str
@@ -39,6 +39,7 @@ class TrialEntry:
     ended_at: float | None = None
     seed: int | None = None
     discard: float | None = None
+    dyad: str | None = None
 
     @property
     def condition(self) -> tuple[float | None, float]:
@@ -67,16 +68,9 @@ def assemble_dataset(
     _check_same_recorded_quantities(trials)
     trials, period = _resample_recorded_trials(trials)
     conditions = list(dict.fromkeys(trial.entry.condition for trial in trials))
-    groups = [
-        sorted(
-            (trial for trial in trials if trial.entry.condition == condition),
-            key=lambda trial: trial.entry.number,
-        )
-        for condition in conditions
-    ]
-    placed = [(i, j, trial) for i, group in enumerate(groups) for j, trial in enumerate(group)]
+    placed, labels = _place_trials(trials, conditions)
     time = max((trial.time for trial in trials), key=len)
-    shape = (len(groups), max(len(group) for group in groups))
+    shape = (len(conditions), 1 + max(j for _, j, _ in placed))
     series = {
         name: np.full((*shape, len(time), *values.shape[1:]), np.nan)
         for name, values in trials[0].series.items()
@@ -110,6 +104,16 @@ def assemble_dataset(
         for i, j, trial in placed:
             seeds[i, j] = trial.entry.seed or 0
         variables["seed"] = (per_trial, seeds)
+    if first.dyad is not None:
+        dyads = np.full(shape, "", dtype=object)
+        for i, j, trial in placed:
+            dyads[i, j] = trial.entry.dyad
+        variables["dyad"] = (per_trial, dyads.astype(str))
+    if labels is None:
+        numbers = np.zeros(shape, dtype=int)
+        for i, j, trial in placed:
+            numbers[i, j] = trial.entry.number
+        variables["trial_number"] = (per_trial, numbers)
     attributes = {"discard": first.discard, "resampled_to": period, "study": study}
     return xr.Dataset(
         variables,
@@ -121,13 +125,38 @@ def assemble_dataset(
                 {"units": "N/m"},
             ),
             "delay": ("condition", [delay for _, delay in conditions], {"units": "s"}),
-            "trial": ("trial", np.arange(1, shape[1] + 1)),
+            **({} if labels is None else {"trial": ("trial", labels)}),
             "time": ("time", time, {"units": "s"}),
             "robot": ("robot", [1, 2]),
             "axis": ("axis", list(AXES)),
         },
         attrs={name: value for name, value in attributes.items() if value is not None},
     )
+
+
+def _place_trials(
+    trials: list[RecordedTrial], conditions: list[tuple[float | None, float]]
+) -> tuple[list[tuple[int, int, RecordedTrial]], list[int] | None]:
+    """Place every trial in the grid of conditions and trials; also return the labels of its columns.
+
+    A column has the trials of one number. If that leaves half of the grid empty or more, because the
+    conditions number their trials differently, or if dyads repeat a number, the trials of a condition are
+    side by side in the order of their numbers, and the columns have no labels.
+    """
+    numbers = sorted({trial.entry.number for trial in trials})
+    occupied = {(trial.entry.condition, trial.entry.number) for trial in trials}
+    if len(occupied) == len(trials) and len(conditions) * len(numbers) < 2 * len(trials):
+        placed = [
+            (conditions.index(trial.entry.condition), numbers.index(trial.entry.number), trial)
+            for trial in trials
+        ]
+        return sorted(placed, key=lambda place: place[:2]), numbers
+    placed = []
+    for i, condition in enumerate(conditions):
+        group = [trial for trial in trials if trial.entry.condition == condition]
+        group.sort(key=lambda trial: (trial.entry.dyad or "", trial.entry.number))
+        placed += [(i, j, trial) for j, trial in enumerate(group)]
+    return placed, None
 
 
 def _check_same_recorded_quantities(trials: list[RecordedTrial]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.analysis.recordings.layout import INDEX_OPTIONAL, INDEX_REQUIRED, STATUSES, TIME
+from telespring.analysis.recordings.layout import DYAD_COLUMNS, INDEX_OPTIONAL, INDEX_REQUIRED, STATUSES, TIME
 
 if TYPE_CHECKING:
     from telespring._tables import TextTable
@@ -98,6 +98,26 @@ def parse_condition_delay(text: str, field: str) -> float:
             "Write it in s; 167 ms is 0.167.",
         )
     return delay
+
+
+def parse_dyad(row: Mapping[str, str], field: str) -> str | None:
+    """Parse the label of the dyad (or participant) in the list of trials; None without such a column."""
+    present = [column for column in DYAD_COLUMNS if column in row]
+    if len(present) > 1:
+        refuse(
+            f"{field}: {present[1]}",
+            f"beside {present[0]}",
+            "only one of these columns may be there",
+            "Keep the one whose trials are dependent: usually the dyad.",
+        )
+    if present and not row[present[0]]:
+        refuse(
+            f"{field}: {present[0]}",
+            "empty",
+            "a label in every line is required",
+            "Label every trial, or remove the column.",
+        )
+    return row[present[0]] if present else None
 
 
 def parse_number(text: str, field: str) -> float:

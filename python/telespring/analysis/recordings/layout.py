@@ -7,9 +7,11 @@ AXES = ("x", "y")
 #: Name of the file that lists the trials of a folder.
 INDEX = "trials.csv"
 INDEX_REQUIRED = ("file", "stiffness_N_per_m", "delay_s", "trial")
-INDEX_OPTIONAL = ("status", "ended_at_s", "seed", "discard_s")
+INDEX_OPTIONAL = ("status", "ended_at_s", "seed", "discard_s", "dyad", "participant")
+#: Columns that say whose trials are dependent; a list has one of them at most.
+DYAD_COLUMNS = ("dyad", "participant")
 #: How a trial may end.
-STATUSES = ("completed", "stopped", "diverged", "out of reach", "aborted", "failed")
+STATUSES = ("completed", "stopped", "diverged", "out of reach", "too stiff", "aborted", "failed")
 #: Name of an optional study file in the folder of the list.
 STUDY = "study.toml"
 

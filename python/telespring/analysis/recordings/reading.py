@@ -86,14 +86,15 @@ def _read_list_of_trials(path: Path) -> list[TrialEntry]:
         checks.refuse(path.name, "no lines", "a line per trial is required")
     listed: dict[str, dict[object, int]] = {"trial": {}, "file": {}}
     for line, entry in zip(lines, entries, strict=True):
-        keys = {"trial": (entry.stiffness, entry.delay, entry.number), "file": entry.file}
+        keys = {"trial": (entry.stiffness, entry.delay, entry.dyad, entry.number), "file": entry.file}
         for column, key in keys.items():
             if key in listed[column]:
                 checks.refuse(
                     f"{path.name}, line {line}: {column}",
                     str(entry.number if column == "trial" else entry.file),
                     f"every {column} may be listed only once, and line {listed[column][key]} lists this one",
-                    "Give the trials of a condition different numbers, or remove one of the lines.",
+                    "Give the trials of a condition (of a dyad in it, if there are several) different numbers, or "
+                    "remove one of the lines.",
                 )
             listed[column][key] = line
     if len({entry.discard for entry in entries}) > 1:
@@ -124,6 +125,7 @@ def _parse_trial_entry(texts: Mapping[str, str], field: str, decimal: str) -> Tr
         ended_at=ended_at,
         seed=checks.parse_whole_number(row["seed"], f"{field}: seed", no_seed) if "seed" in row else None,
         discard=checks.parse_number(row["discard_s"], f"{field}: discard_s") if "discard_s" in row else None,
+        dyad=checks.parse_dyad(row, field),
     )
 
 

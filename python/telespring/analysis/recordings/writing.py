@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
@@ -20,7 +21,8 @@ from telespring.analysis.recordings.layout import (
     TIME,
     recorded_columns,
 )
-from telespring.analysis.trials import trial_statuses
+from telespring.analysis.identifiers import trial_dyads, trial_numbers
+from telespring.analysis.layout import PER_SAMPLE, check_layout, trial_statuses
 from telespring.model import Study
 from telespring.study.conditions import condition_label
 from telespring.study.target import target_positions
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["write_recorded", "write_template"]
-
-_PER_SAMPLE = ("condition", "trial", "time", "robot", "axis")
 
 
 def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
@@ -77,7 +77,10 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             f"a folder without {INDEX} is required",
             "Choose another folder, or remove that file.",
         )
+    dataset = check_layout(dataset)
     status = trial_statuses(dataset)
+    numbers, dyads = trial_numbers(dataset, status), trial_dyads(dataset, status)
+    _check_trial_numbers(numbers, dyads, status)
     columns = _trial_file_columns(dataset)
     has_position = dataset["position"].notnull().all(["robot", "axis"])
     rows: list[dict[str, Any]] = []
@@ -94,12 +97,15 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "file": file,
             "stiffness_N_per_m": stiffness,
             "delay_s": delay,
-            "trial": j + 1,
+            "trial": int(numbers[i, j]),
             "status": status[i, j],
         }
+        if dyads is not None:
+            row["dyad"] = dyads[i, j]
         if "ended_at" in trial.variables:
             row["ended_at_s"] = float(trial["ended_at"])
-        if "seed" in trial.variables:
+        if "seed" in trial.variables and trial["seed"].dtype.kind in "iu":
+            # As a float, after a join, a seed has lost digits.
             row["seed"] = int(trial["seed"])
         if "discard" in trial.attrs:
             row["discard_s"] = float(trial.attrs["discard"])
@@ -109,13 +115,37 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     return write_whole(index, pd.DataFrame(rows).to_csv(index=False, lineterminator="\n"))
 
 
+def _check_trial_numbers(
+    numbers: NDArray[Any], dyads: NDArray[np.str_] | None, status: NDArray[np.str_]
+) -> None:
+    """Refuse trials that the list could not tell apart."""
+    remedy = "Number the trials: dataset.assign_coords(trial=range(1, dataset.sizes['trial'] + 1))."
+    if numbers.dtype.kind not in "iu" or numbers.min() < 0:
+        raise InvalidInput(
+            "trial", str(numbers.flat[0]), "whole numbers of 0 or more are required in a list of trials", remedy
+        )
+    for i, row in enumerate(status):
+        present = [
+            (numbers[i, j].item(), "" if dyads is None else str(dyads[i, j]))
+            for j in np.flatnonzero(row != "absent")
+        ]
+        repeated = [place for place in present if present.count(place) > 1]
+        if repeated:
+            raise InvalidInput(
+                "trial",
+                str(repeated[0][0]),
+                "every number may occur only once in a condition (once per dyad)",
+                remedy,
+            )
+
+
 def _trial_file_columns(dataset: xr.Dataset) -> xr.Dataset:
     """Flatten robots and axes into the columns of a trial's file, over (condition, trial, time)."""
     import xarray as xr
 
     columns = {name: dataset["target"].isel(axis=axis, drop=True) for axis, name in enumerate(TARGET)}
     for quantity in QUANTITIES:
-        if quantity in dataset.variables and set(_PER_SAMPLE) == set(dataset[quantity].dims):
+        if quantity in dataset.variables:
             for place, name in enumerate(recorded_columns(quantity)):
                 robot, axis = divmod(place, len(AXES))
                 columns[name] = dataset[quantity].isel(robot=robot, axis=axis, drop=True)
@@ -163,8 +193,8 @@ def write_template(folder: str | os.PathLike[str]) -> Path:
     return write_recorded(
         xr.Dataset(
             {
-                "position": (_PER_SAMPLE, position),
-                "coupling_force": (_PER_SAMPLE, force.round(6) + 0.0),
+                "position": (PER_SAMPLE, position),
+                "coupling_force": (PER_SAMPLE, force.round(6) + 0.0),
                 "target": (("time", "axis"), target.round(6)),
             },
             coords={

@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from telespring.analysis.table import tracking_error_name
+from telespring.analysis.tracking_errors import tracking_error_name
 from telespring.show.quantities import format_in_column, format_p_value
 
 __all__ = ["analysis_screen"]
