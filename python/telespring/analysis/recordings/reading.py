@@ -93,8 +93,8 @@ def _read_list_of_trials(path: Path) -> list[TrialEntry]:
                     f"{path.name}, line {line}: {column}",
                     str(entry.number if column == "trial" else entry.file),
                     f"every {column} may be listed only once, and line {listed[column][key]} lists this one",
-                    "Give the trials of a condition (of a dyad in it, if there are several) different numbers, or "
-                    "remove one of the lines.",
+                    "Give the trials of a condition (of a dyad in it, if there are several) different "
+                    "numbers, or remove one of the lines.",
                 )
             listed[column][key] = line
     if len({entry.discard for entry in entries}) > 1:
