@@ -42,7 +42,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
                 f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is required",
                 "Name the folder that contains one of them, or the file itself.",
             )
-    if place.suffix.lower() in (".csv", ".txt", ".tsv"):
+    if place.suffix.lower() == ".csv":
         return read_recorded(place, task)
     # Opened first, so that a missing or unreadable file is reported as such.
     with place.open("rb") as file:
