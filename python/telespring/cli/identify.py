@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 from rich.console import Console
 
+from telespring._errors import InvalidInput
 from telespring.cli.common import print_json
 
 if TYPE_CHECKING:
@@ -18,13 +19,15 @@ __all__ = ["identify_command"]
 
 
 def identify_command(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Log file: .csv, .parquet or .mat.")],
-    time: Annotated[str, typer.Option("--time", help="Time column, s.")] = "time",
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Log file: .csv (or .txt, .tsv, .dat), .parquet or .mat.")],
+    time: Annotated[
+        str, typer.Option("--time", help="Time column, s: its name, or its number from 1.")
+    ] = "time",
     position: Annotated[
         list[str] | None,
         typer.Option(
             "--position",
-            help="Position column, m; repeat for each axis.",
+            help="Position column, m, by name or number; repeat for each axis, or 2,3.",
             show_default="position_x, position_y",
         ),
     ] = None,
@@ -32,7 +35,7 @@ def identify_command(
         list[str] | None,
         typer.Option(
             "--force",
-            help="Force column, N; repeat for each axis, in the same order.",
+            help="Force column, N, by name or number; repeat for each axis, in the same order.",
             show_default="force_x, force_y",
         ),
     ] = None,
@@ -41,6 +44,15 @@ def identify_command(
         typer.Option(
             "--axis", help="Name of an axis; repeat for each axis, in the same order.", show_default="x, y"
         ),
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Samples per second, for a log without times.", show_default=False)
+    ] = None,
+    run: Annotated[
+        str | None, typer.Option(help="Use one run of several, by number or name.", show_default=False)
+    ] = None,
+    run_column: Annotated[
+        str | None, typer.Option(help="Column that tells the run of a sample.", show_default=False)
     ] = None,
     time_scale: Annotated[float, typer.Option(help="Seconds per unit of the time column.")] = 1.0,
     position_scale: Annotated[float, typer.Option(help="Metres per unit of the position columns.")] = 1.0,
@@ -82,15 +94,25 @@ def identify_command(
     columns = read_log(
         log,
         time=time,
-        position=position or ["position_x", "position_y"],
-        force=force or ["force_x", "force_y"],
+        position=_columns(position) or ["position_x", "position_y"],
+        force=_columns(force) or ["force_x", "force_y"],
         axes=axis,
         time_scale=time_scale,
         position_scale=position_scale,
         force_scale=force_scale,
+        rate=rate,
+        run=run,
+        run_column=run_column,
         start=start,
         end=end,
     )
+    if len(columns.runs) > 1:
+        raise InvalidInput(
+            "log",
+            f"{len(columns.runs)} runs ({', '.join(columns.runs[:9])}{', …' if len(columns.runs) > 9 else ''})",
+            "one run at a time is required",
+            f"Choose one, for example --run {columns.runs[0]}.",
+        )
     identification = identify(
         columns.time,
         columns.position,
@@ -110,7 +132,7 @@ def identify_command(
     if out is not None:
         write_robot(identification, out, name or log.stem, source=log.name)
     if as_json:
-        print_json({"log": str(log), "columns": dict(columns.columns)} | identification.to_json())
+        print_json({"log": str(log), "columns": dict(columns.columns), "time_stamps": columns.time_form} | identification.to_json())
         return
     console = Console(highlight=False)
     console.print(identification_screen(identification, log.name))
@@ -119,8 +141,16 @@ def identify_command(
             console.print(f"{label}: {path}", markup=False)
 
 
+def _columns(options: list[str] | None) -> list[str]:
+    """Return the columns that options name; numbers may share one option: 2,3."""
+    columns: list[str] = []
+    for option in options or []:
+        parts = [part.strip() for part in option.split(",")]
+        columns += parts if all(part.isdecimal() for part in parts) else [option]
+    return columns
+
+
 def _write_residual_figure(identification: Identification, path: Path) -> None:
-    from telespring._errors import InvalidInput
     from telespring._files import replacing
     from telespring.show.drawings.identification import draw_residuals
     from telespring.show.figures.style import figure_style

@@ -33,6 +33,13 @@ _PREFIXES = {"k": 1e3, "c": 0.01, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, 
 
 def find_column(log: LogColumns, option: str, name: str, scale: float) -> str:
     """Return the column that an option names; refuse one that is missing, of two, or in another unit."""
+    if name.strip() in log.ambiguous:
+        raise InvalidInput(
+            f"--{option}",
+            name,
+            f"{log.file} has several columns of this name",
+            "Choose it by its number, counted from 1.",
+        )
     found = log.find(name)
     if found is None:
         longest = max((np.size(values) for values in log.columns.values()), default=0)
@@ -50,13 +57,6 @@ def find_column(log: LogColumns, option: str, name: str, scale: float) -> str:
         if option == "time":
             remedy += " If the log has no times, give its sample rate with --rate."
         raise InvalidInput(f"--{option}", name, allowed, remedy)
-    if found in log.ambiguous:
-        raise InvalidInput(
-            f"--{option}",
-            name,
-            f"{log.file} has several columns of this name",
-            "Choose it by its number, counted from 1.",
-        )
     unit = log.units.get(found, "").strip("[](){}<> ")
     spellings = _SPELLINGS.get(option, ())
     if scale == 1.0 and unit and spellings and unit.lower() not in spellings:

@@ -85,16 +85,16 @@ def read_log_columns(path: Path) -> LogColumns:
 def _read_text_log(path: Path) -> LogColumns:
     """Read a CSV file or another table in a text file."""
     table = read_text_table(path, path.name)
-    names = [name or str(i + 1) for i, name in enumerate(table.names)]
-    columns: dict[str, Any] = {}
-    for i, name in enumerate(names):
-        columns.setdefault(name, table.columns[i])
+    given = [name or str(i + 1) for i, name in enumerate(table.names)]
+    repeated = frozenset(name for name in given if given.count(name) > 1)
+    # Columns of one name can be told apart by their numbers.
+    names = [f"{name} (column {i + 1})" if name in repeated else name for i, name in enumerate(given)]
     log = LogColumns(
         path.name,
-        columns,
+        {name: table.columns[i] for i, name in enumerate(names)},
         table.has_names,
         dict(zip(names, table.units, strict=False)),
-        frozenset(name for name in names if names.count(name) > 1),
+        repeated,
         table.decimal,
     )
     if len(table) and all(np.isnan(log.numbers(name)).all() for name in log.columns):

@@ -27,8 +27,10 @@ _EPOCH_UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 _LONGEST_STEP = 0.06
 #: At least this share of stamps must have the format; the others are lost samples.
 _READABLE = 0.9
-#: Seconds per unit of dates.
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Units of dates per second.
+_PER_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
+#: A time of the day starts again after a day, minutes and seconds after an hour, s.
+_DAY, _HOUR = 86_400.0, 3_600.0
 _LARGEST_COUNT = 2**63 - 1
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)")
 _CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}(\.\d+)?|\.\d+)")
@@ -87,7 +89,7 @@ def read_time_stamps(values: Any, scale: float, decimal: str = ".") -> TimeStamp
     numbers = numbers_from_texts(texts, decimal)
     if np.isfinite(numbers).sum() >= _READABLE * max(1, int(texts.notna().sum())):
         return _from_numbers(numbers, scale)
-    return _from_dates(_dates_of_texts(texts), scale)
+    return _from_dates(*_dates_of_texts(texts, scale))
 
 
 def _from_numbers(values: NDArray[Any], scale: float) -> TimeStamps:
@@ -132,7 +134,8 @@ def _exact_decimals(texts: Any) -> tuple[NDArray[np.int_], float] | None:
     return count.to_numpy(), 10.0**-digits
 
 
-def _from_dates(column: Any, scale: float) -> TimeStamps:
+def _from_dates(column: Any, scale: float, wrap: float = _DAY) -> TimeStamps:
+    """Count dates or times of the day from the first; times of the day start again after `wrap`, s."""
     if scale != 1.0:
         raise InvalidInput(
             "time_scale",
@@ -146,27 +149,26 @@ def _from_dates(column: Any, scale: float) -> TimeStamps:
     resolution = column.to_numpy()
     missing = np.isnat(resolution)
     counts = resolution.astype("int64")
-    period = _SECONDS[np.datetime_data(resolution.dtype)[0]]
+    per_second = _PER_SECOND[np.datetime_data(resolution.dtype)[0]]
     seconds = np.full(counts.size, np.nan)
     if not missing.all():
         first = int(np.flatnonzero(~missing)[0])
         since = (counts - counts[first])[~missing]
         if not is_date:
-            # a recording over midnight
-            day = round(86_400 / period)
-            since = since + day * np.cumsum(np.diff(since, prepend=since[0]) < -day // 2)
-        seconds[~missing] = since * period
+            again = round(wrap * per_second)
+            since = since + again * np.cumsum(np.diff(since, prepend=since[0]) < -again // 2)
+        seconds[~missing] = since / per_second
     if not is_date:
         return TimeStamps(seconds, "time of the day")
     return TimeStamps(seconds, "date", None if missing.all() else str(resolution[~missing][0]))
 
 
-def _dates_of_texts(texts: Any) -> Any:
-    """Parse texts as dates or times of the day, by the format that nearly all of them have."""
+def _dates_of_texts(texts: Any, scale: float) -> tuple[Any, float, float]:
+    """Parse texts by the format that nearly all of them have, as arguments of `_from_dates`."""
     required = _READABLE * max(1, int(texts.notna().sum()))
-    for parsed in _parsed_dates(texts.str.replace(r"(?<=:\d\d),(?=\d)", ".", regex=True)):
+    for parsed, wrap in _parsed_dates(texts.str.replace(r"(?<=:\d\d),(?=\d)", ".", regex=True)):
         if parsed.notna().sum() >= required:
-            return parsed
+            return parsed, scale, wrap
     shown = next(iter(texts.dropna()), "empty")
     raise InvalidInput(
         "time",
@@ -177,14 +179,16 @@ def _dates_of_texts(texts: Any) -> Any:
     )
 
 
-def _parsed_dates(texts: Any) -> Iterator[Any]:
+def _parsed_dates(texts: Any) -> Iterator[tuple[Any, float]]:
+    """Parse texts in one format after the other, each with the time after which stamps start again, s."""
     import pandas as pd
 
-    yield pd.to_datetime(texts, format="ISO8601", utc=True, errors="coerce")
+    yield pd.to_datetime(texts, format="ISO8601", utc=True, errors="coerce"), _DAY
     clock = texts.where(texts.str.fullmatch(_CLOCK, na=False))
     if clock.notna().any():
         # Excel writes minutes and seconds: 12:00.001
-        clock = clock.where(clock.str.count(":") != 1, "00:" + clock)
-        yield pd.to_timedelta(clock, errors="coerce")
+        has_hours = clock.str.count(":") != 1
+        full = clock.where(has_hours, "00:" + clock)
+        yield pd.to_timedelta(full, errors="coerce"), _DAY if has_hours.all() else _HOUR
     for form in _DATES:
-        yield pd.to_datetime(texts, format=form, errors="coerce")
+        yield pd.to_datetime(texts, format=form, errors="coerce"), _DAY
