@@ -81,13 +81,13 @@ def check_column_lengths(log: LogColumns, names: Sequence[str]) -> None:
             "a log with one row per sample is required, but this one contains no samples",
             "Check that the recording was saved; the file has only its first line.",
         )
-    longest = max(sizes.values())
+    first, length = next(iter(sizes.items()))
     for name, size in sizes.items():
-        if size != longest:
+        if size != length:
             raise InvalidInput(
                 "log",
                 f"{name}, {size} values",
-                f"one value per sample is required, and other columns have {longest}",
+                f"one value per sample is required, and {first} has {length}",
                 "Name a column that was recorded with every sample.",
             )
 
