@@ -15,7 +15,7 @@ __all__ = ["LONGEST_BRIDGE", "Piece", "bridge_gaps"]
 
 #: A step longer than so many usual ones is a gap.
 _GAP = 1.75
-#: The longest step that is bridged, in usual steps; the same as in recorded trials.
+#: The longest step that is bridged, in usual steps and rounded; the same as in recorded trials.
 LONGEST_BRIDGE = 5.0
 #: A piece between two long gaps with fewer samples is left out.
 _FEWEST_SAMPLES = 10
@@ -52,7 +52,7 @@ def bridge_gaps(
     times, steps = time[measured], np.diff(time[measured])
     # Where one signal is logged less often than the other, its own samples are the log's.
     usual = float(np.median(steps))
-    cuts = np.flatnonzero(steps > LONGEST_BRIDGE * usual) + 1
+    cuts = np.flatnonzero(np.rint(steps / usual) > LONGEST_BRIDGE) + 1
     pieces: list[Piece] = []
     bridged, gaps, longest, left_out = 0, 0, 0.0, 0
     for part in np.split(measured, cuts):
@@ -87,9 +87,10 @@ def bridge_gaps(
                 longest=float(steps[largest - 1]),
                 time=float(times[largest - 1]),
                 pieces=len(pieces),
-                left_out=left_out,
             )
         )
+    if left_out:
+        found.append(diagnostic("samples between gaps", count=left_out))
     return tuple(pieces), found
 
 

@@ -44,8 +44,9 @@ _MESSAGES = {
     ),
     "long gaps": (
         "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the "
-        "{pieces} stretches between them together. Samples left out between close gaps: {left_out}."
+        "{pieces} stretches between them together."
     ),
+    "samples between gaps": "Samples between two close gaps, left out: {count}.",
     "repeated samples": (
         "Repeated samples: {count}. A row with the time and the values of the row before was left out."
     ),
