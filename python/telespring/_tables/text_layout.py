@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from telespring._tables.text_lines import Line, TextLines, uncommented
 __all__ = ["Heading", "TextLayout", "find_heading", "find_layout"]
 
 #: Separator and decimal mark; where two read as many numbers, the first. A blank stands for any white space.
-_LAYOUTS = [(separator, mark) for mark in ".," for separator in "\t;|, "]
+_LAYOUTS = [(separator, mark) for separator in "\t;|, " for mark in ".,"]
 _NUMBERS = {
     mark: re.compile(rf"[+\-\u2212]?({digits})([eEdD][+-]?\d+)?")
     for mark, digits in ((".", r"\d+\.?\d*|\.\d+"), (",", r"\d+(,\d+)?|,\d+"))
@@ -23,6 +23,7 @@ _NUMBERS = {
 _MISSING = "nan,-nan,na,n/a,#n/a,null,none,inf,+inf,-inf,infinity,-infinity,--"
 _MISSING_IN_C = "nan(ind),-nan(ind),nan(snan),-nan(snan)"
 MISSING = frozenset(["", *_MISSING.split(","), *_MISSING_IN_C.split(",")])
+_SPLITS = re.compile(r"[\t;| ]")
 #: The layout shows in so many lines.
 _SAMPLED = 300
 _UNIT = re.compile(
@@ -90,17 +91,18 @@ def find_layout(lines: TextLines) -> TextLayout:
 
 def _readable_share(sample: Sequence[str], layout: TextLayout) -> float:
     """Sum over lines the share of their fields that are numbers; lines of another length count nothing."""
-    rows = [layout.split(text) for text in sample]
-    shares = []
-    for row in rows:
-        known = _known(row)
-        numbers = sum(map(layout.is_number, known))
-        shares.append((len(row), numbers / len(known) if known else 0.0))
-    widths = Counter(width for width, share in shares if share > 0.0 and width > 1)
-    if not widths:
+    if layout.separator == " " and sum("\t" in text for text in sample) * 2 > len(sample):
         return 0.0
-    usual = widths.most_common(1)[0][0]
-    return sum(share for width, share in shares if width == usual) / len(sample)
+    shares: defaultdict[int, float] = defaultdict(float)
+    for text in sample:
+        row = layout.split(text)
+        known = _known(row)
+        # A field that could be split further counts as often as it could.
+        others = sum(1 + len(_SPLITS.findall(field)) for field in known if not layout.is_number(field))
+        numbers = sum(map(layout.is_number, known))
+        if numbers and len(row) > 1:
+            shares[len(row)] += numbers / (numbers + others)
+    return max(shares.values(), default=0.0) / len(sample)
 
 
 def find_heading(lines: TextLines, layout: TextLayout) -> Heading:
@@ -114,8 +116,6 @@ def find_heading(lines: TextLines, layout: TextLayout) -> Heading:
         # pandas numbers the columns of an array from 0; here they are numbered from 1.
         return Heading(None, [], first + 1, table[first].number)
     width = len(rows[first])
-    while first > 0 and len(rows[first - 1]) == width and not _known(rows[first - 1]):
-        first -= 1  # a row of words for missing numbers
     if first == 0:
         above = [comment for comment in lines.comments if comment.number < table[0].number]
         names = _fields_of_comment(above[-1], layout, width) if above else None
@@ -151,8 +151,15 @@ def _first_row_of_numbers(rows: Sequence[Sequence[str]], layout: TextLayout) -> 
         begins_with_number = known[:1] == [0] and row[0]
         enough = 2 * found >= len(known) or begins_with_number if len(row) == usual else found == len(known)
         if known and enough and not begins_with_name:
+            # Above it may be rows in which all numbers are missing.
+            while place > 0 and _lacks_numbers(rows[place - 1], columns, usual):
+                place -= 1
             return place
     return None
+
+
+def _lacks_numbers(row: Sequence[str], columns: Sequence[int], width: int) -> bool:
+    return len(row) == width and all(row[i].lower() in MISSING for i in columns)
 
 
 def _known(fields: Sequence[str]) -> list[str]:
