@@ -3,12 +3,12 @@
 from typing import TYPE_CHECKING
 
 from telespring._deprecated import old_names
+from telespring.analysis.effect_sizes import superiority_interval
+from telespring.analysis.group_tests import GroupTest, kruskal_wallis
 from telespring.analysis.measures import measure, measure_trials
 from telespring.analysis.recordings.reading import read_recorded
 from telespring.analysis.recordings.writing import write_recorded, write_template
 from telespring.analysis.results import analyse_trials, compare_conditions
-from telespring.analysis.effect_sizes import superiority_interval
-from telespring.analysis.group_tests import GroupTest, kruskal_wallis
 from telespring.analysis.statistics import (
     Comparison,
     compare,

@@ -70,7 +70,9 @@ def _is_same(trials: Trials, one: _Place, other: _Place, robots: Iterable[int]) 
     windows = trials.window[one], trials.window[other]
     if not np.array_equal(*windows):
         return False
-    targets = [trials.trial_target(*place)[window] for place, window in zip((one, other), windows, strict=True)]
+    targets = [
+        trials.trial_target(*place)[window] for place, window in zip((one, other), windows, strict=True)
+    ]
     paths = [
         trials.position[place][window][:, list(robots)]
         for place, window in zip((one, other), windows, strict=True)

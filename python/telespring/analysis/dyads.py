@@ -35,8 +35,10 @@ def matched_dyads(groups: Sequence[Mapping[str, float]]) -> list[str] | None:
 
     Examples
     --------
-    >>> matched_dyads([{"a": 1.0, "b": 2.0}, {"a": 3.0, "b": 1.0, "c": 2.0}]), matched_dyads([{"a": 1.0}, {"b": 1.0}])
-    (['a', 'b'], None)
+    >>> matched_dyads([{"a": 1.0, "b": 2.0}, {"a": 3.0, "b": 1.0, "c": 2.0}])
+    ['a', 'b']
+    >>> matched_dyads([{"a": 1.0}, {"b": 1.0}]) is None
+    True
     """
     everywhere = set(groups[0]).intersection(*groups[1:])
     anywhere = set(groups[0]).union(*groups[1:])

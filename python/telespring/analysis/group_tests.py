@@ -16,7 +16,7 @@ from telespring.analysis.statistics import compare, present_values
 
 __all__ = ["GroupTest", "kruskal_wallis"]
 
-#: With at least this many values in every group (Kruskal and Wallis), or dyads (Friedman), p is from chi-squared.
+#: With at least this many values in every group, or dyads, p is from chi-squared.
 _CHI_SQUARED_FROM = 10
 
 
@@ -139,15 +139,13 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
         )
     together = np.concatenate(values)
     if np.ptp(together) == 0.0:
-        return GroupTest(
-            names, sizes, "Kruskal-Wallis", unit, 0.0, freedom, 1.0, 1.0, "all equal", 0.0, None
-        )
+        return GroupTest(names, sizes, "Kruskal-Wallis", unit, 0.0, freedom, 1.0, 1.0, "all equal", 0.0, None)
     test = stats.kruskal(*values)
     statistic, p_value = float(test.statistic), float(test.pvalue)
     method: Literal["exact", "permutation", "chi-squared", "asymptotic"] = "chi-squared"
     if len(names) == 2:
         # H of two groups is the square of U's standard score, so both tests have one p.
-        comparison = compare(*values)
+        comparison = compare(values[0], values[1])
         assert comparison.p_value is not None
         p_value, method = comparison.p_value, "exact" if comparison.method == "exact" else "asymptotic"
     elif min(sizes) < _CHI_SQUARED_FROM:

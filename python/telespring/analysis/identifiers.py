@@ -46,7 +46,7 @@ def condition_names(dataset: xr.Dataset, stiffness: FloatArray, delay: FloatArra
 
 
 def trial_numbers(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[Any]:
-    """Return the number or label of every trial of a checked dataset, (condition, trial); absent ones have 0."""
+    """Return the number or label of every trial of a checked dataset, (condition, trial); 0 if absent."""
     if "trial_number" in dataset.variables:
         values = np.asarray(dataset["trial_number"])
         present = status != "absent"
@@ -82,7 +82,8 @@ def trial_dyads(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[np.str
             continue
         value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
         is_number = isinstance(value, (float, np.floating))
-        text = "" if value is None or (is_number and math.isnan(value)) else str(value).strip()
+        is_missing = value is None or (is_number and math.isnan(float(value)))
+        text = "" if is_missing else str(value).strip()
         if not text:
             raise refuse_trials(
                 present[0],

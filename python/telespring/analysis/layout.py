@@ -69,9 +69,9 @@ def check_layout(dataset: xr.Dataset) -> xr.Dataset:
 
     if not isinstance(dataset, xr.Dataset):
         raise refuse_trials("dataset", type(dataset).__name__, "an xarray.Dataset of trials is required")
-    for name, dimensions in (("position", PER_SAMPLE), ("target", ("time", "axis"))):
+    for name, over in (("position", PER_SAMPLE), ("target", ("time", "axis"))):
         if name not in dataset.variables:
-            raise refuse_trials(name, "missing", f"{name} over {', '.join(dimensions)} is required")
+            raise refuse_trials(name, "missing", f"{name} over {', '.join(over)} is required")
     for name in ("time", "stiffness", "delay"):
         if name not in dataset.variables:
             raise refuse_trials(name, "missing", f"a coordinate {name} is required")
@@ -253,9 +253,7 @@ def _numbers(dataset: xr.Dataset, name: str) -> xr.DataArray:
     return values.astype(float)
 
 
-def _in_dimensions(
-    values: xr.DataArray, dimensions: Sequence[str], broadcast: Any = None
-) -> xr.DataArray:
+def _in_dimensions(values: xr.DataArray, dimensions: Sequence[str], broadcast: Any = None) -> xr.DataArray:
     """Return a variable over exactly these dimensions, in this order.
 
     Another dimension goes if all its values are equal; one that is missing comes back with the size 1, or

@@ -1,4 +1,4 @@
-"""Permutation p values of rank tests of several groups: all permutations where they are few, else random ones."""
+"""Permutation p values of rank tests of several groups: all permutations, or random ones if too many."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exact null distributions of rank statistics, with ties: the shift algorithm of Streitberg and Röhmel (1986)."""
+"""Exact distributions of rank statistics with ties: the shift algorithm of Streitberg and Röhmel (1986)."""
 
 from __future__ import annotations
 

@@ -9,14 +9,11 @@ import numpy as np
 
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
-from telespring._types import FloatArray
 from telespring.analysis.copies import find_same_recordings
 from telespring.analysis.group_tests import kruskal_wallis
 from telespring.analysis.measures import MEASURES, measure_trials
 from telespring.analysis.plausibility import implausible_trials
 from telespring.analysis.plausibility_messages import implausible_trial_warning
-from telespring.analysis.group_tests import kruskal_wallis
-from telespring.analysis.statistics import compare_pairs, holm
 from telespring.analysis.statistics import holm
 from telespring.analysis.table import choose_baseline, compare_with_baseline, mean_sd_median, table_1_rows
 from telespring.analysis.tracking_errors import TrackingErrors, group_tracking_errors, tracking_error_name
@@ -76,7 +73,9 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
     errors = group_tracking_errors(trials, tracking_error)
     with_baseline = compare_with_baseline(errors, trials, baseline)
     reference_median = (
-        None if baseline is None else mean_sd_median(errors.values[tracking_error_name(2, baseline)])["median"]
+        None
+        if baseline is None
+        else mean_sd_median(errors.values[tracking_error_name(2, baseline)])["median"]
     )
     same_condition = [
         (tracking_error_name(1, label), tracking_error_name(2, label)) for label in trials.labels
@@ -231,7 +230,9 @@ def _label_warnings(trials: Trials) -> list[str]:
     for setting in dict.fromkeys(settings):
         same = [label for label, each in zip(trials.labels, settings, strict=True) if each == setting]
         if len(same) > 1:
-            warnings.append(f"{', '.join(same)}: stiffness and delay are the same, but are listed separately.")
+            warnings.append(
+                f"{', '.join(same)}: stiffness and delay are the same, but are listed separately."
+            )
     for i, label in enumerate(trials.labels):
         present = np.flatnonzero(trials.status[i] != "absent").tolist()
         names_of_trials = [trials.trial_number(i, trial) for trial in present]
@@ -249,7 +250,7 @@ def _same_recording_warnings(trials: Trials, errors: FloatArray, grouped: Tracki
     """Warn of trials of different conditions in which both robots move alike."""
     return [
         f"Trial {trials.trial_number(*one)} of {trials.labels[one[0]]} and trial "
-        f"{trials.trial_number(*other)} of {trials.labels[other[0]]} are alike to the nanometre: one recording "
-        "listed twice, or conditions that make no difference."
+        f"{trials.trial_number(*other)} of {trials.labels[other[0]]} are alike to the nanometre: one "
+        "recording listed twice, or conditions that make no difference."
         for one, other in find_same_recordings(trials, errors, grouped.copies)
     ]

@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 __all__ = ["open_trials"]
 
 _REHEARSAL = "rehearsal.nc"
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+#: The library that reads a netCDF file, by how the file begins: netCDF 4 is HDF5; 1 and 2 are netCDF 3.
+_ENGINES = {
+    b"\x89HDF\r\n\x1a\n": "h5netcdf",
+    b"CDF\x01": "scipy",
+    b"CDF\x02": "scipy",
+}
 
 
 def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | None = None) -> xr.Dataset:
@@ -46,7 +51,8 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
         return read_recorded(place, task)
     # Opened first, so that a missing or unreadable file is reported as such.
     with place.open("rb") as file:
-        signature = file.read(len(_HDF5_SIGNATURE))
+        start = file.read(max(len(signature) for signature in _ENGINES))
+    engine = next((name for signature, name in _ENGINES.items() if start.startswith(signature)), None)
     if place.suffix.lower() != ".nc":
         raise InvalidInput(
             "path",
@@ -62,9 +68,9 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
         "a whole netCDF file is required, but this one is damaged",
         "Copy the file again, or run `telespring rehearse` with --fresh.",
     )
-    if signature != _HDF5_SIGNATURE:
+    if engine is None:
         raise damaged
     try:
-        return xr.load_dataset(place, engine="h5netcdf")
+        return xr.load_dataset(place, engine=engine)
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise damaged from error

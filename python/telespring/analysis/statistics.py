@@ -229,7 +229,7 @@ def _compare_paired(differences: FloatArray, names: tuple[str, str]) -> Comparis
             p_value, least = signed_rank_p_values(differences)
         else:
             method = "asymptotic"
-            test = stats.wilcoxon(differences, correction=True, method="asymptotic")
+            test = stats.wilcoxon(differences, correction=True, method="approx")
             p_value, least = float(test.pvalue), 0.5 ** (len(present) - 1)
     superiority = float((np.sign(differences) + 1.0).mean() / 2.0)
     return Comparison(
@@ -299,7 +299,7 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
 
 
 def fewest_values(test: Literal["rank-sum", "signed-rank"], level: float = LEVEL) -> int:
-    """Compute with how many values, none tied, in each of two groups of one size a p below `level` is possible.
+    """Compute how many values without ties each of two groups needs for a p below `level` to be possible.
 
     Examples
     --------

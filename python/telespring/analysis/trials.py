@@ -151,9 +151,10 @@ class Trials:
             for name in ("position", "velocity", "coupling_force", "agent_force")
             if name in dataset.variables
         }
-        target = dataset["target"]
-        shared = {name: 1 for name in PER_TRIAL if name not in target.dims}
-        target = _contiguous_signal(target.expand_dims(shared).transpose(*PER_TRIAL, "time", "axis"))
+        shared = {name: 1 for name in PER_TRIAL if name not in dataset["target"].dims}
+        target = _contiguous_signal(
+            dataset["target"].expand_dims(shared).transpose(*PER_TRIAL, "time", "axis")
+        )
         window = _analysed_trial_samples(dataset, status, time, discard, time_dtype)
         names = TrialNames(labels, numbers, dyads)
         _check_trial_lengths(window, status, names, time, discard, dataset)
@@ -257,7 +258,7 @@ def _sample_counts(dataset: xr.Dataset, status: NDArray[np.str_], longest: int) 
         return np.full(status.shape, longest)
     samples = np.asarray(dataset["samples"])
     needed = status == "completed"
-    # More than there are is what is left of a longer time axis; the check of the values finds what is missing.
+    # There may be fewer times than samples, after a selection; the check of the values finds what is missing.
     valid = np.isfinite(samples) & (samples >= 0.0) & (samples % 1.0 == 0.0)
     if not np.all(valid | ~needed):
         raise refuse_trials(

@@ -59,7 +59,7 @@ def condition_labels(conditions: Iterable[Condition | tuple[float | None, float]
 
 
 def distinct_labels(names: Iterable[str]) -> list[str]:
-    """Number names that occur again, so that all are different.
+    """Make all names different: those that occur again get a number.
 
     Examples
     --------

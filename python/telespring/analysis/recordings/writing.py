@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
+from telespring.analysis.identifiers import trial_dyads, trial_numbers
+from telespring.analysis.layout import PER_SAMPLE, check_layout, trial_statuses
 from telespring.analysis.recordings.layout import (
     AXES,
     INDEX,
@@ -21,8 +23,6 @@ from telespring.analysis.recordings.layout import (
     TIME,
     recorded_columns,
 )
-from telespring.analysis.identifiers import trial_dyads, trial_numbers
-from telespring.analysis.layout import PER_SAMPLE, check_layout, trial_statuses
 from telespring.model import Study
 from telespring.study.conditions import condition_label
 from telespring.study.target import target_positions
@@ -80,7 +80,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     dataset = check_layout(dataset)
     status = trial_statuses(dataset)
     numbers, dyads = trial_numbers(dataset, status), trial_dyads(dataset, status)
-    _check_trial_numbers(numbers, dyads, status)
+    _check_trial_numbers(dataset, numbers, dyads, status)
     columns = _trial_file_columns(dataset)
     has_position = dataset["position"].notnull().all(["robot", "axis"])
     rows: list[dict[str, Any]] = []
@@ -116,27 +116,31 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
 
 
 def _check_trial_numbers(
-    numbers: NDArray[Any], dyads: NDArray[np.str_] | None, status: NDArray[np.str_]
+    dataset: xr.Dataset, numbers: NDArray[Any], dyads: NDArray[np.str_] | None, status: NDArray[np.str_]
 ) -> None:
-    """Refuse trials that the list could not tell apart."""
+    """Refuse trials that the list could not tell apart: it has stiffness, delay, dyad and number."""
     remedy = "Number the trials: dataset.assign_coords(trial=range(1, dataset.sizes['trial'] + 1))."
     if numbers.dtype.kind not in "iu" or numbers.min() < 0:
         raise InvalidInput(
-            "trial", str(numbers.flat[0]), "whole numbers of 0 or more are required in a list of trials", remedy
+            "trial",
+            str(numbers.flat[0]),
+            "whole numbers of 0 or more are required in a list of trials",
+            remedy,
         )
-    for i, row in enumerate(status):
-        present = [
-            (numbers[i, j].item(), "" if dyads is None else str(dyads[i, j]))
-            for j in np.flatnonzero(row != "absent")
-        ]
-        repeated = [place for place in present if present.count(place) > 1]
-        if repeated:
+    listed = set()
+    for i, j in np.argwhere(status != "absent").tolist():
+        # Text, as NaN is not equal to itself.
+        setting = str(float(dataset["stiffness"][i])), float(dataset["delay"][i])
+        key = (*setting, "" if dyads is None else str(dyads[i, j]), int(numbers[i, j]))
+        if key in listed:
             raise InvalidInput(
                 "trial",
-                str(repeated[0][0]),
-                "every number may occur only once in a condition (once per dyad)",
+                str(numbers[i, j]),
+                "every number may occur only once in a condition (once per dyad), and a list tells "
+                "conditions apart by stiffness and delay",
                 remedy,
             )
+        listed.add(key)
 
 
 def _trial_file_columns(dataset: xr.Dataset) -> xr.Dataset:

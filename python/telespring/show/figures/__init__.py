@@ -21,7 +21,8 @@ from telespring.show.figures.poses import PoseRange, poses_figure
 from telespring.show.figures.responses import ResponsePanel, response_figure
 from telespring.show.figures.schematics import DrawnSide, dyad_schematic, laboratory_schematic, loop_schematic
 from telespring.show.figures.style import to_svg
-from telespring.show.figures.trials import ErrorGroup, TrialPanel, error_figure, trajectory_figure
+from telespring.show.figures.tracking_errors import ErrorGroup, error_figure
+from telespring.show.figures.trials import TrialPanel, trajectory_figure
 
 __all__ = [
     "ArmsPanel",

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from rich.console import Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from telespring.analysis.statistics import LEVEL, fewest_values
 from telespring.analysis.tracking_errors import tracking_error_name
 from telespring.show.quantities import format_in_column, format_p_value
 
@@ -30,33 +33,107 @@ def analysis_screen(
     `resampled_to` is the period of the grid to which the trials were resampled, s; None if they were not.
     """
     return Group(
-        Text(title, style="bold"), _table_1_screen(numbers), *_test_result_lines(numbers, resampled_to)
+        Text(title, style="bold"),
+        _WidestThatFits([[_table_1_screen(numbers)], _narrow_tables(numbers)]),
+        Text(""),
+        *_test_result_lines(numbers, resampled_to),
     )
 
 
+@dataclass(frozen=True)
+class _WidestThatFits:
+    """The first of several layouts (tables below each other) that fits the terminal, else the last."""
+
+    layouts: Sequence[Sequence[Table]]
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for layout in self.layouts:
+            wide = options.update_width(10_000)
+            if all(Measurement.get(console, wide, table).maximum <= options.max_width for table in layout):
+                break
+        for i, table in enumerate(layout):
+            if i:
+                yield Text("")
+            yield table
+
+
 def _table_1_screen(numbers: Mapping[str, Any]) -> Table:
-    # Narrow enough for 80 columns.
+    table = _create_table()
+    _add_error_columns(table)
+    _add_measure_columns(table, numbers)
+    _add_trial_columns(table, numbers)
+    for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
+        table.add_row(
+            row["condition"],
+            *_error_cells(row),
+            *_measure_cells(numbers, condition),
+            *_trial_cells(numbers, row),
+        )
+    return table
+
+
+def _narrow_tables(numbers: Mapping[str, Any]) -> list[Table]:
+    """Put the errors and the other measures below each other."""
+    errors, measures = _create_table(), _create_table()
+    _add_error_columns(errors)
+    _add_trial_columns(errors, numbers)
+    _add_measure_columns(measures, numbers)
+    for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
+        errors.add_row(row["condition"], *_error_cells(row), *_trial_cells(numbers, row))
+        measures.add_row(row["condition"], *_measure_cells(numbers, condition))
+    return [errors, measures]
+
+
+def _create_table() -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
-    table.add_column("Condition", no_wrap=True)
+    # Names have no spaces to break at; a very long one goes on in the next line.
+    table.add_column("Condition", overflow="fold")
+    return table
+
+
+def _add_error_columns(table: Table) -> None:
     for robot in (1, 2):
         table.add_column(f"TE{robot}\nmm", justify="right", no_wrap=True)
-    measured = numbers["conditions"][0]["measures"]
-    columns = [column for column in _COLUMNS if column[0] in measured]
-    for _, heading, _, _ in columns:
+
+
+def _add_measure_columns(table: Table, numbers: Mapping[str, Any]) -> None:
+    for _, heading, _, _ in _present_columns(numbers):
         table.add_column(heading, justify="right", no_wrap=True)
+
+
+def _add_trial_columns(table: Table, numbers: Mapping[str, Any]) -> None:
     table.add_column("trials", justify="right", no_wrap=True)
-    for row, condition in zip(numbers["table1"], numbers["conditions"], strict=True):
-        cells = [_table_1_cell(row, robot) for robot in (1, 2)]
-        for name, _, factor, decimals in columns:
-            means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
-            shown = [
-                "–" if mean is None else format_in_column(factor * mean, decimals, 10.0) for mean in means
-            ]
-            cells.append(Text("|".join(shown)))
-        early, begun = row["ended_early"], row["trials"]
-        trials = Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))
-        table.add_row(row["condition"], *cells, trials)
-    return table
+    if _has_copies(numbers):
+        table.add_column("distinct", justify="right", no_wrap=True)
+
+
+def _present_columns(numbers: Mapping[str, Any]) -> list[tuple[str, str, float, int]]:
+    measured = numbers["conditions"][0]["measures"]
+    return [column for column in _COLUMNS if column[0] in measured]
+
+
+def _has_copies(numbers: Mapping[str, Any]) -> bool:
+    return any(row["te1_copies"] or row["te2_copies"] for row in numbers["table1"])
+
+
+def _error_cells(row: Mapping[str, Any]) -> list[Text]:
+    return [_table_1_cell(row, robot) for robot in (1, 2)]
+
+
+def _measure_cells(numbers: Mapping[str, Any], condition: Mapping[str, Any]) -> Iterator[Text]:
+    for name, _, factor, decimals in _present_columns(numbers):
+        means = [condition["measures"][name][f"robot{robot}"]["mean"] for robot in (1, 2)]
+        shown = ["–" if mean is None else format_in_column(factor * mean, decimals, 10.0) for mean in means]
+        yield Text("|".join(shown))
+
+
+def _trial_cells(numbers: Mapping[str, Any], row: Mapping[str, Any]) -> list[Text]:
+    early, begun = row["ended_early"], row["trials"]
+    cells = [Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))]
+    if _has_copies(numbers):
+        is_reduced = row["te1_copies"] or row["te2_copies"]
+        cells.append(Text(f"{row['te1_n']}|{row['te2_n']}", style="yellow" if is_reduced else ""))
+    return cells
 
 
 def _table_1_cell(row: Mapping[str, Any], robot: int) -> Text:
@@ -75,7 +152,6 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
     analysed = numbers["analysed"]
     has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
     forces = "; forces are root mean squares" if has_forces else ""
-    yield Text("")
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
         f"{1e3 * analysed['sample_period']:.4g} ms. TE: mean ± standard deviation of the tracking error. "
@@ -87,11 +163,10 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
         )
     yield from _baseline_comparison_lines(numbers)
     for test in numbers["kruskal_wallis"]:
-        if test["over"] == "all conditions" and test["h"] is not None:
-            yield Text(
-                f"TE{test['robot']} over all conditions: Kruskal-Wallis H({test['degrees_of_freedom']}) = "
-                f"{test['h']:.2f}, p {format_p_value(test['p'])}, ε² = {test['epsilon_squared']:.2f}."
-            )
+        if test["over"] == "all conditions" and test["p"] is not None:
+            yield Text(_group_test_sentence(test))
+    yield from _independence_lines(numbers)
+    yield from _copy_lines(numbers)
     for warning in numbers["warnings"]:
         yield Text(warning, style="red")
     early = sum(row["ended_early"] for row in numbers["table1"])
@@ -103,6 +178,18 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
         )
 
 
+def _group_test_sentence(test: Mapping[str, Any]) -> str:
+    is_friedman = test["test"] == "Friedman"
+    symbol, statistic = ("Q", test["q"]) if is_friedman else ("H", test["h"])
+    effect = "W" if is_friedman else "ε²"
+    size = test["kendalls_w"] if is_friedman else test["epsilon_squared"]
+    how = {"exact": ", exact", "permutation": ", by permutation"}.get(test["method"], "")
+    return (
+        f"TE{test['robot']} over all conditions: {test['test']} {symbol}({test['degrees_of_freedom']}) = "
+        f"{statistic:.2f}, p {format_p_value(test['p'])}{how}, {effect} = {size:.2f}."
+    )
+
+
 def _baseline_comparison_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     baseline = numbers["baseline"]["condition"]
     if baseline is None:
@@ -111,14 +198,114 @@ def _baseline_comparison_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
             "another condition."
         )
         return
+    family = numbers["wilcoxon"]["baseline"]
+    test = "Wilcoxon rank-sum test"
+    if any(each["test"] == "signed-rank" for each in family["comparisons"]):
+        test = "Wilcoxon signed-rank test within dyads"
     yield Text(
-        f"↑ ↓ larger or smaller than TE2 in {baseline}: Wilcoxon rank-sum test, p < 0.05; * also after "
-        f"Holm's correction over all {numbers['wilcoxon']['baseline']['size']} comparisons."
+        f"↑ ↓ larger or smaller than TE2 in {baseline}: {test}, p < {LEVEL:g}; * also after "
+        f"Holm's correction over all {family['size']} comparisons."
     )
+    yield from _least_p_lines(family)
     for comparison in numbers["wilcoxon"]["robots"]["comparisons"]:
         if comparison["first"] == tracking_error_name(1, baseline) and comparison["p"] is not None:
             low, high = comparison["superiority_interval"]
-            yield Text(
-                f"TE1 against TE2 in {baseline}: p {format_p_value(comparison['p'])}; TE1 is the larger with "
-                f"probability {comparison['superiority']:.2f} ({low:.2f} to {high:.2f})."
+            chance = f"{comparison['superiority']:.2f} ({low:.2f} to {high:.2f})"
+            larger = (
+                f"in a share of {chance} of the dyads"
+                if comparison["test"] == "signed-rank"
+                else f"with probability {chance}"
             )
+            yield Text(
+                f"TE1 against TE2 in {baseline}: p {format_p_value(comparison['p'])}; TE1 is the larger "
+                f"{larger}."
+            )
+
+
+def _least_p_lines(family: Mapping[str, Any]) -> Iterator[Text]:
+    """State which p values are out of reach for groups this small."""
+    tested = [each for each in family["comparisons"] if each["least_p"] is not None]
+    if not tested:
+        return
+    unit = "dyads" if tested[0]["unit"] == "dyad" else "distinct trials"
+    least = min(each["least_p"] for each in tested)
+    hopeless = [each for each in tested if each["least_p"] >= LEVEL]
+    fewest = fewest_values(tested[0]["test"])
+    if len(hopeless) == len(tested):
+        yield Text(
+            f"With so few {unit} p cannot be below {_format_least_p(least)}, so no arrow can appear, however "
+            f"large the differences; {fewest} in each condition are the fewest.",
+            style="yellow",
+        )
+        return
+    if hopeless:
+        names = _listed([each["first"] for each in hopeless])
+        yield Text(
+            f"{names}: too few {unit} for an arrow; p cannot be below "
+            f"{_format_least_p(min(each['least_p'] for each in hopeless))}.",
+            style="yellow",
+        )
+    if least * len(tested) >= LEVEL:
+        fewest = fewest_values(tested[0]["test"], LEVEL / len(tested))
+        yield Text(
+            f"With so few {unit} no * can appear: the least p is {_format_least_p(least)}, and Holm's "
+            f"correction asks for {_format_least_p(LEVEL / len(tested))} at first; {fewest} in each "
+            "condition are the fewest.",
+            style="yellow",
+        )
+
+
+def _format_least_p(p_value: float) -> str:
+    """Format an attainable p value with two significant digits.
+
+    Examples
+    --------
+    >>> _format_least_p(0.1), _format_least_p(2 / 70), _format_least_p(0.05 / 33)
+    ('0.10', '0.029', '0.0015')
+    """
+    text = f"{p_value:#.2g}"
+    return text.rstrip(".")
+
+
+def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
+    """State what counts as independent, and what p means for it."""
+    analysed = numbers["analysed"]
+    if analysed["unit"] == "dyad":
+        yield Text(
+            f"{len(analysed['dyads'])} dyads: every dyad counts once, with the mean of its trials, so that p "
+            "holds for other dyads too."
+        )
+    elif analysed["simulated"]:
+        yield Text(
+            "The trials are simulated: p also depends on how many were run, and with enough of them any "
+            "difference is significant. Judge by the size of the differences."
+        )
+    elif analysed["dyads"] is None:
+        yield Text(
+            "All trials count as independent. If several dyads or people took part, name them in the column "
+            "dyad of the list: otherwise p is too small.",
+        )
+    else:
+        yield Text("All trials are of one dyad: p holds for this dyad only.")
+
+
+def _copy_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
+    """State which trials are copies and do not count."""
+    repeated: dict[tuple[int, int], list[str]] = {}
+    for row in numbers["table1"]:
+        for robot in (1, 2):
+            copies, distinct = row[f"te{robot}_copies"], row[f"te{robot}_n"]
+            if copies:
+                name = tracking_error_name(robot, row["condition"])
+                repeated.setdefault((copies, copies + distinct), []).append(name)
+    for (copies, completed), names in repeated.items():
+        yield Text(
+            f"{_listed(names)}: {copies} of {completed} trials repeat another one to the nanometre, so "
+            f"{'it does' if copies == 1 else 'they do'} not count.",
+            style="yellow",
+        )
+
+
+def _listed(names: Sequence[str]) -> str:
+    """List names, the first few of many."""
+    return ", ".join(names) if len(names) <= 6 else f"{', '.join(names[:5])} and {len(names) - 5} others"

@@ -22,6 +22,7 @@ __all__ = ["SECTION", "find_experiment"]
 def find_experiment(scene: Scene) -> Findings:
     """Rehearse the study's protocol; for the paper's own experiment, compare the results with Table I."""
     from telespring.analysis.results import compare_conditions
+    from telespring.analysis.statistics import LEVEL
     from telespring.analysis.trials import Trials
     from telespring.rehearsal.run import remove_rehearsal
     from telespring.show.drawings.trials import draw_errors, draw_trajectories
@@ -35,6 +36,14 @@ def find_experiment(scene: Scene) -> Findings:
     trials = Trials.from_dataset(_rehearse_experiment(scene))
     analysed = compare_conditions(trials)
     rows = analysed["table1"]
+    published = (
+        {row.label: _printed_table_1_row(row) for row in TABLE_I} if scene.of_the_papers_experiment else {}
+    )
+    for row in rows:
+        row["printed"] = published.get(row["condition"])
+        for te in ("te1", "te2"):
+            least = row[f"{te}_least_p"]
+            row[f"{te}_untestable"] = least is not None and least >= LEVEL
     drawings = {
         "trajectories": figures.to_svg(
             draw_trajectories(trials),
@@ -43,15 +52,12 @@ def find_experiment(scene: Scene) -> Findings:
             f"A panel per condition with the target and {experiment.trials} trials of both robots.",
         ),
         "tracking": figures.to_svg(
-            draw_errors(analysed),
+            draw_errors(analysed, published, BASELINE_MEDIAN) if published else draw_errors(analysed),
             "tracking",
             "Tracking error of both robots by condition",
             " ".join(_mean_tracking_errors(row) for row in rows),
         ),
     }
-    published = {row.label: row for row in TABLE_I} if scene.of_the_papers_experiment else {}
-    for row in rows:
-        row["printed"] = _printed_table_1_row(published.get(row["condition"]))
     return Findings(
         numbers={
             "table1": rows,
@@ -104,10 +110,8 @@ def _rehearse_experiment(scene: Scene) -> xarray.Dataset:
         return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
-def _printed_table_1_row(row: PublishedRow | None) -> dict[str, Any] | None:
+def _printed_table_1_row(row: PublishedRow) -> dict[str, Any]:
     """Table I's row, in mm as it prints them."""
-    if row is None:
-        return None
     printed: dict[str, Any] = {}
     for i in (0, 1):
         # To the two printed decimals, so that 0.03483 m is 34.83 mm again.
@@ -118,7 +122,7 @@ def _printed_table_1_row(row: PublishedRow | None) -> dict[str, Any] | None:
 
 
 def _condition_without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
-    """Remove the values of single trials, which the dataset has."""
+    """Remove the values and labels of single trials, which the dataset has."""
     measures = {
         name: {
             key: {k: v for k, v in value.items() if k != "values"} if isinstance(value, dict) else value
@@ -126,7 +130,8 @@ def _condition_without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
         }
         for name, measure in condition["measures"].items()
     }
-    return {**condition, "measures": measures}
+    kept = {key: value for key, value in condition.items() if key not in ("trials", "dyads")}
+    return {**kept, "measures": measures}
 
 
 def _mean_tracking_errors(row: Mapping[str, Any]) -> str:
