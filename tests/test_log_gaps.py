@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from telespring import InvalidInput
 from telespring._types import FloatArray
@@ -35,7 +38,7 @@ def smooth(samples: int = 4000) -> tuple[FloatArray, FloatArray, FloatArray]:
     return time, np.vstack([np.sin(time), np.cos(time)]), np.vstack([2.0 * np.cos(time), np.sin(time)])
 
 
-def without(lost: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def without(lost: NDArray[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
     time, position, force = smooth()
     kept = np.setdiff1d(np.arange(time.size), lost)
     return time[kept], position[:, kept], force[:, kept]

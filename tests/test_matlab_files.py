@@ -99,14 +99,11 @@ def save(path: Path, variables: dict[str, Any], version: str) -> Path:
 PLAIN = {"time": TIME, "position_x": POSITION[:, 0], "position_y": POSITION[:, 1]}
 PLAIN |= {"force_x": FORCE[:, 0], "force_y": FORCE[:, 1]}
 #: Simulink's "structure with time", as To Workspace writes it.
-SIMULINK = {
-    "time": TIME,
-    "signals": (
-        {"values": POSITION, "dimensions": np.array([2.0]), "label": "position", "blockName": "rig/Scope"},
-        {"values": FORCE, "dimensions": np.array([2.0]), "label": "force", "blockName": "rig/Scope"},
-    ),
-    "blockName": "rig/Scope",
-}
+SIGNALS: tuple[dict[str, Any], ...] = (
+    {"values": POSITION, "dimensions": np.array([2.0]), "label": "position", "blockName": "rig/Scope"},
+    {"values": FORCE, "dimensions": np.array([2.0]), "label": "force", "blockName": "rig/Scope"},
+)
+SIMULINK = {"time": TIME, "signals": SIGNALS, "blockName": "rig/Scope"}
 MATRIX = {"data": np.column_stack([TIME, POSITION, FORCE])}
 RUN = {"t": TIME, "x": POSITION, "f": FORCE, "note": "first"}
 FILES: dict[str, tuple[dict[str, Any], str, tuple[str, str], tuple[str, str]]] = {
@@ -164,7 +161,7 @@ FILES: dict[str, tuple[dict[str, Any], str, tuple[str, str], tuple[str, str]]] =
         {
             "out": {
                 "time": TIME,
-                "signals": SIMULINK["signals"][0] | {"label": "all", "values": np.hstack([POSITION, FORCE])},
+                "signals": SIGNALS[0] | {"label": "all", "values": np.hstack([POSITION, FORCE])},
             }
         },
         "out.time",

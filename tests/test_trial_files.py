@@ -19,7 +19,7 @@ from telespring.study.robot_file import robot_record
 Rewrite = Callable[[str], str | bytes]
 
 
-def separated(separator: str, decimal: str = ".", *, quoted: bool = False) -> Rewrite:
+def separated(separator: str, decimal: str = ".", *, quoted: bool = False) -> Callable[[str], str]:
     """Write a comma-separated text with other separators and decimal marks."""
 
     def rewrite(content: str) -> str:

@@ -19,7 +19,9 @@ __all__ = ["identify_command"]
 
 
 def identify_command(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Log file: .csv (or .txt, .tsv, .dat), .parquet or .mat.")],
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG", help="Log file: .csv (or .txt, .tsv, .dat), .parquet or .mat.")
+    ],
     time: Annotated[
         str, typer.Option("--time", help="Time column, s: its name, or its number from 1.")
     ] = "time",
@@ -109,9 +111,9 @@ def identify_command(
     if len(columns.runs) > 1:
         raise InvalidInput(
             "log",
-            f"{len(columns.runs)} runs ({', '.join(columns.runs[:9])}{', …' if len(columns.runs) > 9 else ''})",
+            f"{len(columns.runs)} runs",
             "one run at a time is required",
-            f"Choose one, for example --run {columns.runs[0]}.",
+            f"Choose one with --run: {', '.join(columns.runs[:9])}{', …' if len(columns.runs) > 9 else ''}.",
         )
     identification = identify(
         columns.time,
@@ -132,7 +134,8 @@ def identify_command(
     if out is not None:
         write_robot(identification, out, name or log.stem, source=log.name)
     if as_json:
-        print_json({"log": str(log), "columns": dict(columns.columns), "time_stamps": columns.time_form} | identification.to_json())
+        read = {"log": str(log), "columns": dict(columns.columns), "time_stamps": columns.time_form}
+        print_json(read | identification.to_json())
         return
     console = Console(highlight=False)
     console.print(identification_screen(identification, log.name))
