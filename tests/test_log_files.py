@@ -426,6 +426,23 @@ def test_law_units_in_the_file_are_not_ignored(units: str, words: str, tmp_path:
     assert len(log.time) == SAMPLES
 
 
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("t [ms],x [m],y [m],F [N],G [N]", "--time-scale 0.001"),
+        ("t (s),x / mm,y / mm,F / N,G / N", "--position-scale 0.001"),
+        ("t (s),x (cm),y (cm),F (N),G (N)", "--position-scale 0.01"),
+        ("t,x,y,F [kN],G [kN]", "--force-scale 1000"),
+    ],
+)
+def test_law_units_in_names_are_not_ignored(names: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput) as refused:
+        read(tmp_path / "log.csv", text(names=names), **NUMBERED)
+    assert words in refused.value.remedy
+    for right in ("t [s],x [m],y [m],F [N],G [N]", "t / s,x / m,y (raw),F,G [mean]"):
+        assert_is_the_table(read(tmp_path / "log.csv", text(names=right), **NUMBERED))
+
+
 def test_law_words_and_repeated_rows_are_told(tmp_path: Path) -> None:
     lines = text().splitlines()
     lines[8] = ",".join([*lines[8].split(",")[:4], "ERR"])

@@ -81,6 +81,21 @@ def test_law_trials_in_another_layout_are_the_same(layout: str, tmp_path: Path) 
     assert read_recorded(tmp_path).identical(trials)
 
 
+def test_law_a_line_of_units_must_say_what_the_names_say(tmp_path: Path) -> None:
+    trials = small()
+    write_recorded(trials, tmp_path)
+    file = tmp_path / "UM-01-001.csv"
+    names, *rows = file.read_text(encoding="utf-8").splitlines()
+    units = ["s" if name == "time_s" else "m/s" if "_per_" in name else name[-1] for name in names.split(",")]
+    file.write_text("\n".join([names, ",".join(units), *rows]), encoding="utf-8")
+    assert read_recorded(tmp_path).identical(trials)
+    for place, unit in ((0, "ms"), (1, "mm"), (3, "[cm]")):
+        wrong = [*units[:place], unit, *units[place + 1 :]]
+        file.write_text("\n".join([names, ",".join(wrong), *rows]), encoding="utf-8")
+        with pytest.raises(ts.InvalidInput, match="units are not converted"):
+            read_recorded(tmp_path)
+
+
 def test_law_whole_numbers_of_a_table_may_have_a_point(tmp_path: Path) -> None:
     """A column with an empty field somewhere becomes 1.0, 2.0 where a program stores numbers only."""
     trials = small()

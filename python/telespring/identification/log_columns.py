@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,6 +29,8 @@ _SPELLINGS = {
     "position": ("m", "meter", "metre", "meters", "metres"),
     "force": ("n", "newton", "newtons"),
 }
+#: A unit in brackets, or behind a stroke, at the end of a name: "x [mm]", "x / mm".
+_UNIT_IN_NAME = re.compile(r"[\[(/]\s*(\w+)\s*[\])]?$")
 _PREFIXES = {"k": 1e3, "c": 0.01, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9}
 
 
@@ -59,6 +62,9 @@ def find_column(log: LogColumns, option: str, name: str, scale: float) -> str:
         raise InvalidInput(f"--{option}", name, allowed, remedy)
     unit = log.units.get(found, "").strip("[](){}<> ")
     spellings = _SPELLINGS.get(option, ())
+    in_name = _UNIT_IN_NAME.search(found)
+    if not unit and in_name and in_name[1][1:].lower() in spellings and in_name[1][:1] in _PREFIXES:
+        unit = in_name[1]
     if scale == 1.0 and unit and spellings and unit.lower() not in spellings:
         prefix = _PREFIXES.get(unit[:1]) if unit[1:].lower() in spellings else None
         value = f"{prefix:g}" if prefix else f"the {option} in SI units per {unit}"

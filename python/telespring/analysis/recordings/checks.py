@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.analysis.recordings.layout import DYAD_COLUMNS, INDEX_OPTIONAL, INDEX_REQUIRED, STATUSES, TIME
+from telespring.analysis.recordings.layout import (
+    DYAD_COLUMNS,
+    INDEX_OPTIONAL,
+    INDEX_REQUIRED,
+    SI,
+    STATUSES,
+    TIME,
+)
 
 if TYPE_CHECKING:
     from telespring._tables import TextTable
@@ -46,6 +53,20 @@ def check_required_columns(file: str, columns: Sequence[str], required: Sequence
             similar = similar or difflib.get_close_matches(name, columns, n=1)
             value = f"missing; {similar[0]} is there instead" if similar else "missing"
             refuse(f"{file}: {name}", value, f"the column {name} is required")
+
+
+def check_units_below_names(file: str, table: TextTable) -> None:
+    """Refuse a line of units that contradicts the names of its columns."""
+    for column, unit in zip(table.names, table.units, strict=False):
+        given = unit.strip("[](){}<> ")
+        named = [SI[suffix] for suffix in SI if column.endswith(f"_{suffix}")]
+        if given and named and given not in named:
+            refuse(
+                f"{file}: {column}",
+                f"in {given}",
+                f"the name says {named[0]}, and units are not converted",
+                "Convert the numbers, or correct the line of units.",
+            )
 
 
 def check_index_columns(file: str, columns: Sequence[str]) -> None:

@@ -167,4 +167,5 @@ def _read_recorded_csv(path: Path, name: str, *, text: bool = False) -> TextTabl
     for column in table.names:
         if column and table.names.count(column) > 1:
             checks.refuse(f"{name}: {column}", "twice", "every column name may stand only once")
+    checks.check_units_below_names(name, table)
     return table
