@@ -71,6 +71,15 @@ def test_law_a_masked_point_of_the_complex_plane_is_refused() -> None:
         ts.transfer_matrix(ts.hman(), 30.0, 0.1, masked)
 
 
+def test_law_a_masked_slope_ends_an_equation_at_once() -> None:
+    slope = np.ma.array([1.0, 999.0], mask=[False, True])
+    with pytest.warns(UserWarning, match="masked element"):
+        solution = ts.solve_dde(lambda *_: slope, 0.1, [0.0, 0.0], (0.0, 1.0))
+    assert solution.status != "completed"
+    whole = ts.solve_dde(lambda *_: np.ma.array([1.0, 2.0]), 0.1, [0.0, 0.0], (0.0, 1.0))
+    np.testing.assert_allclose(whole(1.0), [1.0, 2.0], rtol=1e-12)
+
+
 def test_law_a_masked_history_ends_an_equation_at_once() -> None:
     solution = ts.solve_dde(lambda _, y, __: -y, 0.1, MASKED, (0.0, 1.0))
     assert solution.status != "completed"
