@@ -15,6 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from telespring import InvalidInput, cli
+from telespring._tables import read_text_table
 from telespring.identification import Log, paper_excitation, read_log
 
 NAMES = ("time", "position_x", "position_y", "force_x", "force_y")
@@ -107,6 +108,7 @@ TEXTS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
         {"time": "Zeit", "position": ("Länge x", "Länge y"), "force": ("Kraft x", "Kraft y")},
     ),
     "two columns of one name, by number": (text(names="time,position,position,force,force"), NUMBERED),
+    "names in capitals": (text(names="Time,POSITION_X,Position_Y,Force_x,FORCE_Y"), SAME_NAMES),
     "quoted names": (text(names='"time","position_x","position_y","force_x","force_y"'), SAME_NAMES),
     "quoted numbers": (text(form=quoted), SAME_NAMES),
     "quoted decimal commas": (text(form=quoted, decimal=","), SAME_NAMES),
@@ -181,6 +183,52 @@ def test_law_a_layout_of_text_gives_the_same_numbers(layout: str, tmp_path: Path
 @pytest.mark.parametrize("name", ["LOG.CSV", "log.txt", "log.tsv", "Log.Dat"])
 def test_law_endings_are_read_in_upper_and_lower_case(name: str, tmp_path: Path) -> None:
     assert_is_the_table(read(tmp_path / name, text("\t")))
+
+
+def random_text(random: np.random.Generator) -> tuple[str, list[list[str]], list[str] | None]:
+    """Write a random table in a random layout: its text, its fields with points for decimals, and its names."""
+    columns, rows = int(random.integers(2, 8)), int(random.choice([3, 20, 60]))
+    separator = str(random.choice([",", ";", "\t", "|", " ", "  ", ", ", " ; "]))
+    decimal = str(random.choice([".", "," if separator.strip() != "," else "."]))
+    kinds = ["float", *random.choice(["float", "whole", "exponent", "word"], columns - 1)]
+    random.shuffle(kinds)
+
+    def field(kind: str) -> str:
+        if kind == "word":
+            return str(random.choice(["on", "off", "A1", "run"]))
+        if kind == "whole":
+            return str(random.integers(-500, 500))
+        number = random.uniform(-10.0, 10.0)
+        return f"{number:.3e}" if kind == "exponent" else f"{number:.{random.integers(1, 7)}f}"
+
+    fields = [[field(kind) for kind in kinds] for _ in range(rows)]
+    names = [f"column{i}" for i in range(columns)] if random.random() < 0.7 else None
+    rows_of_text = [[part.replace(".", decimal) for part in row] for row in fields]
+    lines = [separator.join(row) for row in [*([names] if names else []), *rows_of_text]]
+    return "\n".join(lines), fields, names
+
+
+def assert_random_tables_are_read(seed: int, count: int, folder: Path) -> None:
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        content, fields, names = random_text(random)
+        (folder / "log.csv").write_text(content, encoding="utf-8")
+        found = read_text_table(folder / "log.csv", "log.csv")
+        assert found.has_names == (names is not None), content
+        assert names is None or list(found.names) == names, content
+        expected = pd.DataFrame(fields).apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+        np.testing.assert_array_equal(
+            np.column_stack([found.numbers(i) for i in range(len(fields[0]))]), expected, err_msg=content
+        )
+
+
+def test_law_random_tables_in_random_layouts_are_read(tmp_path: Path) -> None:
+    assert_random_tables_are_read(1, 200, tmp_path)
+
+
+@pytest.mark.verify
+def test_law_many_random_tables_in_random_layouts_are_read(tmp_path: Path) -> None:
+    assert_random_tables_are_read(2, 3_000, tmp_path)
 
 
 # ---- time stamps

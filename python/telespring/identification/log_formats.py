@@ -51,6 +51,9 @@ class LogColumns:
         """Return the name of the column that a user gave by its name, or by its number from 1."""
         if name.strip() in self.columns:
             return name.strip()
+        alike = [column for column in self.columns if column.casefold() == name.strip().casefold()]
+        if len(alike) == 1:
+            return alike[0]
         if name.isdecimal() and 1 <= int(name) <= len(self.columns):
             return list(self.columns)[int(name) - 1]
         return None
