@@ -23,9 +23,9 @@ from telespring.cli import analyse
 CONDITIONS = [(math.nan, 0.0), (36.0, 0.0), (36.0, 0.167), (142.0, 0.0), (142.0, 0.167)]
 
 
-def run(*arguments: object) -> Result:
+def run(*arguments: object, columns: int = 80) -> Result:
     words = [str(each) for each in arguments]
-    return CliRunner(env={"COLUMNS": "80", "NO_COLOR": "1"}).invoke(cli.app, words)
+    return CliRunner(env={"COLUMNS": str(columns), "NO_COLOR": "1"}).invoke(cli.app, words)
 
 
 def errors(trials: int = 20, seed: int = 2) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -262,7 +262,7 @@ def test_law_what_holds_no_trials_is_refused(tmp_path: Path) -> None:
     assert "a whole netCDF file is required" in refused(broken)
     found = ts.simulate(ts.hman(), 20.0, 0.05, [[1.0, 0.0], [-1.0, 0.0]], duration=0.1)
     found.to_netcdf(broken, engine="h5netcdf")
-    assert "position over condition, trial, time, robot, axis is required" in refused(broken)
+    assert "target over time, axis is required" in refused(broken)
 
 
 def test_law_a_trial_that_ended_early_is_reported(tmp_path: Path) -> None:
@@ -272,3 +272,73 @@ def test_law_a_trial_that_ended_early_is_reported(tmp_path: Path) -> None:
     assert "2/3" in shown.stdout
     assert "1 trial ended early: it has no tracking error" in shown.stdout
     assert not list((tmp_path / "out").glob("*.svg"))
+
+
+def shown(dataset: xr.Dataset, tmp_path: Path, columns: int = 80) -> tuple[list[str], str]:
+    """Analyse a dataset; return the lines of the screen, and its words in one line."""
+    dataset.to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
+    found = run("analyse", tmp_path, "--out", tmp_path / "out", "--no-figures", columns=columns)
+    assert found.exit_code == 0, found.output
+    return found.stdout.splitlines(), " ".join(found.stdout.split())
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_law_the_screen_fits_the_terminal_and_cuts_nothing(columns: int, tmp_path: Path) -> None:
+    dataset = small(trials=4)
+    dataset["position"][0, 2, :, 0] = dataset["position"][0, 1, :, 0]
+    lines, words = shown(dataset, tmp_path, columns)
+    assert max(len(line) for line in lines) <= columns
+    assert "…" not in words
+    table = analyse_trials(dataset)
+    for row, condition in zip(table["table1"], table["conditions"], strict=True):
+        cells = " ".join(line for line in lines if line.startswith(f"{row['condition']} "))
+        for robot in (1, 2):
+            assert f"{row[f'te{robot}_mean']:.2f} ± {row[f'te{robot}_sd']:.2f}" in cells
+        forces = condition["measures"]["effort_rms"]
+        assert "|".join(f"{forces[f'robot{robot}']['mean']:.2f}" for robot in (1, 2)) in cells
+    # one table, or errors and other measures below each other
+    headings = [line for line in lines if line.startswith("Condition")]
+    assert len(headings) == (1 if columns == 120 else 2)
+    lines, _ = shown(small(trials=4), tmp_path, columns)
+    # without the column of distinct trials
+    assert sum(line.startswith("Condition") for line in lines) == (2 if columns == 60 else 1)
+
+
+def test_law_the_screen_says_what_few_trials_cannot_show(made: xr.Dataset, tmp_path: Path) -> None:
+    _, words = shown(made.isel(trial=slice(0, 3)), tmp_path)
+    assert "With so few distinct trials p cannot be below 0.1, so no arrow can appear" in words
+    assert "4 in each condition are the fewest." in words
+    _, words = shown(made.isel(trial=slice(0, 4)), tmp_path)
+    # 2 of C(8, 4) assignments, and 9 comparisons; 2/C(12, 6) is the first below 0.05/9
+    assert (
+        "no * can appear: the least p is 0.0286, and Holm's correction asks for 0.00556 at first; 6 in"
+        in words
+    )
+    _, words = shown(made, tmp_path)
+    assert "cannot" not in words
+    assert "no * can" not in words
+
+
+def test_law_the_screen_says_what_copies_simulations_and_dyads_mean(made: xr.Dataset, tmp_path: Path) -> None:
+    few = made.isel(trial=slice(0, 8)).copy(deep=True)
+    few["position"][1] = np.asarray(few["position"])[1, :1]
+    lines, words = shown(few, tmp_path)
+    assert (
+        "TE1 CM-36-0, TE2 CM-36-0: 7 of 8 trials repeat another one to the nanometre, so they do not" in words
+    )
+    assert "TE1 CM-36-0, TE2 CM-36-0: too few distinct trials for an arrow; p cannot be below 0.222." in words
+    [line] = [line for line in lines if line.startswith("CM-36-0 ")]
+    assert line.split()[-2:] == ["8", "1|1"]
+    assert "All trials count as independent. If several dyads or people took part" in words
+    assert "simulated" not in words
+    seeds = np.arange(40, dtype=np.uint64).reshape(5, 8)
+    _, words = shown(few.assign(seed=(("condition", "trial"), seeds)), tmp_path)
+    assert "The trials are simulated: p also depends on how many were run" in words
+    assert "independent" not in words
+    dyads = np.tile([f"D{i}" for i in range(8)], (5, 1))
+    _, words = shown(few.assign(dyad=(("condition", "trial"), dyads)), tmp_path)
+    assert "8 dyads: every dyad counts once" in words
+    assert "Wilcoxon signed-rank test within dyads, p < 0.05" in words
+    dyads[:] = "D1"
+    _, words = shown(few.assign(dyad=(("condition", "trial"), dyads)), tmp_path)
+    assert "All trials are of one dyad: p holds for this dyad only." in words

@@ -221,3 +221,87 @@ def test_law_trajectories_are_all_drawn_and_stay_small() -> None:
     assert len(figure.axes) == 34
     assert all(len(axes.collections[0].get_paths()) == 20 for axes in figure.axes)
     assert len(figures.to_svg(figure, "trajectories", "t", "d")) < 1.5e6
+
+
+def eight(trials: int, scale: float = 1.0, lag: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+    """Make paths (trial, time, robot, axis) that follow a figure eight, and the target (time, axis)."""
+    time = np.linspace(0.0, 24.0, 2400)
+
+    def path(delay: float) -> np.ndarray:
+        return np.stack([0.05 * np.sin(5.18 * (time - delay)), 0.1 * np.sin(2.59 * (time - delay))], axis=-1)
+
+    lags = lag * (1.0 + 0.1 * np.arange(trials))
+    return scale * np.stack([np.stack([path(each)] * 2, axis=1) for each in lags]), path(0.0)
+
+
+def test_law_completed_trials_are_shown_whole() -> None:
+    """Robots that move more than the target, and a condition that moves far more."""
+    calm, target = eight(3)
+    wide, far = eight(3, 2.0)[0], eight(3, 6.3)[0]
+    panels = [
+        figures.TrialPanel(name, paths, target) for name, paths in (("a", calm), ("b", wide), ("c", far))
+    ]
+    figure = figures.trajectory_figure(None, [panels])
+    for axes, paths in zip(figure.axes, np.repeat(np.stack([calm, wide, far]), 2, axis=0), strict=True):
+        limit = np.array([axes.get_xlim()[1], axes.get_ylim()[1]])
+        assert np.all(1e3 * np.abs(paths).max(axis=(0, 1, 2)) <= limit)
+    widths = [axes.get_xlim()[1] for axes in figure.axes]
+    assert widths[0] == widths[2]
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    # 6.3 times the target, in a view that fits 2 times: 3.15 times, so the next one
+    assert words == ["view 4× wider"] * 2
+    assert widths[4] == pytest.approx(4.0 * widths[0])
+
+
+def test_law_a_trial_that_runs_away_leaves_its_panel_and_shrinks_no_other() -> None:
+    calm, target = eight(4)
+    away = calm.copy()
+    away[3] *= np.exp(np.linspace(0.0, 6.0, 2400))[:, None, None]
+    alone = figures.trajectory_figure(None, [[figures.TrialPanel("a", calm, target)]])
+    early = np.array([False, False, False, True])
+    figure = figures.trajectory_figure(
+        None, [[figures.TrialPanel("a", away, target, "1 ended early", early)]]
+    )
+    # the trial that runs away is the one that lags most, by the fourth digit of its largest position
+    assert figure.axes[0].get_xlim() == pytest.approx(alone.axes[0].get_xlim(), abs=1e-3)
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert words == ["leaves the panel", "1 ended early", "leaves the panel"]
+
+
+def test_law_where_trials_hide_each_other_one_is_shown() -> None:
+    calm, target = eight(20)
+    noise = np.random.default_rng(1).uniform(-0.05, 0.05, (20, 2400, 2, 2))
+    panels = [figures.TrialPanel("a", calm, target), figures.TrialPanel("b", calm + noise, target)]
+    figure = figures.trajectory_figure(None, [panels])
+    assert [len(axes.collections[0].get_paths()) for axes in figure.axes] == [20, 20, 1, 1]
+    assert [text.get_text() for axes in figure.axes[2:] for text in axes.texts] == ["1 of 20 trials"] * 2
+
+
+def test_law_far_conditions_leave_the_others_legible() -> None:
+    rng = np.random.default_rng(1)
+
+    def group(level: float, published: bool = True) -> figures.ErrorGroup:
+        errors = level * (1.0 + 0.02 * rng.normal(size=(2, 20)))
+        pair = ((level, 0.001), (1.1 * level, 0.001)) if published else None
+        return figures.ErrorGroup(f"{level}", "36 N/m", (errors[0], errors[1]), ("↑", "↓"), 0, pair)
+
+    near = [group(0.030 + 0.001 * i) for i in range(6)]
+    assert len(figures.error_figure(near, 0.03).axes) == 1
+    figure = figures.error_figure(
+        [*near, group(0.4, published=False), group(0.2, published=False)], 0.03, "UM", 0.035
+    )
+    upper, lower = figure.axes
+    assert (upper.get_yscale(), lower.get_yscale()) == ("log", "linear")
+    # one scale goes on where the other ends, and both together show every error
+    assert upper.get_ylim()[0] == lower.get_ylim()[1]
+    low, high = lower.get_ylim()
+    for each in near:
+        assert low < 1e3 * np.concatenate(each.errors).min() <= 1e3 * np.concatenate(each.errors).max() < high
+        # a box of 0.6 mm is as high as a line is thick several times over
+    assert (high - low) < 1e3 * 0.015
+    assert upper.get_ylim()[1] > 430.0
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "published median TE2 in UM, 35.00 mm" in labels
+    assert "published mean ± standard deviation" in labels
+    arrows = [text.get_text() for axes in figure.axes for text in axes.texts if text.get_text() in ("↑", "↓")]
+    assert len(arrows) == 16

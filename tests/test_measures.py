@@ -185,7 +185,7 @@ def spoilt(what: str) -> xr.Dataset:
     [
         ("a hole", "trial 2 of UM counts as completed, but has no position at 0.7 s"),
         ("no target", "target over time, axis is required"),
-        ("one robot", "two robots, two axes"),
+        ("one robot", "the labels 1 and 2 are required"),
         ("no stiffness", "a coordinate stiffness is required"),
         ("time", "times that increase are required"),
         ("discard", "trial 1 of UM ends at 2 s, so less must be discarded"),

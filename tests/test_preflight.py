@@ -95,9 +95,23 @@ def test_law_a_study_of_ones_own_shows_its_own_laboratory() -> None:
     assert "two-link" not in section(other, "figure-laboratory")
     papers = analyse(brief(ts.Study.paper()), parts=LABORATORY)
     assert "had two-link arms, drawn dashed" in section(papers, "figure-laboratory")
+    # two trials can have no arrow, so that none of them differs from a printed one
     table = section(papers, "table1")
+    assert table.count(" †") >= 33
+    assert "‡</span>" not in table
+    assert {
+        each["agrees"] for each in papers.numbers["experiment"]["reported"] if "rank" in each["test"]
+    } == {None}
+    four = analyse(brief(ts.Study.paper()).replace(protocol={"trials": 4}), parts=LABORATORY)
+    table = section(four, "table1")
     assert table.count("‡</span>") == table.count('class="differs"') > 0
     assert "‡: the arrow here differs" in table
+    unconnected = four.numbers["table1"][0]
+    # nothing is random in robot 1 alone: one trial, and 2 of the 5 places that it can have among five
+    assert (unconnected["te1_n"], unconnected["te1_copies"], unconnected["te1_least_p"]) == (1, 3, 0.4)
+    assert unconnected["te1_untestable"] is True
+    assert "TE₁ in UM" in four.html
+    assert "trials repeat another one to the nanometre" in four.html
 
 
 def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:

@@ -13,11 +13,13 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from typer.testing import CliRunner, Result
 
 import telespring as ts
 from made_trials import PER_SAMPLE, offsets, small
 from telespring.analysis import Trials, analyse_trials, measure, read_recorded, write_recorded
 from telespring.analysis.sources import open_trials
+from telespring.cli import app
 from telespring.show.drawings.trials import draw_errors, draw_trajectories
 
 FLAGS = ("completed", "diverged", "out of reach", "too stiff", "absent")
@@ -223,12 +225,24 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "discard": (lambda: small().assign_attrs(discard="two"), "the attribute must be a time in s"),
     "a variable": (lambda: small()["position"], "an xarray.Dataset of trials is required"),
+    "mean of the trials": (
+        lambda: small().drop_vars("status").mean("trial"),
+        "single trials, not their mean",
+    ),
+    "another name of a dimension": (
+        lambda: small().rename(trial="repetition"),
+        "If repetition stands for trial, rename it",
+    ),
     "stacked": (lambda: small().stack(place=PER_TRIAL), "position"),
     "dyad and participant": (
         lambda: small().assign(
             dyad=(PER_TRIAL, np.full((3, 3), "a")), participant=(PER_TRIAL, np.full((3, 3), "a"))
         ),
         "only one of them",
+    ),
+    "a dyad in two spellings": (
+        lambda: small().assign(dyad=("trial", ["Dyad 1", "dyad1", "dyad 2"])),
+        "'Dyad 1' and 'dyad1': labels that differ in more than case and spaces are required",
     ),
     "no dyad": (
         lambda: small().assign(dyad=(PER_TRIAL, [["a", "", "a"]] * 3)),
@@ -248,6 +262,37 @@ def test_law_times_as_durations_are_seconds() -> None:
     dataset = small()
     durations = pd.to_timedelta(np.asarray(dataset["time"]), unit="s")
     same_numbers(measure(dataset.assign_coords(time=durations)), measure(dataset))
+
+
+def test_law_a_dyad_may_be_named_once_for_all_conditions() -> None:
+    per_trial = Trials.from_dataset(small().assign(dyad=("trial", [1.0, 2.0, 2.0])))
+    assert per_trial.dyads is not None
+    assert per_trial.dyads.tolist() == [["1", "2", "2"], ["1", "2", ""], ["1", "2", "2"]]
+    per_condition = Trials.from_dataset(small().assign(participant=("condition", ["a", "b", "c"])))
+    assert per_condition.dyads is not None
+    assert per_condition.dyads.tolist() == [["a"] * 3, ["b", "b", ""], ["c"] * 3]
+
+
+def test_law_the_command_analyses_what_was_concatenated_and_refuses_a_bare_status(tmp_path: Path) -> None:
+    runner = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"})
+
+    def analysed(dataset: xr.Dataset, name: str) -> Result:
+        dataset.to_netcdf(tmp_path / name, engine="h5netcdf")
+        words = ["analyse", str(tmp_path / name), "--out", str(tmp_path / "out"), "--json", "--no-figures"]
+        return runner.invoke(app, words)
+
+    expected = analysed(coded(small()), "whole.nc")
+    assert expected.exit_code == 0, expected.output
+    assert json.loads(expected.stdout) == analyse_trials(small())
+    both = analysed(SAME["concatenated trials"](coded(small())), "both.nc")
+    assert both.exit_code == 0, both.output
+    assert json.loads(both.stdout)["table1"] == json.loads(expected.stdout)["table1"]
+    bare = coded(small())
+    bare["status"] = bare["status"].astype(float)
+    bare["status"].attrs.clear()
+    found = analysed(bare, "bare.nc")
+    assert found.exit_code == 2
+    assert "of type float64, without its meanings" in " ".join(found.stderr.split())
 
 
 # labels

@@ -93,4 +93,19 @@ def trial_dyads(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[np.str
                 "Label every trial, or leave the variable out.",
             )
         labels[place] = text.removesuffix(".0") if is_number else text
+    _check_spellings(present[0], sorted({str(label) for label in labels.flat if label}))
     return labels.astype(str)
+
+
+def _check_spellings(field: str, labels: list[str]) -> None:
+    """Refuse labels that differ only in case or spaces: one dyad would count twice."""
+    spellings: dict[str, str] = {}
+    for label in labels:
+        other = spellings.setdefault("".join(label.casefold().split()), label)
+        if other != label:
+            raise refuse_trials(
+                field,
+                f"{other!r} and {label!r}",
+                "labels that differ in more than case and spaces are required",
+                "Write the label of a dyad in one way.",
+            )

@@ -80,6 +80,13 @@ def check_layout(dataset: xr.Dataset) -> xr.Dataset:
     for name in _SIGNALS:
         if name in dataset.variables:
             checked[name] = _in_dimensions(_numbers(dataset, name), PER_SAMPLE)
+    if "trial" not in dataset["position"].dims and "trial" not in dataset.coords:
+        # Indexing leaves the label of the trial behind; a mean over trials does not.
+        raise refuse_trials(
+            "position",
+            f"over {', '.join(str(name) for name in dataset['position'].dims)}",
+            f"position over {', '.join(PER_SAMPLE)} is required: single trials, not their mean",
+        )
     sizes = checked["position"].sizes
     if sizes["robot"] != 2 or sizes["axis"] != 2 or 0 in sizes.values():
         raise refuse_trials(
@@ -277,11 +284,14 @@ def _without(values: xr.DataArray, extra: Hashable, dimensions: Sequence[str]) -
     if array.shape[along] == 0 or not np.array_equal(
         array, np.broadcast_to(first, array.shape), equal_nan=is_float
     ):
+        missing = [name for name in dimensions if name not in values.dims]
         raise refuse_trials(
             str(values.name),
             f"over {', '.join(str(name) for name in values.dims)}",
             f"{values.name} over {', '.join(dimensions)} is required, and it changes along {extra}",
-            f"Select one {extra}, for example with .isel({extra}=0), or unstack it.",
+            f"If {extra} stands for {' or '.join(missing)}, rename it (.rename, .swap_dims or .unstack)."
+            if missing
+            else f"Select one {extra}, for example with .isel({extra}=0).",
         )
     return values.isel({extra: 0}, drop=True)
 

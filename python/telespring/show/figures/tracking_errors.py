@@ -124,9 +124,14 @@ def _scale_change(groups: Sequence[ErrorGroup], baselines: Sequence[float | None
     if len(usual) == len(present):
         return None
     published = [mean + sd for group in groups for mean, sd in group.published or ()]
-    return (
-        1e3 * 1.06 * float(max([usual.max(), *published, *(each for each in baselines if each is not None)]))
-    )
+    top = float(max([usual.max(), *published, *(each for each in baselines if each is not None)]))
+    # Between the usual groups and the others, where there is room, so that no box is cut.
+    others = [
+        float(np.nanmin(np.concatenate(group.errors)))
+        for group, each in zip(groups, largest, strict=True)
+        if each > usual.max()
+    ]
+    return 1e3 * min([1.06 * top, *(0.5 * (top + each) for each in others if each > top)])
 
 
 def _largest(group: ErrorGroup) -> float:

@@ -256,15 +256,7 @@ def _least_p_lines(family: Mapping[str, Any]) -> Iterator[Text]:
 
 
 def _format_least_p(p_value: float) -> str:
-    """Format an attainable p value with two significant digits.
-
-    Examples
-    --------
-    >>> _format_least_p(0.1), _format_least_p(2 / 70), _format_least_p(0.05 / 33)
-    ('0.10', '0.029', '0.0015')
-    """
-    text = f"{p_value:#.2g}"
-    return text.rstrip(".")
+    return f"{p_value:.3g}"
 
 
 def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
