@@ -186,7 +186,7 @@ def test_law_endings_are_read_in_upper_and_lower_case(name: str, tmp_path: Path)
 
 
 def random_text(random: np.random.Generator) -> tuple[str, list[list[str]], list[str] | None]:
-    """Write a random table in a random layout: its text, its fields with points for decimals, and its names."""
+    """Write a random table: its text in a random layout, its fields with points for decimals, its names."""
     columns, rows = int(random.integers(2, 8)), int(random.choice([3, 20, 60]))
     separator = str(random.choice([",", ";", "\t", "|", " ", "  ", ", ", " ; "]))
     decimal = str(random.choice([".", "," if separator.strip() != "," else "."]))
