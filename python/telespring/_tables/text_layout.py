@@ -23,9 +23,11 @@ _NUMBERS = {
 _MISSING = "nan,-nan,na,n/a,#n/a,null,none,inf,+inf,-inf,infinity,-infinity,--"
 _MISSING_IN_C = "nan(ind),-nan(ind),nan(snan),-nan(snan)"
 MISSING = frozenset(["", *_MISSING.split(","), *_MISSING_IN_C.split(",")])
+#: What could separate parts of a field.
 _SPLITS = re.compile(r"[\t;| ]")
 #: The layout shows in so many lines.
-_SAMPLED = 300
+_SAMPLED = 100
+#: A field of a line of units, with brackets or without.
 _UNIT = re.compile(
     r"[\[(<{]?\s*((k|m|c|d|µ|μ|u|n)?(s|sec|second|seconds|m|meter|metre|meters|metres|N|newton|newtons|Nm|V|A|g)"
     r"|rad|deg|°|Hz|-|1|%)(/s(²|\^2|2|/s)?)?\s*[\])>}]?",
@@ -77,16 +79,23 @@ def find_layout(lines: TextLines) -> TextLayout:
     """Choose the separator and decimal mark by which most fields are numbers, in rows of equal length."""
     sample = [line.text for line in lines.table[:_SAMPLED]]
     named = lines.separator
+    characters = set().union(*sample)
     candidates = [
         TextLayout(separator, mark, lines.is_quoted)
         for separator, mark in _LAYOUTS
-        if named is None or separator == named
+        if named in (None, separator) and _may_be(separator, mark, characters, lines.is_quoted)
     ] or [TextLayout(named or ",", mark, lines.is_quoted) for mark in ".,"]
     best = max(candidates, key=lambda layout: _readable_share(sample, layout))
     if _readable_share(sample, best) > 0.0:
         return best
     # Names alone: the separator that they contain.
     return next((layout for layout in candidates if layout.count(sample[0]) > 1), candidates[0])
+
+
+def _may_be(separator: str, mark: str, characters: set[str], is_quoted: bool) -> bool:
+    """Whether lines of these characters may have a layout; commas are both only if fields are quoted."""
+    separates = separator in characters or (separator == " " and "\t" in characters)
+    return separates and (mark == "." or ("," in characters and (separator != "," or is_quoted)))
 
 
 def _readable_share(sample: Sequence[str], layout: TextLayout) -> float:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from telespring._errors import InvalidInput
 
-__all__ = ["Line", "TextLines", "text_lines"]
+__all__ = ["Line", "TextLines", "text_lines", "uncommented"]
 
 _COMMENT = re.compile(r"\s*(#|%|//)")
 #: The first line of a file for Excel may name the separator.
