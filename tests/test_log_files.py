@@ -532,3 +532,7 @@ def test_law_the_command_reads_a_log_without_names_and_times(tmp_path: Path) -> 
     options = ["--position", "position_x", "--force", "force_x", "--run", "2"]
     assert mass(tmp_path / "twice.csv", *options) == expected
     assert mass(tmp_path / "twice.csv", *options, "--run-column", "run") == expected
+    # without a choice, runs are taken together like several logs
+    together = CliRunner().invoke(cli.app, ["identify", str(tmp_path / "twice.csv"), *options[:4], "--json"])
+    assert together.exit_code == 0, together.stderr
+    assert json.loads(together.stdout)["logs"] == 2

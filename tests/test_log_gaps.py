@@ -141,6 +141,20 @@ def test_law_a_jitter_beside_a_gap_is_interpolated_and_the_mark_stays() -> None:
     assert set(range(1500, 1502)) & set(marked.tolist())
 
 
+def test_law_a_long_gap_leaves_two_stretches_to_estimate_from() -> None:
+    """Also numbers that are missing for long: the robot is that of the whole log, a little less certain."""
+    time, position, force = recorded()
+    whole = identify(time, position, force)
+    kept = np.r_[0:8000, 8400 : time.size]
+    empty = force.copy()
+    empty[8000:8400, 1] = np.nan
+    for found in (identify(time[kept], position[kept], force[kept]), identify(time, position, empty)):
+        assert any("Long gaps: 1, the longest 401 ms after 7.999 s" in warning for warning in found.warnings)
+        for before, after in zip(whole.axes, found.axes, strict=True):
+            assert abs(after.mass.value - before.mass.value) < before.mass.standard_error
+            assert abs(after.damping.value - before.damping.value) < before.damping.standard_error
+
+
 @pytest.mark.parametrize("share", [1 / 4000, 0.01])
 def test_law_lost_samples_do_not_change_a_robot(share: float) -> None:
     """One lost sample in 4,000 was reason enough to refuse a log. Only the noise that is left out changes."""
