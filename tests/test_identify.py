@@ -369,7 +369,7 @@ def test_law_friction_and_an_offset_are_found_and_are_no_coupling() -> None:
     # it is the damping that takes it
     assert blind.axes[0].damping.value > 9.5
     told = " ".join(blind.warnings)
-    assert "Axis x: the log has friction of 0.499 N" in told
+    assert "Axis x: the log has friction of 0.5 N" in told
     assert "Leave out --no-coulomb for a mass of 0.9" in told
     assert "damping of 8.0" in told
 

@@ -175,6 +175,8 @@ def identify_logs(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from telespring.identification import identify_logs, paper_excitation
     >>> movement = paper_excitation()
     >>> t = np.arange(10000) / 1000.0
     >>> def record(mass, seed):
@@ -276,6 +278,8 @@ class _Run:
             # What the axes do to each other is neither mass nor lag of their own.
             together = [replace(axis, coupled=rows) for axis, rows in zip(fit.terms, coupled, strict=True)]
             fit = self.fit(options, together)
+            # And once more with the lag that the coupled axes have.
+            inertias = estimate_inertias(fit)
         found = identification_of(
             fit,
             self.names,
