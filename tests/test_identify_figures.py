@@ -38,7 +38,7 @@ def test_law_fig_10_has_force_and_plane_for_every_robot_and_axis(found: Identifi
     drawn = draw_regression([("one", found), ("other", found)])
     assert len(drawn.axes) == 4
     measured, estimated = (np.asarray(line.get_ydata()) for line in drawn.axes[0].lines)
-    np.testing.assert_array_equal(measured, found.signals.force[0])
+    np.testing.assert_array_equal(measured, found.axes[0].measured_force)
     np.testing.assert_array_equal(estimated, found.axes[0].estimated_force)
     assert "kg" in drawn.axes[1].get_title()
 

@@ -201,19 +201,25 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "infinite": (in_first(replaced("target_x_m", 3, "inf")), ["line 5: target_x_m = inf"]),
     "no samples": (in_first(lambda table: table.iloc[:1]), ["1 samples", "at least two"]),
-    "semicolons": (
-        first_is("time_s;target_x_m\n0,1;2\n"),
-        ["separated by semicolons"],
-    ),
     "ragged": (
         first_is("time_s,target_x_m\n1,2\n1,2,3\n"),
-        [FIRST, "Expected 2 fields in line 3, saw 3"],
+        [f"{FIRST}, line 3 = 3 fields", "2 fields, as many as names in line 1"],
     ),
+    "one field more": (
+        first_is("time_s,target_x_m\n1,2,3\n2,3,4\n"),
+        [f"{FIRST}, line 2 = 3 fields", "Give every column a name"],
+    ),
+    "cut off": (
+        first_is("time_s,target_x_m\n0,2\n0.1,2\n0.2"),
+        [f"{FIRST}, line 4 = 1 fields", "cut off"],
+    ),
+    "no names": (first_is("0,2\n0.1,2\n0.2,3\n"), [f"{FIRST} = no column names"]),
+    "name twice": (first_is("time_s,time_s\n0,2\n0.1,2\n"), [f"{FIRST}: time_s = twice"]),
     "empty": (
         first_is(""),
         [f"{FIRST} = empty"],
     ),
-    "not text": (first_is(b"\xff\xfe\x00"), ["not UTF-8"]),
+    "not text": (first_is(b"\xff\xfe\x00"), ["a text file is required"]),
     "delay in ms": (in_index(replaced("delay_s", 4, 167)), ["line 6: delay_s = 167", "167 ms is 0.167"]),
     "no stiffness": (
         in_index(replaced("stiffness_N_per_m", 4, 0)),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -9,10 +11,29 @@ from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 
 
+def unmasked(value: Any) -> Any:
+    """Return an array with NaN for masked values, also one of a list of masked arrays; all else as it is.
+
+    `numpy.asarray` drops the mask, and then what was masked for being wrong counts as right.
+
+    Examples
+    --------
+    >>> unmasked(np.ma.array([1, 999], mask=[False, True])).tolist()
+    [1.0, nan]
+    """
+    if isinstance(value, list | tuple) and any(isinstance(part, np.ma.MaskedArray) for part in value):
+        value = np.ma.array(value)
+    if not isinstance(value, np.ma.MaskedArray):
+        return value
+    if value.dtype.kind not in "biufc" or not np.ma.is_masked(value):
+        return value.data
+    return np.ma.filled(value.astype(np.complex128 if value.dtype.kind == "c" else np.float64), np.nan)
+
+
 def as_numbers(name: str, value: ArrayLike) -> FloatArray:
-    """Return the argument as an array of doubles, or refuse it by its name."""
+    """Return the argument as an array of doubles, NaN where it is masked, or refuse it by its name."""
     try:
-        given = np.asarray(value)
+        given = np.asarray(unmasked(value))
         if given.dtype.kind not in "biuf":
             raise TypeError
         return given.astype(np.float64, copy=False)

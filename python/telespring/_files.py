@@ -9,7 +9,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-__all__ = ["replacing", "write_whole"]
+__all__ = ["replacing", "spelt_otherwise", "write_whole"]
+
+
+def spelt_otherwise(path: Path) -> Path:
+    """Return a file that exists: `path`, or one in its folder that differs in upper and lower case only.
+
+    A name from Windows may have backslashes between its folders. Without such a file, `path` is returned.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> _ = (folder / "TRIALS.CSV").write_text("")
+    >>> spelt_otherwise(folder / "trials.csv").name
+    'TRIALS.CSV'
+    """
+    given = path if path.exists() else Path(str(path).replace("\\", "/"))
+    if given.exists() or not given.parent.is_dir():
+        return given if given.exists() else path
+    alike = [entry for entry in given.parent.iterdir() if entry.name.casefold() == given.name.casefold()]
+    return alike[0] if len(alike) == 1 else path
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 //! The adaptive solver with right-hand sides, delays and histories written in Python.
 
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn,
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
@@ -63,7 +63,9 @@ impl From<OptionValues> for Options {
 
 /// Copies the return value of the user's function in `solve_dde` into `out`.
 fn read_into(returned: &Bound<'_, PyAny>, field: &str, out: &mut [f64]) -> PyResult<()> {
-    if let Ok(array) = returned.extract::<PyReadonlyArray1<'_, f64>>()
+    // a subclass may mask values, which its numbers alone do not show
+    if returned.is_exact_instance_of::<PyUntypedArray>()
+        && let Ok(array) = returned.extract::<PyReadonlyArray1<'_, f64>>()
         && let Ok(values) = array.as_slice()
         && values.len() == out.len()
     {

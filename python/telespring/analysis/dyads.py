@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from telespring._arrays import as_numbers
 from telespring._types import FloatArray
 
 __all__ = ["dyad_means", "matched_dyads", "split_dyads"]
@@ -20,7 +21,7 @@ def dyad_means(values: ArrayLike, dyads: ArrayLike) -> dict[str, float]:
     >>> dyad_means([1.0, 3.0, np.nan, 5.0], ["a", "a", "a", "b"])
     {'a': 2.0, 'b': 5.0}
     """
-    array, labels = np.asarray(values, dtype=float).reshape(-1), np.asarray(dyads).reshape(-1).astype(str)
+    array, labels = as_numbers("values", values).reshape(-1), np.asarray(dyads).reshape(-1).astype(str)
     present = ~np.isnan(array)
     return {
         str(label): float(array[present & (labels == label)].mean()) for label in np.unique(labels[present])

@@ -12,7 +12,8 @@ from telespring._types import FloatArray
 from telespring.analysis.copies import find_same_recordings
 from telespring.analysis.group_tests import kruskal_wallis
 from telespring.analysis.measures import MEASURES, measure_trials
-from telespring.analysis.plausibility import ShortTrial, StillHandle, implausible_trials
+from telespring.analysis.plausibility import implausible_trials
+from telespring.analysis.plausibility_messages import implausible_trial_warning
 from telespring.analysis.statistics import holm
 from telespring.analysis.table import choose_baseline, compare_with_baseline, mean_sd_median, table_1_rows
 from telespring.analysis.tracking_errors import TrackingErrors, group_tracking_errors, tracking_error_name
@@ -113,7 +114,7 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
         "warnings": [
             *_label_warnings(trials),
             *_same_recording_warnings(trials, tracking_error, errors),
-            *(_implausible_trial_warning(implausible) for implausible in implausible_trials(trials)),
+            *(implausible_trial_warning(implausible) for implausible in implausible_trials(trials)),
         ],
     }
 
@@ -253,18 +254,3 @@ def _same_recording_warnings(trials: Trials, errors: FloatArray, grouped: Tracki
         "recording listed twice, or conditions that make no difference."
         for one, other in find_same_recordings(trials, errors, grouped.copies)
     ]
-
-
-def _implausible_trial_warning(implausible: ShortTrial | StillHandle) -> str:
-    """Write the sentence that `analysis.json` holds for a trial that looks cut off or stuck."""
-    trial = f"Trial {implausible.trial} of {implausible.condition}"
-    if isinstance(implausible, ShortTrial):
-        return (
-            f"{trial} counts as completed after {implausible.duration:.4g} s, although "
-            f"{implausible.usual_duration:.4g} s is usual: if it was cut off, set its status to stopped."
-        )
-    period = "throughout" if implausible.since is None else f"from {implausible.since:.4g} s to its end"
-    return (
-        f"{trial}: the handle of robot {implausible.robot} does not move {period}, but is analysed as if it "
-        "had followed the target."
-    )

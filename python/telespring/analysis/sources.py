@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from telespring._errors import InvalidInput
+from telespring._files import spelt_otherwise
 from telespring.analysis.recordings.layout import INDEX
 from telespring.analysis.recordings.reading import read_recorded
 
@@ -37,7 +38,7 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
     if place.is_dir():
         if (place / _REHEARSAL).is_file():
             place = place / _REHEARSAL
-        elif (place / INDEX).is_file():
+        elif spelt_otherwise(place / INDEX).is_file():
             return read_recorded(place, task)
         else:
             raise InvalidInput(
@@ -46,13 +47,13 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
                 f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is required",
                 "Name the folder that contains one of them, or the file itself.",
             )
-    if place.suffix == ".csv":
+    if place.suffix.lower() == ".csv":
         return read_recorded(place, task)
     # Opened first, so that a missing or unreadable file is reported as such.
     with place.open("rb") as file:
         start = file.read(max(len(signature) for signature in _ENGINES))
     engine = next((name for signature, name in _ENGINES.items() if start.startswith(signature)), None)
-    if place.suffix != ".nc":
+    if place.suffix.lower() != ".nc":
         raise InvalidInput(
             "path",
             str(path),

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from telespring._arrays import as_numbers
 from telespring._types import FloatArray
 from telespring.analysis.dyads import dyad_means, matched_dyads, split_dyads
 from telespring.analysis.effect_sizes import paired_shift, paired_superiority_interval, superiority_interval
@@ -315,5 +316,5 @@ def fewest_values(test: Literal["rank-sum", "signed-rank"], level: float = LEVEL
 
 def present_values(values: ArrayLike) -> FloatArray:
     """Return the values that are not NaN, as one row."""
-    array = np.asarray(values, dtype=float).reshape(-1)
+    array = as_numbers("values", values).reshape(-1)
     return np.asarray(array[~np.isnan(array)])

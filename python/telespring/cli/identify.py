@@ -19,13 +19,22 @@ __all__ = ["identify_command"]
 
 
 def identify_command(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Log file: .csv, .parquet or .mat.")],
-    time: Annotated[str, typer.Option("--time", help="Time column, s.")] = "time",
+    logs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="LOG...",
+            help="Log files of one robot: .csv (or .txt, .tsv, .dat), .parquet or .mat. Several are "
+            "taken together.",
+        ),
+    ],
+    time: Annotated[
+        str, typer.Option("--time", help="Time column, s: its name, or its number from 1.")
+    ] = "time",
     position: Annotated[
         list[str] | None,
         typer.Option(
             "--position",
-            help="Position column, m; repeat for each axis.",
+            help="Position column, m, by name or number; repeat for each axis, or 2,3.",
             show_default="position_x, position_y",
         ),
     ] = None,
@@ -33,7 +42,7 @@ def identify_command(
         list[str] | None,
         typer.Option(
             "--force",
-            help="Force column, N; repeat for each axis, in the same order.",
+            help="Force column, N, by name or number; repeat for each axis, in the same order.",
             show_default="force_x, force_y",
         ),
     ] = None,
@@ -43,17 +52,29 @@ def identify_command(
             "--axis", help="Name of an axis; repeat for each axis, in the same order.", show_default="x, y"
         ),
     ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Samples per second, for a log without times.", show_default=False)
+    ] = None,
+    run: Annotated[
+        str | None, typer.Option(help="Use one run of several, by number or name.", show_default=False)
+    ] = None,
+    run_column: Annotated[
+        str | None, typer.Option(help="Column that tells the run of a sample.", show_default=False)
+    ] = None,
     time_scale: Annotated[float, typer.Option(help="Seconds per unit of the time column.")] = 1.0,
     position_scale: Annotated[float, typer.Option(help="Metres per unit of the position columns.")] = 1.0,
     force_scale: Annotated[
         float, typer.Option(help="Newtons per unit of the force columns; -1 reverses the force.")
     ] = 1.0,
     force_delay: Annotated[
-        float,
+        float | None,
         typer.Option(
-            parser=number(TIME), metavar="TIME", help="Correct the force for this lag behind the position, s."
+            parser=number(TIME),
+            metavar="TIME",
+            help="Lag of the force behind the position, s, if it is known; 0 if both are sampled together.",
+            show_default="estimated",
         ),
-    ] = 0.0,
+    ] = None,
     start: Annotated[
         float | None,
         typer.Option(parser=number(TIME), metavar="TIME", help="Use samples from this time on, s."),
@@ -62,8 +83,42 @@ def identify_command(
         float | None,
         typer.Option(parser=number(TIME), metavar="TIME", help="Use samples up to this time, s."),
     ] = None,
-    coulomb: Annotated[bool, typer.Option("--coulomb", help="Also estimate Coulomb friction.")] = False,
-    offset: Annotated[bool, typer.Option("--offset", help="Also estimate an offset of the force.")] = False,
+    stiffness: Annotated[
+        bool | None,
+        typer.Option(
+            "--stiffness/--no-stiffness",
+            help="A spring between robot and ground, or none.",
+            show_default="estimated",
+        ),
+    ] = None,
+    coulomb: Annotated[
+        bool | None,
+        typer.Option("--coulomb/--no-coulomb", help="Coulomb friction, or none.", show_default="estimated"),
+    ] = None,
+    offset: Annotated[
+        bool | None,
+        typer.Option(
+            "--offset/--no-offset", help="An offset of the force, or none.", show_default="estimated"
+        ),
+    ] = None,
+    drag: Annotated[
+        bool | None,
+        typer.Option(
+            "--drag/--no-drag", help="A force times v|v|, or none.", show_default="if the log shows it"
+        ),
+    ] = None,
+    stiction: Annotated[
+        bool | None,
+        typer.Option(
+            "--stiction/--no-stiction",
+            help="Larger friction near rest (Stribeck), or none.",
+            show_default="if the log shows it",
+        ),
+    ] = None,
+    radius: Annotated[
+        float | None,
+        typer.Option(help="For axes that turn: metres of travel per radian; gravity is then tested."),
+    ] = None,
     method: Annotated[
         str, typer.Option(help="robust, ols, or paper (whose intervals are not valid).")
     ] = "robust",
@@ -90,48 +145,72 @@ def identify_command(
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,
 ) -> None:
-    """Identify a robot's mass, damping and friction from a log of positions and forces."""
-    from telespring.identification import identify, read_log, write_robot
+    """Identify a robot's mass, damping, friction and springs from logs of positions and forces."""
+    from telespring.identification import identify_logs, read_log, write_robot
     from telespring.show.screens.identification import identification_screen
 
-    columns = read_log(
-        log,
-        time=time,
-        position=position or ["position_x", "position_y"],
-        force=force or ["force_x", "force_y"],
-        axes=axis,
-        time_scale=time_scale,
-        position_scale=position_scale,
-        force_scale=force_scale,
-        start=start,
-        end=end,
-    )
-    identification = identify(
-        columns.time,
-        columns.position,
-        columns.force,
-        axes=columns.axes,
+    recordings = [
+        read_log(
+            log,
+            time=time,
+            position=_columns(position) or ["position_x", "position_y"],
+            force=_columns(force) or ["force_x", "force_y"],
+            axes=axis,
+            time_scale=time_scale,
+            position_scale=position_scale,
+            force_scale=force_scale,
+            rate=rate,
+            run=run,
+            run_column=run_column,
+            start=start,
+            end=end,
+        )
+        for log in logs
+    ]
+    identification = identify_logs(
+        recordings,
+        stiffness=stiffness,
         coulomb=coulomb,
         offset=offset,
+        drag=drag,
+        stiction=stiction,
+        radius=radius,
         cutoff=cutoff,
-        # `identify` refuses an unknown method.
+        # `identify_logs` refuses an unknown method.
         method=cast("Method", method),
         iterations=iterations,
         force_delay=force_delay,
     )
-    identification = replace(identification, diagnostics=(*columns.diagnostics, *identification.diagnostics))
+    doubts = {doubt.message: doubt for recording in recordings for doubt in recording.diagnostics}
+    identification = replace(identification, diagnostics=(*doubts.values(), *identification.diagnostics))
+    title = ", ".join(log.name for log in logs)
     if figure is not None:
         _write_residual_figure(identification, figure)
     if out is not None:
-        write_robot(identification, out, name or log.stem, source=log.name)
+        write_robot(identification, out, name or logs[0].stem, source=title)
     if as_json:
-        print_json({"log": str(log), "columns": dict(columns.columns)} | identification.to_json())
+        first = recordings[0]
+        source = {
+            "log": title if len(logs) > 1 else str(logs[0]),
+            "columns": dict(first.columns),
+            "time_stamps": first.time_form,
+        }
+        print_json(source | identification.to_json())
         return
     console = Console(highlight=False)
-    console.print(identification_screen(identification, log.name))
+    console.print(identification_screen(identification, title))
     for label, path in (("Robot file", out), ("Figure", figure)):
         if path is not None:
             console.print(f"{label}: {path}", markup=False)
+
+
+def _columns(options: list[str] | None) -> list[str]:
+    """Return the columns that options name; numbers may share one option: 2,3."""
+    columns: list[str] = []
+    for option in options or []:
+        parts = [part.strip() for part in option.split(",")]
+        columns += parts if all(part.isdecimal() for part in parts) else [option]
+    return columns
 
 
 def _write_residual_figure(identification: Identification, path: Path) -> None:

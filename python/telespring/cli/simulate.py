@@ -70,7 +70,7 @@ def simulate_command(
         from telespring.show.screens.simulation import simulation_summary
         from telespring.theory.simulation import simulate
 
-        if out.suffix not in {".nc", ".csv"}:
+        if out.suffix.lower() not in {".nc", ".csv"}:
             raise InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
@@ -87,7 +87,7 @@ def simulate_command(
                 check_usual("force", "--force", value)
         asked.options |= {"duration": "--duration", "rate": "--rate"}
         motion = simulate(read.dyad, stiffness, delays, forces, duration, rate=rate)
-        if out.suffix == ".csv":
+        if out.suffix.lower() == ".csv":
             write_whole(out, motion_csv(motion))
         else:
             with replacing(out) as unfinished:

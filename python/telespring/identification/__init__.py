@@ -4,7 +4,7 @@
 reads CSV, Parquet and MAT files; `write_robot` writes a file for studies and `telespring decide`.
 """
 
-from telespring.identification.estimation import identify
+from telespring.identification.estimation import identify, identify_logs
 from telespring.identification.excitation import Excitation, Extremes, design_excitation, paper_excitation
 from telespring.identification.log_reading import Log, read_log
 from telespring.identification.regression import Reweighting, paper_reweightings
@@ -22,6 +22,7 @@ __all__ = [
     "Reweighting",
     "design_excitation",
     "identify",
+    "identify_logs",
     "paper_excitation",
     "paper_reweightings",
     "read_log",

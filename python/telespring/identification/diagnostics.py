@@ -12,132 +12,161 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.axis_fit import AxisModel, axis_regressor, fit_axis
 from telespring.identification.cutoff import filtered_noise, largest_cutoff
-from telespring.identification.filtering import Signals, filter_signals
-from telespring.identification.regression import least_squares
-from telespring.identification.results import AxisIdentification, CrossInertia
+from telespring.identification.filtering import Signals
+from telespring.identification.log_fit import LogFit, fit_log, is_significant, single_frequency
+from telespring.identification.results import AxisIdentification, CrossInertia, Identification
 from telespring.identification.stretches import Stretch
-from telespring.identification.unmodelled import UnmodelledTerms, is_moving
+from telespring.identification.unmodelled import find_effects, ruled_out_terms
 from telespring.identification.warning_messages import UNITS, Diagnostic, diagnostic
 
-__all__ = [
-    "check_coupling",
-    "check_cutoff",
-    "check_estimate_signs",
-    "check_force_lag",
-    "check_omitted_friction",
-    "check_plausibility",
-    "check_sticking",
-    "noise_bias",
-]
+__all__ = ["check_fit", "noise_bias"]
 
 #: In half-widths of the interval: a bias by noise above the first is a warning, above the second a refusal
 #: unless it is below this share of the value.
 _BIAS_WARNED, _BIAS_REFUSED, _BIAS_NEGLIGIBLE = 0.5, 3.0, 0.005
 #: At half of the cut-off an estimate may change by so many half-widths of both intervals combined.
 _CUTOFF_CHANGE = 2.0
-#: In half-widths: where leaving out the samples near rest shifts the mass by more, the axis sticks.
-_STICKING_SHIFT = 1.5
 #: A robot held by a person moves no faster, m/s and m/s², and is no lighter or heavier, kg.
 _FASTEST, _LARGEST_ACCELERATION, _LIGHTEST, _HEAVIEST = 4.0, 100.0, 0.05, 200.0
 _LOWEST_R_SQUARED, _LARGEST_OUTLIER_SHARE = 0.8, 0.05
-#: The lag is not trusted where the model, with all terms, explains less of the force.
-_LAG_R_SQUARED = 0.99
+#: A spring below this share of b²/(2m), the critical stiffness of two such robots, changes no verdict.
+_NEGLIGIBLE_SPRING = 0.01
+#: Coulomb friction below this share of the largest force changes nothing.
+_NEGLIGIBLE_FRICTION = 0.005
+#: Where the model explains less of the force, what else the force depends on is a question of its own.
+_EFFECT_R_SQUARED = 0.9
 
 
-def check_omitted_friction(
-    axes: Sequence[AxisIdentification],
-    unmodelled: Sequence[UnmodelledTerms],
-    signals: Signals,
-    model: AxisModel,
+def check_fit(
+    found: Identification, fit: LogFit, stretches: Sequence[Stretch], names: Sequence[str]
 ) -> list[Diagnostic]:
-    """Find axes on which friction or an offset that was not fitted biases mass or damping."""
-    warnings = []
-    for axis, terms in zip(axes, unmodelled, strict=True):
-        # Friction that drives the axis is not friction.
-        names = [
-            name
-            for name, term in terms.friction.items()
-            if term.significant and (name == "offset" or term.value > 0.0)
-        ]
-        if not names:
-            continue
-        fuller = replace(
-            model, coulomb=model.coulomb or "coulomb" in names, offset=model.offset or "offset" in names
-        )
-        refit = fit_axis(axis.axis, axis.signals_index, signals, fuller)
-        if any(
-            abs(axis.estimates[name].value - refit.estimates[name].value) > axis.half_width(name)
-            for name in ("mass", "damping")
-        ):
-            warnings.append(
-                diagnostic(
-                    "omitted " + " and ".join(name.replace("coulomb", "friction") for name in names),
-                    axis=axis.axis,
-                    fitted_mass=axis.mass.value,
-                    fitted_damping=axis.damping.value,
-                    **{name: estimate.value for name, estimate in refit.estimates.items()},
-                )
-            )
-    return warnings
-
-
-def check_sticking(
-    axes: Sequence[AxisIdentification], signals: Signals, model: AxisModel
-) -> list[Diagnostic]:
-    """Find axes that stick at their reversals for so long that it biases the mass."""
-    warnings = []
-    for axis in axes:
-        i = axis.signals_index
-        moving = is_moving(signals, i)
-        if axis.coulomb is None or axis.fit.lags is None or moving.mean() < 0.3:
-            continue
-        regressor = axis_regressor(signals, i, model)
-        mass = float(least_squares(regressor, signals.force[i], axis.fit.weights * moving).estimate[0])
-        if abs(mass - axis.mass.value) > _STICKING_SHIFT * axis.half_width("mass"):
-            warnings.append(diagnostic("sticking", axis=axis.axis, mass=axis.mass.value, moving_mass=mass))
-    return warnings
-
-
-def check_force_lag(
-    axes: Sequence[AxisIdentification],
-    unmodelled: Sequence[UnmodelledTerms],
-    cross_inertias: Sequence[CrossInertia],
-) -> list[Diagnostic]:
-    """Find axes on which the force lags the position, and whether coupled axes would look the same."""
-    coupled = {cross.axis for cross in cross_inertias if cross.significant}
-    lags: dict[str, tuple[float, float, bool]] = {}
-    for axis, terms in zip(axes, unmodelled, strict=True):
-        lag = terms.lag
-        if lag is None or not lag.significant or terms.r_squared < _LAG_R_SQUARED:
-            continue
-        # A lag τ of the force shifts the mass by τ b (and the damping by less).
-        mass_bias = abs(lag.value * axis.damping.value)
-        if mass_bias > max(axis.half_width("mass"), 0.01 * abs(axis.mass.value)):
-            lags[axis.axis] = (lag.value, mass_bias, terms.is_confounded and axis.axis in coupled)
-    axes_disagree = len({np.sign(lag) for lag, _, _ in lags.values()}) > 1
-    code = "force lag differs by axis" if axes_disagree else "force lag"
+    """Check the result of one log: what its model leaves out, and whether its estimates can be right."""
+    axes = found.axes
     return [
-        diagnostic(
-            "force lag or coupling" if may_be_coupling else code,
-            axis=name,
-            lag=abs(lag),
-            direction="behind" if lag > 0.0 else "ahead of",
-            force_delay=lag,
-            mass_bias=mass_bias,
-        )
-        for name, (lag, mass_bias, may_be_coupling) in lags.items()
+        *_check_ruled_out(axes, fit),
+        *_check_lag(axes, fit, found.cross_inertias),
+        *_check_effects(axes, fit, names),
+        *_check_springs(axes, fit),
+        *_check_added_terms(axes),
+        *_check_estimate_signs(axes),
+        *_check_coupling(found.cross_inertias),
+        *(_check_noise_bias(axes, fit, stretches) or _check_half_cutoff(axes, fit, stretches, names)),
+        *_check_plausibility(axes, found.signals),
     ]
 
 
-def check_estimate_signs(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
+def _check_ruled_out(axes: Sequence[AxisIdentification], fit: LogFit) -> list[Diagnostic]:
+    """Find terms that were ruled out although the log has them, so that mass or damping are wrong."""
+    if fit.options.method == "paper":
+        return []
+    return [
+        diagnostic(
+            f"omitted {name}",
+            axis=axis.axis,
+            value=float(wider.estimate[-1]),
+            mass=float(wider.estimate[0]),
+            damping=float(wider.estimate[1]),
+            fitted_mass=axis.mass.value,
+            fitted_damping=axis.damping.value,
+        )
+        for i, axis in enumerate(axes)
+        for name, wider in ruled_out_terms(fit, i)
+    ]
+
+
+def _check_lag(
+    axes: Sequence[AxisIdentification], fit: LogFit, cross_inertias: Sequence[CrossInertia]
+) -> list[Diagnostic]:
+    """Find lags that differ between the axes, that cannot be known, or that coupled axes would look like."""
+    if fit.options.lag is not None:
+        return []
+    warnings = [
+        diagnostic("unknown lag", axis=axis.axis, mass_per_ms=1e-3 * abs(axis.damping.value))
+        for axis in axes
+        if axis.time_shift is None
+    ]
+    if not fit.shared_lag:
+        warnings.append(
+            diagnostic(
+                "lags differ",
+                names=tuple(axis.axis for axis in axes),
+                lags=tuple(f"{1e3 * axis.time_shift.value:.2g} ms" for axis in axes if axis.time_shift),
+            )
+        )
+    coupled = [cross.axis for cross in cross_inertias if cross.significant and cross.may_be_lag]
+    warnings += [
+        diagnostic("lag or coupling", axis=axis.axis, lag=axis.time_shift.value)
+        for axis in axes
+        if axis.axis in coupled and axis.time_shift is not None
+    ]
+    return warnings
+
+
+def _check_effects(axes: Sequence[AxisIdentification], fit: LogFit, names: Sequence[str]) -> list[Diagnostic]:
+    """Find what else the force depends on; of several effects on an axis the most significant counts."""
+    warnings = []
+    for i, axis in enumerate(axes):
+        if fit.options.method == "paper" or axis.r_squared < _EFFECT_R_SQUARED:
+            continue
+        for effect in find_effects(fit, i, names)[:1]:
+            values = {"axis": axis.axis, "mass": effect.mass, "damping": effect.damping}
+            values |= {"fitted_mass": axis.mass.value, "fitted_damping": axis.damping.value}
+            if effect.lag is None:
+                warnings.append(diagnostic("omitted effect", effect=effect.name, **values))
+            else:
+                warnings.append(diagnostic("force lag", lag=effect.lag, **values))
+    return warnings
+
+
+def _check_springs(axes: Sequence[AxisIdentification], fit: LogFit) -> list[Diagnostic]:
+    """Find springs between robot and ground that are stiff enough to change a verdict."""
+    warnings = []
+    for i, axis in enumerate(axes):
+        spring = axis.stiffness
+        if axis.fit.lags is None:
+            continue
+        if spring is None:
+            frequency = single_frequency(fit.signals, fit.terms[i], i)
+            if frequency is not None:
+                taken = 1.0 / (2.0 * np.pi * frequency) ** 2
+                warnings.append(diagnostic("untested spring", axis=axis.axis, mass_per_stiffness=taken))
+            continue
+        column = 2 + fit.terms[i].names.index("stiffness")
+        if is_significant(axis.fit, column=column) and abs(spring.value) > negligible_spring(axis):
+            code = "spring" if spring.value > 0.0 else "negative spring"
+            low, high = spring.interval
+            warnings.append(diagnostic(code, axis=axis.axis, stiffness=spring.value, low=low, high=high))
+    return warnings
+
+
+def negligible_spring(axis: AxisIdentification) -> float:
+    """Return the stiffness of a spring to the ground, N/m, below which it changes no verdict."""
+    mass = max(abs(axis.mass.value), 1e-12)
+    return _NEGLIGIBLE_SPRING * axis.damping.value**2 / (2.0 * mass)
+
+
+def _check_added_terms(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
+    """Tell of drag, stiction and gravity: studies and verdicts have none of them."""
+    warnings = []
+    for axis in axes:
+        for name in axis.added:
+            if name == "gravity_cosine" and "gravity_sine" in axis.added:
+                continue
+            code = "gravity" if name.startswith("gravity") else name
+            values = {"axis": axis.axis, "value": axis.estimates[name].value}
+            if name == "stiction":
+                values["velocity"] = axis.stiction_velocity
+            warnings.append(diagnostic(code, **values))
+    return warnings
+
+
+def _check_estimate_signs(axes: Sequence[AxisIdentification]) -> list[Diagnostic]:
     """Find estimates with a wrong or open sign, and fits that explain little or reject many samples."""
     warnings: list[Diagnostic] = []
     for axis in axes:
@@ -145,6 +174,15 @@ def check_estimate_signs(axes: Sequence[AxisIdentification]) -> list[Diagnostic]
         negative = tuple(name for name, (_, high) in intervals.items() if high <= 0.0)
         if negative:
             warnings.append(diagnostic("negative estimates", axis=axis.axis, parameters=negative))
+        if axis.coulomb is not None and axis.fit.lags is not None and axis.coulomb.interval[1] < 0.0:
+            largest = float(np.abs(axis.measured_force).max())
+            if not negative and abs(axis.coulomb.value) > _NEGLIGIBLE_FRICTION * largest:
+                low, high = axis.coulomb.interval
+                warnings.append(
+                    diagnostic(
+                        "negative friction", axis=axis.axis, coulomb=axis.coulomb.value, low=low, high=high
+                    )
+                )
         warnings += [
             diagnostic(f"{name} close to zero", axis=axis.axis)
             for name, (low, high) in intervals.items()
@@ -162,7 +200,7 @@ def check_estimate_signs(axes: Sequence[AxisIdentification]) -> list[Diagnostic]
     return warnings
 
 
-def check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
+def _check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
     """Find axes that are coupled by inertia, or that moved too much alike to show it."""
     warnings: list[Diagnostic] = [
         diagnostic(
@@ -181,41 +219,41 @@ def check_coupling(cross_inertias: Sequence[CrossInertia]) -> list[Diagnostic]:
     return warnings
 
 
-def check_cutoff(
-    axes: Sequence[AxisIdentification], log: Stretch, signals: Signals, model: AxisModel
-) -> list[Diagnostic]:
-    """Find estimates that depend on the cut-off, and refuse a cut-off that lets too much noise pass.
-
-    That is where position noise biases an estimate by three half-widths of its interval or more.
-    """
-    return _check_noise_bias(axes, log, signals) or _check_half_cutoff(axes, log, signals, model)
-
-
-def noise_bias(axis: AxisIdentification, signals: Signals, position: FloatArray, rate: float) -> FloatArray:
+def noise_bias(fit: LogFit, index: int, position: FloatArray, rate: float) -> FloatArray:
     """Estimate the bias of mass (kg) and damping (N·s/m) by noise of the unfiltered position, to first order.
 
     It is below 0 if they are estimated too small.
     """
-    velocity, acceleration = filtered_noise(position, rate, signals.cutoff)
-    regressor = np.stack(
-        [signals.acceleration[axis.signals_index], signals.velocity[axis.signals_index]], axis=-1
-    )
-    noise = np.diag([acceleration, velocity])
+    velocity, acceleration = filtered_noise(position, rate, fit.signals.cutoff)
+    columns = fit.columns(index)[fit.signals.used]
+    size = np.sqrt((columns**2).mean(axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    columns = columns / size
+    noise = np.zeros((columns.shape[1], columns.shape[1]))
+    noise[0, 0], noise[1, 1] = acceleration / size[0] ** 2, velocity / size[1] ** 2
     # The movement's power without the noise, but never less than a tenth of the measured power.
-    measured = regressor.T @ regressor / len(regressor)
+    measured = columns.T @ columns / len(columns)
     clean = measured - noise
-    if np.linalg.eigvalsh(clean)[0] <= 0.0 or (np.diag(clean) < 0.1 * np.diag(measured)).any():
+    least = 0.1 * np.linalg.eigvalsh(measured)[0]
+    if np.linalg.eigvalsh(clean)[0] < least or (np.diag(clean) < 0.1 * np.diag(measured)).any():
         clean = np.diag(0.1 * np.diag(measured))
-    estimate = np.array([axis.mass.value, axis.damping.value])
+    own = fit.joint.fits[index].estimate
+    # The lag has been corrected: the force's slope takes no more part in the force.
+    estimate = np.concatenate([own, np.zeros(columns.shape[1] - own.size)]) * size
     # measured @ estimate equals the correlation with the force, which without noise is clean @ truth.
-    return np.asarray(estimate - np.linalg.solve(clean, measured @ estimate))
+    return np.asarray((estimate - np.linalg.solve(clean, measured @ estimate)) / size)[:2]
 
 
-def _check_noise_bias(axes: Sequence[AxisIdentification], log: Stretch, signals: Signals) -> list[Diagnostic]:
+def _check_noise_bias(
+    axes: Sequence[AxisIdentification], fit: LogFit, stretches: Sequence[Stretch]
+) -> list[Diagnostic]:
+    """Find a cut-off that lets much noise pass; refuse one at which it biases by three half-widths."""
     warnings = []
+    log = max(stretches, key=lambda stretch: stretch.time.size)
+    cutoff = fit.signals.cutoff
     limit = min(largest_cutoff(row, log.rate) for row in log.position)
-    for axis, position in zip(axes, log.position, strict=True):
-        biases = noise_bias(axis, signals, position, log.rate)
+    for i, (axis, position) in enumerate(zip(axes, log.position, strict=True)):
+        biases = noise_bias(fit, i, position, log.rate)
         for name, bias in zip(("mass", "damping"), np.abs(biases).tolist(), strict=True):
             half = axis.half_width(name)
             if bias <= max(_BIAS_WARNED * half, 1e-12):
@@ -223,7 +261,7 @@ def _check_noise_bias(axes: Sequence[AxisIdentification], log: Stretch, signals:
             if bias > _BIAS_REFUSED * half and bias > _BIAS_NEGLIGIBLE * abs(axis.estimates[name].value):
                 raise InvalidInput(
                     f"cutoff (axis {axis.axis})",
-                    f"{signals.cutoff:.4g} Hz",
+                    f"{cutoff:.4g} Hz",
                     f"at this cut-off position noise biases the {name} by about {bias:.2g} {UNITS[name]}, "
                     f"{bias / half:.0f} times the half-width of its interval",
                     f"Set at most {limit:.3g} Hz, omit --cutoff, or move the robot further and faster.",
@@ -236,7 +274,7 @@ def _check_noise_bias(axes: Sequence[AxisIdentification], log: Stretch, signals:
                     bias=bias,
                     unit=UNITS[name],
                     half_widths=bias / half,
-                    cutoff=signals.cutoff,
+                    cutoff=cutoff,
                     largest_cutoff=limit,
                 )
             )
@@ -244,23 +282,22 @@ def _check_noise_bias(axes: Sequence[AxisIdentification], log: Stretch, signals:
 
 
 def _check_half_cutoff(
-    axes: Sequence[AxisIdentification], log: Stretch, signals: Signals, model: AxisModel
+    axes: Sequence[AxisIdentification], fit: LogFit, stretches: Sequence[Stretch], names: Sequence[str]
 ) -> list[Diagnostic]:
     """Compare with estimates at half of the cut-off: where the model holds, the filter changes nothing."""
-    half = 0.5 * signals.cutoff
+    cutoff = fit.signals.cutoff
     if any(axis.fit.lags is None for axis in axes):
         return []
     try:
-        lower = filter_signals(log.time, log.position, log.force, rate=log.rate, cutoff=half)
-        others = [fit_axis(axis.axis, axis.signals_index, lower, model) for axis in axes]
+        lower = fit_log(stretches, 0.5 * cutoff, names, fit.options, fit.terms)
     except InvalidInput:
         # The log is too short for it, or too little of the movement remains.
         return []
     warnings = []
-    for axis, other in zip(axes, others, strict=True):
-        for name in ("mass", "damping"):
-            values = axis.estimates[name].value, other.estimates[name].value
-            tolerance = _CUTOFF_CHANGE * np.hypot(axis.half_width(name), other.half_width(name))
+    for i, axis in enumerate(axes):
+        for k, name in enumerate(("mass", "damping")):
+            values = axis.estimates[name].value, float(lower.joint.fits[i].estimate[k])
+            tolerance = _CUTOFF_CHANGE * np.hypot(axis.half_width(name), lower.half_widths(i)[k])
             if abs(values[0] - values[1]) > max(tolerance, 0.01 * abs(values[0])):
                 warnings.append(
                     diagnostic(
@@ -269,15 +306,15 @@ def _check_half_cutoff(
                         parameter=name,
                         unit=UNITS[name],
                         value=values[0],
-                        cutoff=signals.cutoff,
+                        cutoff=cutoff,
                         other_value=values[1],
-                        other_cutoff=half,
+                        other_cutoff=0.5 * cutoff,
                     )
                 )
     return warnings
 
 
-def check_plausibility(axes: Sequence[AxisIdentification], signals: Signals) -> list[Diagnostic]:
+def _check_plausibility(axes: Sequence[AxisIdentification], signals: Signals) -> list[Diagnostic]:
     """Find motion and masses that no robot held by a person has: the log probably has other units."""
     warnings: list[Diagnostic] = []
     for axis in axes:

@@ -1,10 +1,10 @@
-"""Identification of a robot: mass, damping and friction of each axis from a log of positions and forces."""
+"""Identification of a robot from logs: mass, damping, friction and springs of each axis."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,26 +13,27 @@ from telespring._arrays import as_number, as_numbers
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.identification import diagnostics
-from telespring.identification.axis_fit import AxisModel, axis_regressor, fit_axis
+from telespring.identification.assembly import combine_logs, identification_of
 from telespring.identification.cutoff import CUTOFF_RULE, choose_cutoff, noise_deviation
-from telespring.identification.filtering import filter_signals
+from telespring.identification.glitches import without_glitches
 from telespring.identification.log_checks import check_log
-from telespring.identification.resampling import even_stretches, shift_force
-from telespring.identification.results import (
-    METHODS,
-    AxisIdentification,
-    CrossInertia,
-    Identification,
-    Method,
-)
-from telespring.identification.unmodelled import UnmodelledTerms, estimate_unmodelled_terms
+from telespring.identification.log_fit import FitOptions, LogFit, fit_log
+from telespring.identification.resampling import even_stretches
+from telespring.identification.results import METHODS, Identification, Method
+from telespring.identification.stretches import Stretch
+from telespring.identification.terms import AxisTerms, ModelTerms
+from telespring.identification.unmodelled import estimate_inertias
+from telespring.identification.warning_messages import Diagnostic
 
-__all__ = ["identify"]
+if TYPE_CHECKING:
+    from telespring.identification.log_reading import Log
+
+__all__ = ["identify", "identify_logs"]
 
 #: An axis must travel at least so far, m, and so many times the standard deviation of its noise.
 _MINIMUM_TRAVEL, _TRAVEL_PER_NOISE = 1e-3, 50.0
-#: A cross inertia below this share of the axes' own masses does not change the verdict.
-_NEGLIGIBLE_INERTIA = 0.02
+#: A longer lag of a force is no lag, s.
+_LONGEST_DELAY = 0.2
 
 
 def identify(
@@ -41,22 +42,32 @@ def identify(
     force: ArrayLike,
     *,
     axes: Sequence[str] | None = None,
-    coulomb: bool = False,
-    offset: bool = False,
+    stiffness: bool | None = None,
+    coulomb: bool | None = None,
+    offset: bool | None = None,
+    drag: bool | None = None,
+    stiction: bool | None = None,
+    radius: float | None = None,
     cutoff: float | None = None,
     method: Method = "robust",
     iterations: int = 1,
-    force_delay: float = 0.0,
+    force_delay: float | None = None,
 ) -> Identification:
-    """Estimate mass, damping and friction per axis: F = m a + b v + F_c sign v + F_0.
+    """Estimate mass, damping, friction and a spring per axis from one log.
 
-    Velocity and acceleration are central differences of the positions after a zero-phase filter, which also
-    filters the force. The samples are then decimated to 2.5 per period of the cut-off frequency.
+    F(t + τ) = m a + b v + k x + F_c sign v + F_0 is fitted to all axes, with one lag τ of the force. Velocity
+    and acceleration are central differences of the positions after a zero-phase filter, which also filters
+    the force. The samples are then decimated to 2.5 per period of the cut-off frequency.
+
+    A spring to the ground, Coulomb friction, an offset and the lag are estimated unless they are ruled out:
+    what no test can find would still bias mass or damping by more than their intervals. Drag, stiction and
+    gravity are tested and, where the log shows them, added.
 
     Parameters
     ----------
     time : array_like
-        s, shape (n,), increasing. Jittering time stamps are interpolated; gaps are refused.
+        s, shape (n,), increasing. Jittering time stamps are interpolated, short gaps bridged; long gaps cut
+        the log into stretches.
     position : array_like
         m, shape (n,) or (n, axes).
     force : array_like
@@ -64,18 +75,27 @@ def identify(
         alone; measured at the joints of an arm that moves the handle it gives robot and arm.
     axes : sequence of str
         Names of the axes; by default "x", "y", …
-    coulomb, offset : bool
-        Whether to estimate Coulomb friction and an offset of the force too.
+    stiffness, coulomb, offset : bool
+        Whether the model has a spring between robot and ground, Coulomb friction, and a constant force. Each
+        is in the model unless it is False.
+    drag, stiction : bool
+        Whether the model has a force c v|v|, and friction that is larger near rest, F_s sign v
+        exp(−(v/v_s)²) (Stribeck). By default the log decides.
+    radius : float
+        For axes that turn: metres of travel per radian. Gravity, sine and cosine of the angle, is then tested
+        too.
     cutoff : float
         Cut-off of the filter, Hz; by default chosen from the movement (`Identification.cutoff_rule`).
     method : {"robust", "ols", "paper"}
         Hampel's M-estimate; ordinary least squares; or the paper's weighted least squares, whose intervals
-        are not valid (`telespring.identification.paper_reweightings`).
+        are not valid (`telespring.identification.paper_reweightings`) and which fits only mass, damping and
+        the terms that are True.
     iterations : int
         Number of reweightings of the paper's method; the paper prints one step and no number.
     force_delay : float
-        Lag of the force's samples behind those of the position, s; it is corrected before the fit. A lag τ
-        of the force biases the mass by about τ b.
+        Lag of the force's samples behind those of the position, s, where it is known; 0 if both are sampled
+        together. By default it is estimated, and its uncertainty widens the interval of the mass: a lag τ
+        biases the mass by about τ b.
 
     Returns
     -------
@@ -86,7 +106,8 @@ def identify(
     Raises
     ------
     telespring.InvalidInput
-        If the log cannot be used: gaps, too short, nothing moves, shapes that do not match; or if
+        If the log cannot be used: too short, nothing moves, shapes that do not match; if it moves at one
+        frequency, where a spring looks like a mass, and no `stiffness=False` rules the spring out; or if
         position noise biases mass or damping by several half-widths of their intervals at the given cut-off.
 
     Examples
@@ -98,58 +119,204 @@ def identify(
     >>> force = 0.8 * movement.acceleration(t) + 7.7 * movement.velocity(t)
     >>> noise = np.random.default_rng(1).normal(0.0, 0.05, t.size)
     >>> [x] = identify(t, movement.position(t), force + noise).axes
-    >>> f"{x.mass.value:.2f} kg, {x.damping.value:.2f} N·s/m"
-    '0.80 kg, 7.70 N·s/m'
+    >>> f"{x.mass.value:.2f} kg, {x.damping.value:.1f} N·s/m"
+    '0.80 kg, 7.7 N·s/m'
     >>> low, high = x.mass.interval
-    >>> low < 0.8 < high and high - low < 0.01
+    >>> low < 0.8 < high and high - low < 0.02
     True
     """
-    positions, forces = _log_signal_rows("position", position), _log_signal_rows("force", force)
-    times = as_numbers("time", time)
-    log_warnings = check_log(times, positions, forces)
-    [log], resampling_warnings = even_stretches(times, positions, forces)
-    names = _identified_axis_names(axes, len(positions))
-    if force_delay:
-        log = shift_force(log, as_number("force_delay", force_delay))
+    options = _fit_options(
+        {"stiffness": stiffness, "coulomb": coulomb, "offset": offset, "drag": drag, "stiction": stiction},
+        radius,
+        method,
+        iterations,
+        force_delay,
+    )
+    return _Run(time, position, force, axes, cutoff).identify(options)
+
+
+def identify_logs(
+    logs: Sequence[Log | tuple[ArrayLike, ArrayLike, ArrayLike]],
+    *,
+    axes: Sequence[str] | None = None,
+    stiffness: bool | None = None,
+    coulomb: bool | None = None,
+    offset: bool | None = None,
+    drag: bool | None = None,
+    stiction: bool | None = None,
+    radius: float | None = None,
+    cutoff: float | None = None,
+    method: Method = "robust",
+    iterations: int = 1,
+    force_delay: float | None = None,
+) -> Identification:
+    """Estimate one robot from several logs; the scatter between them enters the intervals.
+
+    Every log is fitted by itself with the same terms: those that any of them needs. The estimates are then
+    combined as random effects, with the interval of Hartung and Knapp. Two logs give wide intervals, since
+    two values say little about their scatter; three or more are better.
+
+    Parameters
+    ----------
+    logs : sequence
+        What `read_log` returns, or (time, position, force) as in `identify`. The runs of a log count as logs.
+    axes, stiffness, coulomb, offset, drag, stiction, radius, cutoff, method, iterations, force_delay
+        As in `identify`, for all logs; the axes' names are by default those of the first log.
+
+    Returns
+    -------
+    Identification
+        Of the robot; `logs` has what each log gives alone.
+
+    Raises
+    ------
+    telespring.InvalidInput
+        As `identify`, for the first log that cannot be used; or if the logs have different numbers of axes.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from telespring.identification import identify_logs, paper_excitation
+    >>> movement = paper_excitation()
+    >>> t = np.arange(10000) / 1000.0
+    >>> def record(mass, seed):
+    ...     force = mass * movement.acceleration(t) + 7.7 * movement.velocity(t)
+    ...     return t, movement.position(t), force + np.random.default_rng(seed).normal(0.0, 0.05, t.size)
+    >>> robot = identify_logs([record(0.80, 1), record(0.83, 2), record(0.81, 3)])
+    >>> low, high = robot.axes[0].mass.interval
+    >>> low < 0.80 and high > 0.83, robot.log_count
+    (True, 3)
+    """
+    options = _fit_options(
+        {"stiffness": stiffness, "coulomb": coulomb, "offset": offset, "drag": drag, "stiction": stiction},
+        radius,
+        method,
+        iterations,
+        force_delay,
+    )
+    if not logs:
+        raise InvalidInput("logs", "none", "at least one log is required", "Name a log.")
+    recordings = [recording for log in logs for recording in _recordings(log)]
+    names = axes if axes is not None else getattr(logs[0], "axes", None)
+    runs = [_Run(*recording, names, cutoff) for recording in recordings]
+    if len({len(run.names) for run in runs}) > 1:
+        raise InvalidInput(
+            "logs",
+            " and ".join(str(len(run.names)) for run in runs) + " axes",
+            "logs of one robot have the same axes",
+            "Identify each robot by itself.",
+        )
+    if len(runs) == 1:
+        return runs[0].identify(options)
+    fits = [run.fit(options) for run in runs]
+    terms = _union_of_terms(fits)
+    return combine_logs([run.identify(options, terms) for run in runs])
+
+
+def _recordings(
+    log: Log | tuple[ArrayLike, ArrayLike, ArrayLike],
+) -> list[tuple[ArrayLike, ArrayLike, ArrayLike]]:
+    """Return time, position and force of every run in a log."""
+    if isinstance(log, tuple):
+        return [log]
+    runs = [log.run == number for number in np.unique(log.run)]
+    return [(log.time[run], log.position[run], log.force[run]) for run in runs]
+
+
+def _union_of_terms(fits: Sequence[LogFit]) -> tuple[AxisTerms, ...]:
+    """Return, per axis, the terms that any of the logs needs."""
+    terms = []
+    for i in range(len(fits[0].terms)):
+        each = [fit.terms[i] for fit in fits]
+        names = tuple(dict.fromkeys(name for axis in each for name in axis.names))
+        stiction = next((axis for axis in each if "stiction" in axis.names), each[0])
+        terms.append(replace(each[0], names=names, stiction_index=stiction.stiction_index))
+    return tuple(terms)
+
+
+class _Run:
+    """One log on its way to an identification: checked, without glitches, its cut-off chosen."""
+
+    def __init__(
+        self,
+        time: ArrayLike,
+        position: ArrayLike,
+        force: ArrayLike,
+        axes: Sequence[str] | None,
+        cutoff: float | None,
+    ) -> None:
+        positions, forces = _log_signal_rows("position", position), _log_signal_rows("force", force)
+        times = as_numbers("time", time)
+        self.warnings: list[Diagnostic] = list(check_log(times, positions, forces))
+        stretches, resampling_warnings = even_stretches(times, positions, forces)
+        self.names = _identified_axis_names(axes, len(positions))
+        self.stretches, glitch_warnings = without_glitches(stretches, self.names)
+        self.warnings += [*resampling_warnings, *glitch_warnings]
+        self.samples = sum(stretch.time.size for stretch in self.stretches)
+        longest = self.longest
+        for name, row in zip(self.names, longest.position, strict=True):
+            _refuse_short_travel(name, row, longest.rate)
+        self.cutoff = choose_cutoff(longest.position, longest.rate) if cutoff is None else float(cutoff)
+        self.cutoff_rule = CUTOFF_RULE if cutoff is None else "as given"
+
+    @property
+    def longest(self) -> Stretch:
+        """The stretch from which the cut-off is chosen."""
+        return max(self.stretches, key=lambda stretch: stretch.time.size)
+
+    def fit(self, options: FitOptions, terms: Sequence[AxisTerms] | None = None) -> LogFit:
+        return fit_log(self.stretches, self.cutoff, self.names, options, terms)
+
+    def identify(self, options: FitOptions, terms: Sequence[AxisTerms] | None = None) -> Identification:
+        fit = self.fit(options, terms)
+        inertias = estimate_inertias(fit)
+        coupled = [
+            tuple(other for other, inertia in each.items() if inertia.matters and not inertia.may_be_lag)
+            for each in inertias
+        ]
+        if any(coupled) and options.method != "paper":
+            # What the axes do to each other is neither mass nor lag of their own.
+            together = [replace(axis, coupled=rows) for axis, rows in zip(fit.terms, coupled, strict=True)]
+            fit = self.fit(options, together)
+            # And once more with the lag that the coupled axes have.
+            inertias = estimate_inertias(fit)
+        found = identification_of(
+            fit,
+            self.names,
+            inertias,
+            cutoff_rule=self.cutoff_rule,
+            rate=self.longest.rate,
+            samples=self.samples,
+        )
+        doubts = diagnostics.check_fit(found, fit, self.stretches, self.names)
+        return replace(found, diagnostics=(*self.warnings, *doubts))
+
+
+def _fit_options(
+    asked: dict[str, bool | None],
+    radius: float | None,
+    method: Method,
+    iterations: int,
+    force_delay: float | None,
+) -> FitOptions:
     _refuse_unknown_method(method, iterations)
-    for name, row in zip(names, log.position, strict=True):
-        _refuse_short_travel(name, row, log.rate)
-    model = AxisModel(coulomb, offset, method, iterations)
-    used_cutoff = choose_cutoff(log.position, log.rate) if cutoff is None else float(cutoff)
-    signals = filter_signals(log.time, log.position, log.force, rate=log.rate, cutoff=used_cutoff)
-    fits = [fit_axis(name, i, signals, model) for i, name in enumerate(names)]
-    unmodelled = [
-        estimate_unmodelled_terms(axis.fit, axis_regressor(signals, i, model), signals, i, model.omitted)
-        for i, axis in enumerate(fits)
-    ]
-    results = tuple(
-        replace(axis, time_shift=None if terms.lag is None else terms.lag.estimate)
-        for axis, terms in zip(fits, unmodelled, strict=True)
-    )
-    cross_inertias = _estimate_cross_inertias(results, unmodelled)
-    return Identification(
-        axes=results,
-        signals=signals,
-        method=method,
-        iterations=iterations if method == "paper" else None,
-        cutoff=used_cutoff,
-        cutoff_rule=CUTOFF_RULE if cutoff is None else "as given",
-        rate=log.rate,
-        samples=(log.time.size, signals.time.size),
-        lags=results[0].fit.lags,
-        cross_inertias=cross_inertias,
-        diagnostics=(
-            *log_warnings,
-            *resampling_warnings,
-            *diagnostics.check_omitted_friction(results, unmodelled, signals, model),
-            *diagnostics.check_sticking(results, signals, model),
-            *diagnostics.check_force_lag(results, unmodelled, cross_inertias),
-            *diagnostics.check_estimate_signs(results),
-            *diagnostics.check_coupling(cross_inertias),
-            *diagnostics.check_cutoff(results, log, signals, model),
-            *diagnostics.check_plausibility(results, signals),
-        ),
-    )
+    if radius is not None and not 0.0 < as_number("radius", radius) < float("inf"):
+        raise InvalidInput(
+            "radius", f"{radius:g}", "a radius above 0 m is required", "Give the metres of travel per radian."
+        )
+    lag = None if force_delay is None else as_number("force_delay", force_delay)
+    if lag is not None and not abs(lag) <= _LONGEST_DELAY:
+        raise InvalidInput(
+            "force_delay",
+            f"{lag:g} s",
+            f"a lag between -{_LONGEST_DELAY:g} and {_LONGEST_DELAY:g} s is required",
+            "Give it in seconds: 0.001 is one millisecond. Omit it to have it estimated.",
+        )
+    if method == "paper":
+        # The paper's model: mass and damping, and what was asked for.
+        asked = {name: bool(choice) for name, choice in asked.items()}
+        lag = lag or 0.0
+    return FitOptions(ModelTerms(asked, radius), method, iterations, lag)
 
 
 def _log_signal_rows(name: str, values: ArrayLike) -> FloatArray:
@@ -218,22 +385,3 @@ def _refuse_short_travel(name: str, position: FloatArray, rate: float) -> None:
             "times the noise are required",
             "Move it further, name only the axes that move, or check the unit (--position-scale).",
         )
-
-
-def _estimate_cross_inertias(
-    axes: Sequence[AxisIdentification], unmodelled: Sequence[UnmodelledTerms]
-) -> tuple[CrossInertia, ...]:
-    cross_inertias = []
-    for axis, terms in zip(axes, unmodelled, strict=True):
-        for index, term in terms.inertias.items():
-            other = axes[index]
-            negligible = _NEGLIGIBLE_INERTIA * math.sqrt(abs(axis.mass.value * other.mass.value))
-            cross_inertias.append(
-                CrossInertia(
-                    axis.axis,
-                    other.axis,
-                    None if term is None else term.estimate,
-                    significant=term is not None and term.significant and abs(term.value) > negligible,
-                )
-            )
-    return tuple(cross_inertias)

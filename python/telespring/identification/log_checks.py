@@ -6,12 +6,11 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.identification.gaps import bridge_gaps
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["check_log"]
 
-#: A step longer than so many usual ones is a gap.
-_GAP = 1.75
 _LOWEST_RATE, _HIGHEST_RATE = 20.0, 100_000.0
 #: Upper limits of the travel, m, and of the force, N, of a robot held by a person.
 _LONGEST_TRAVEL, _LARGEST_FORCE = 10.0, 5_000.0
@@ -27,13 +26,25 @@ _JUMP = 4.0
 def check_log(time: FloatArray, position: FloatArray, force: FloatArray) -> list[Diagnostic]:
     """Check a log: times (s), and positions (m) and forces (N) of shape (axes, n).
 
-    InvalidInput where shapes do not match, numbers are missing, time stamps repeat, go back, have gaps or are
-    in another unit, or a sensor was stuck.
+    InvalidInput where shapes do not match, time stamps repeat, go back or are in another unit, or a sensor
+    was stuck. Gaps between samples are no fault here (`gaps`).
     """
     _refuse_unequal_shapes(time, position, force)
-    _refuse_missing_numbers(time, position, force)
     _refuse_wrong_time_stamps(time)
     _refuse_wrong_units(position, force)
+    pieces, warnings = bridge_gaps(time, position, force)
+    known = {(warning.code, warning.values.get("column")) for warning in warnings}
+    for piece in pieces:
+        for warning in _check_sensors(piece.time, piece.position, piece.force):
+            # Of several pieces the first one tells.
+            if (warning.code, warning.values.get("column")) not in known:
+                known.add((warning.code, warning.values.get("column")))
+                warnings.append(warning)
+    return warnings
+
+
+def _check_sensors(time: FloatArray, position: FloatArray, force: FloatArray) -> list[Diagnostic]:
+    """Check the sensors over a piece of a log without gaps."""
     step = float(np.median(np.diff(time)))
     warnings: list[Diagnostic] = []
     for i, row in enumerate(position):
@@ -74,22 +85,17 @@ def _refuse_unequal_shapes(time: FloatArray, position: FloatArray, force: FloatA
         )
 
 
-def _refuse_missing_numbers(time: FloatArray, position: FloatArray, force: FloatArray) -> None:
-    for name, rows in (("time", time[None]), ("position", position), ("force", force)):
-        missing = ~np.isfinite(rows)
-        if missing.any():
-            row, sample = (int(i) for i in np.argwhere(missing)[0])
-            raise InvalidInput(
-                name if name == "time" else f"{name} (column {row + 1})",
-                f"{int(missing.sum())} missing or infinite values, the first in sample {sample + 1}",
-                "every sample needs a finite number",
-                "Choose a part of the log without them (--start, --end).",
-            )
-
-
 def _refuse_wrong_time_stamps(time: FloatArray) -> None:
-    """Refuse time stamps that do not increase, are probably not in seconds, or have gaps."""
-    steps = np.diff(time)
+    """Refuse time stamps that do not increase, or are probably not in seconds."""
+    samples = np.flatnonzero(np.isfinite(time))
+    if samples.size < 2:
+        raise InvalidInput(
+            "time",
+            "no time stamps",
+            "a time in s per sample is required",
+            "Name the time column, or give the sample rate with --rate.",
+        )
+    steps = np.diff(time[samples])
     usual = float(np.median(steps))
     wrong = np.flatnonzero(steps <= 0.0)
     if wrong.size:
@@ -97,16 +103,18 @@ def _refuse_wrong_time_stamps(time: FloatArray) -> None:
         fault = "is repeated" if steps[first] == 0.0 else "goes back"
         raise InvalidInput(
             "time",
-            f"{wrong.size} wrong time stamps; the first {fault} at {time[first + 1]:g} s, sample {first + 2}",
+            f"{wrong.size} wrong time stamps; the first {fault} at {time[samples[first + 1]]:.9g} s, sample "
+            f"{samples[first + 1] + 1}",
             "time stamps must increase",
-            "Remove duplicate samples, and use one log at a time.",
+            "Remove duplicate samples, and use one log at a time. If the stamps are rounded, give the sample "
+            "rate instead (--rate).",
         )
     if not _LOWEST_RATE <= 1.0 / usual <= _HIGHEST_RATE:
         factor = "0.001" if 0.5 / _HIGHEST_RATE < 1e-3 * usual < 1.0 / _LOWEST_RATE else "1e-6"
         remedy = (
             f"If the time stamps are in {'ms' if factor == '0.001' else 'µs'}, give --time-scale {factor}."
             if usual > 1.0 / _LOWEST_RATE
-            else "If the time stamps are in minutes or hours, give --time-scale 60 or 3600."
+            else "If the time stamps are in minutes, hours or days, give --time-scale 60, 3600 or 86400."
         )
         raise InvalidInput(
             "time",
@@ -114,22 +122,10 @@ def _refuse_wrong_time_stamps(time: FloatArray) -> None:
             f"the rate must be {_LOWEST_RATE:g} to {_HIGHEST_RATE:g} Hz, with time stamps in seconds",
             remedy,
         )
-    gaps = np.flatnonzero(steps > _GAP * usual)
-    if gaps.size:
-        longest = int(gaps[np.argmax(steps[gaps])])
-        bounds = np.concatenate([[0], gaps + 1, [time.size]])
-        piece = int(np.argmax(np.diff(bounds)))
-        start, end = float(time[bounds[piece]]), float(time[bounds[piece + 1] - 1])
-        raise InvalidInput(
-            "time",
-            f"{gaps.size} gaps, the longest {1e3 * steps[longest]:.4g} ms after {time[longest]:.6g} s",
-            f"a log without gaps is required; the samples are {1e3 * usual:.4g} ms apart",
-            f"Use its longest part without a gap: --start {start:.6g} --end {end:.6g}.",
-        )
 
 
 def _refuse_wrong_units(position: FloatArray, force: FloatArray) -> None:
-    travel = float(np.ptp(position, axis=-1).max())
+    travel = float((np.nanmax(position, axis=-1) - np.nanmin(position, axis=-1)).max())
     if travel > _LONGEST_TRAVEL:
         raise InvalidInput(
             "position",
@@ -138,7 +134,7 @@ def _refuse_wrong_units(position: FloatArray, force: FloatArray) -> None:
             "If the positions are in mm, give --position-scale 0.001; in cm, 0.01. If they are angles in "
             "degrees or rad, give the metres of travel per degree or rad.",
         )
-    largest = float(np.abs(force).max())
+    largest = float(np.nanmax(np.abs(force)))
     if largest > _LARGEST_FORCE:
         raise InvalidInput(
             "force",

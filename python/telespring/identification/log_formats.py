@@ -2,30 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._tables import numbers_from_texts, read_text_table
 from telespring._types import FloatArray
+from telespring.identification.matlab_files import named_arrays, read_matlab_variables
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["read_csv_log", "read_log_columns", "read_mat_log", "read_parquet_log"]
+__all__ = ["LOG_SUFFIXES", "LogColumns", "read_log_columns"]
 
 
-def read_log_columns(path: Path) -> dict[str, FloatArray]:
-    """Read all columns of a log as numbers; what is not a number becomes NaN."""
-    readers = {".csv": read_csv_log, ".parquet": read_parquet_log, ".mat": read_mat_log}
-    reader = readers.get(path.suffix.lower())
+@dataclass(frozen=True, eq=False)
+class LogColumns:
+    """The columns of a log as the file stores them.
+
+    Attributes
+    ----------
+    file
+        How messages name the file.
+    columns
+        Arrays or pandas series of numbers, dates or texts, in the order of the file.
+    has_names
+        Whether the file names its columns; otherwise they are named "1", "2", …
+    units
+        What a line of units below the names says, by column.
+    ambiguous
+        Names of more than one column.
+    decimal
+        Decimal mark of texts.
+    """
+
+    file: str
+    columns: Mapping[str, Any]
+    has_names: bool = True
+    units: Mapping[str, str] = field(default_factory=dict)
+    ambiguous: frozenset[str] = frozenset()
+    decimal: str = "."
+
+    def find(self, name: str) -> str | None:
+        """Return the name of the column that a user gave by its name, or by its number from 1."""
+        if name.strip() in self.columns:
+            return name.strip()
+        alike = [column for column in self.columns if column.casefold() == name.strip().casefold()]
+        if len(alike) == 1:
+            return alike[0]
+        if name.isdecimal() and 1 <= int(name) <= len(self.columns):
+            return list(self.columns)[int(name) - 1]
+        return None
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return a column as numbers; what is not a number becomes NaN."""
+        import pandas as pd
+
+        values = pd.Series(self.columns[name])
+        return (
+            np.full(len(values), np.nan)
+            if values.dtype.kind in "Mm"
+            else numbers_from_texts(values, self.decimal)
+        )
+
+
+def read_log_columns(path: Path) -> LogColumns:
+    """Read all columns of a log."""
+    reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise InvalidInput(
             "log",
             str(path),
-            "the file's name must end in .csv, .parquet or .mat",
+            f"the file's name must end in {', '.join(LOG_SUFFIXES[:-1])} or {LOG_SUFFIXES[-1]}",
             "Export the log to CSV, with the column names in the first line.",
         )
     if not path.exists():
@@ -33,68 +85,37 @@ def read_log_columns(path: Path) -> dict[str, FloatArray]:
     return reader(path)
 
 
-def read_csv_log(path: Path) -> dict[str, FloatArray]:
-    """Read a CSV file with one line of column names and one line of numbers per sample."""
-    import pandas as pd
-
-    try:
-        table = pd.read_csv(path, skipinitialspace=True, encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InvalidInput(
-            "log", f"{path}, not UTF-8", "a text file in UTF-8 is required", "Save it as CSV UTF-8."
-        ) from None
-    except pd.errors.EmptyDataError:
-        raise InvalidInput(
-            "log",
-            f"{path}, empty",
-            "a line of column names and a line per sample are required",
-            "Check that the recording was saved.",
-        ) from None
-    except pd.errors.ParserError as error:
-        reason = str(error).removeprefix("Error tokenizing data. C error: ").strip()
-        raise InvalidInput(
-            "log",
-            f"{path}, {reason[:1].lower()}{reason[1:]}",
-            "a table is required: a line of column names, then a line per sample with as many fields",
-            "Check that it is a log, and remove any lines above the column names.",
-        ) from None
-    except (ValueError, OSError) as error:
-        raise _refuse_unreadable_log(path, error) from None
-    names = [str(name) for name in table.columns]
-    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
-        if len(names) == 1 and separator in names[0]:
-            raise InvalidInput(
-                "log",
-                f"{path}, separated by {word}",
-                "columns must be separated by commas, with a point before decimals",
-                "Export it with commas between columns and a point before decimals.",
-            )
-    numbers = _log_table_as_numbers(table)
-    if len(table) and numbers.isna().all(axis=None):
+def _read_text_log(path: Path) -> LogColumns:
+    """Read a CSV file or another table in a text file."""
+    table = read_text_table(path, path.name)
+    given = [name or str(i + 1) for i, name in enumerate(table.names)]
+    repeated = frozenset(name for name in given if given.count(name) > 1)
+    # Columns of one name can be told apart by their numbers.
+    names = [f"{name} (column {i + 1})" if name in repeated else name for i, name in enumerate(given)]
+    log = LogColumns(
+        path.name,
+        {name: table.columns[i] for i, name in enumerate(names)},
+        table.has_names,
+        dict(zip(names, table.units, strict=False)),
+        repeated,
+        table.decimal,
+    )
+    if len(table) and all(np.isnan(log.numbers(name)).all() for name in log.columns):
         raise InvalidInput(
             "log",
             f"{path}, no numbers",
             "a table is required: a line of column names, then a line of numbers per sample",
             "Check that this file is the log.",
         )
-    if len(table) > 1 and numbers.iloc[0].isna().all() and numbers.iloc[1].notna().any():
-        units = ", ".join(str(value) for value in table.iloc[0])
-        raise InvalidInput(
-            "log",
-            f"{path}, no numbers in the second line ({units[:60]})",
-            "numbers must follow the line of column names",
-            "Remove that line; give units other than s, m and N with --time-scale, --position-scale and "
-            "--force-scale.",
-        )
-    return _log_numbers_by_column(numbers)
+    return log
 
 
-def read_parquet_log(path: Path) -> dict[str, FloatArray]:
-    """Read a Parquet file; this needs pyarrow."""
+def _read_parquet_log(path: Path) -> LogColumns:
+    """Read a Parquet file, with its index as columns; this needs pyarrow."""
     import pandas as pd
 
     try:
-        return _log_numbers_by_column(_log_table_as_numbers(pd.read_parquet(path)))
+        table = pd.read_parquet(path)
     except ImportError:
         raise InvalidInput(
             "log",
@@ -104,69 +125,43 @@ def read_parquet_log(path: Path) -> dict[str, FloatArray]:
         ) from None
     except (ValueError, OSError) as error:
         raise _refuse_unreadable_log(path, error) from None
+    if not (isinstance(table.index, pd.RangeIndex) and table.index.name is None):
+        table = _with_index_as_columns(table)
+    names = [str(name).strip() for name in table.columns]
+    return LogColumns(path.name, {name: table.iloc[:, i] for i, name in enumerate(names)})
 
 
-def read_mat_log(path: Path) -> dict[str, FloatArray]:
-    """Read the arrays of a MATLAB file up to version 7.2, and those in the fields of its structs."""
-    from scipy import io
+def _with_index_as_columns(table: pd.DataFrame) -> pd.DataFrame:
+    """Put the index before the columns; an index of times without a name is the time."""
+    import pandas as pd
 
+    is_time = table.index.dtype.kind in "Mm" and "time" not in table.columns
+    names = [
+        name if name is not None else ("time" if is_time else "index" if i == 0 else f"index {i + 1}")
+        for i, name in enumerate(table.index.names)
+    ]
+    index = table.index.to_frame(index=False).set_axis(names, axis=1)
+    return pd.concat([index, table.reset_index(drop=True)], axis=1)
+
+
+def _read_matlab_log(path: Path) -> LogColumns:
+    """Read the arrays of a MATLAB file, and those in its structs and cells."""
     try:
-        content = io.loadmat(path, simplify_cells=True)
-    except NotImplementedError:
-        raise InvalidInput(
-            "log",
-            str(path),
-            "MATLAB files up to version 7.2 can be read, and this one is newer",
-            "Save it in MATLAB with save(..., '-v7').",
-        ) from None
-    except OSError:
+        arrays, others = named_arrays(read_matlab_variables(path))
+    except FileNotFoundError:
         raise
     except Exception as error:  # any error of the parser in a damaged file
         raise _refuse_unreadable_log(path, error) from None
-    columns: dict[str, FloatArray] = {}
-    others = []
-    for name, value in _flatten_mat_structs(content).items():
-        array = np.asarray(value)
-        if array.dtype.kind not in "biuf" or array.ndim > 2:
-            others.append(name)
-        elif array.ndim < 2:
-            columns[name] = array.astype(float).ravel()
-        else:
-            tall = array if array.shape[0] > array.shape[1] else array.T
-            columns |= {f"{name}[{i}]": tall[:, i].astype(float) for i in range(tall.shape[1])}
-    if not columns:
+    if not arrays:
         raise InvalidInput(
             "log",
             str(path),
             "arrays of numbers are required, and the file contains "
             + (f"only other things: {', '.join(others)}" if others else "nothing"),
-            "Save time, position and force as arrays, or as fields of one struct.",
+            "Save time, position and force as arrays, or as fields of a struct; from Simulink, in the format "
+            "Structure With Time.",
         )
-    return columns
-
-
-def _flatten_mat_structs(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Replace each struct by its fields, named `struct.field`."""
-    values: dict[str, Any] = {}
-    for name, value in content.items():
-        if name.startswith("__"):
-            continue
-        if isinstance(value, dict):
-            values |= {f"{name}.{field}": inner for field, inner in value.items()}
-        else:
-            values[name] = value
-    return values
-
-
-def _log_table_as_numbers(table: pd.DataFrame) -> pd.DataFrame:
-    import pandas as pd
-
-    numbers: pd.DataFrame = table.apply(pd.to_numeric, errors="coerce")
-    return numbers
-
-
-def _log_numbers_by_column(numbers: pd.DataFrame) -> dict[str, FloatArray]:
-    return {str(name).strip(): numbers[name].to_numpy(dtype=float) for name in numbers.columns}
+    return LogColumns(path.name, arrays)
 
 
 def _refuse_unreadable_log(path: Path, error: Exception) -> InvalidInput:
@@ -177,3 +172,15 @@ def _refuse_unreadable_log(path: Path, error: Exception) -> InvalidInput:
         f"a table with one row per sample is required, but this file cannot be read as one ({reason})",
         "Check that it is a log, and that it is complete.",
     )
+
+
+_READERS: dict[str, Callable[[Path], LogColumns]] = {
+    ".csv": _read_text_log,
+    ".txt": _read_text_log,
+    ".tsv": _read_text_log,
+    ".dat": _read_text_log,
+    ".parquet": _read_parquet_log,
+    ".mat": _read_matlab_log,
+}
+#: Endings of log files, in upper or lower case.
+LOG_SUFFIXES = tuple(_READERS)

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.identification.log_columns import (
+    check_column_lengths,
+    check_column_numbers,
+    find_column,
+    refuse_column_without_numbers,
+    suspect_force_columns,
+    words_among_numbers,
+)
 from telespring.identification.log_formats import read_log_columns
+from telespring.identification.runs import find_runs, select_run
+from telespring.identification.time_stamps import TimeStamps, read_time_stamps
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["Log", "read_log"]
-
-#: A force column whose name has one of these as a word is probably not a force.
-_OTHER_QUANTITIES = {"v", "volt", "volts", "voltage", "vir", "u", "current", "amp", "amps", "mv", "ma", "pwm"}
 
 
 @dataclass(frozen=True)
@@ -29,13 +37,22 @@ class Log:
     path
         The file.
     time
-        s, shape (n,).
+        s, shape (n,). Dates, times of the day and counts since 1970 are counted from the first sample.
     position, force
-        m and N, shape (n, axes).
+        m and N, shape (n, axes); NaN where the file has no number.
     axes
         Names of the axes.
     columns
         The columns that were read: "time", and per axis "position x" and "force x".
+    run
+        Run of each sample, from 0, shape (n,).
+    runs
+        Names of the runs.
+    time_form
+        How the file writes the time: "s", "epoch in ms" (or s, µs, ns), "date", "time of the day", or "sample
+        rate" if it was given instead.
+    first_time
+        The first time stamp as an ISO date, if the stamps tell the date.
     diagnostics
         Reasons to doubt the columns, with their values.
     """
@@ -46,12 +63,30 @@ class Log:
     force: FloatArray
     axes: tuple[str, ...]
     columns: Mapping[str, str]
+    run: NDArray[np.int_]
+    runs: tuple[str, ...] = ("1",)
+    time_form: str = "s"
+    first_time: str | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Messages of the diagnostics."""
         return tuple(warning.message for warning in self.diagnostics)
+
+    def split(self) -> tuple[Log, ...]:
+        """Return one log per run, in the order of the file."""
+        return tuple(
+            replace(
+                self,
+                time=self.time[self.run == i],
+                position=self.position[self.run == i],
+                force=self.force[self.run == i],
+                run=np.zeros(int((self.run == i).sum()), dtype=int),
+                runs=(name,),
+            )
+            for i, name in enumerate(self.runs)
+        )
 
 
 def read_log(
@@ -64,28 +99,40 @@ def read_log(
     time_scale: float = 1.0,
     position_scale: float = 1.0,
     force_scale: float = 1.0,
+    rate: float | None = None,
+    run: str | int | None = None,
+    run_column: str | None = None,
     start: float | None = None,
     end: float | None = None,
 ) -> Log:
-    """Read the named columns of a log.
+    r"""Read the columns of a log.
 
     Parameters
     ----------
     path : path-like
-        A file whose name ends in .csv (first line: names), .parquet (needs pyarrow) or .mat (MATLAB, up to
-        version 7.2; the columns of a matrix are named `name[0]`, `name[1]`, …, the fields of a struct
-        `name.field`).
+        A table in a text file (.csv, .txt, .tsv, .dat), .parquet (needs pyarrow) or .mat (all versions). In a
+        text file the separator, the decimal mark, comments and the line of names are found by themselves. The
+        columns of a MATLAB matrix are named `name[0]`, `name[1]`, …, the fields of a struct `name.field`.
     time : str
-        Name of the time column.
+        Time column: its name, or its number from 1. Seconds, or with `time_scale` another unit; dates (ISO
+        8601), times of the day, and counts since 1970 in s, ms, µs or ns are known by themselves.
     position, force : sequence of str
-        Names of the position and force columns, one per axis, in the same order.
+        Position and force columns by name or number, one per axis, in the same order.
     axes : sequence of str
         Names of the axes; by default "x", "y", …
     time_scale, position_scale, force_scale : float
         Factors that convert the file's numbers to s, m and N, such as 0.001 for ms or mm, or the newtons per
         volt of a motor; force_scale -1 reverses the force.
+    rate : float
+        Samples per second, for a log without time stamps. No time column is read then, and lost samples
+        cannot be noticed.
+    run : str or int
+        Read only this run of several: the value in the run column or, where the time starts again, its number
+        from 1. By default all runs are read; `Log.split` separates them.
+    run_column : str
+        Column that tells the run of each sample.
     start, end : float
-        Use only samples between these times, s (after scaling).
+        Use only samples between these times, s (after scaling; from the first sample if stamps are dates).
 
     Returns
     -------
@@ -95,9 +142,19 @@ def read_log(
     Raises
     ------
     telespring.InvalidInput
-        If the file has another format, a column is missing or contains no numbers, or a scale is 0.
+        If the file has another format, a line of another length, a column that is missing or contains no
+        numbers, or a scale is 0.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> path = Path(tempfile.mkdtemp()) / "log.csv"
+    >>> _ = path.write_text("0,00;0,01;1,5\n0,01;0,02;1,6\n")
+    >>> read_log(path, time="1", position=["2"], force=["3"]).position.ravel().tolist()
+    [0.01, 0.02]
     """
     log_path = Path(path)
     if len(position) != len(force) or not position:
@@ -108,46 +165,55 @@ def read_log(
             "Name both once per axis, in the same order.",
         )
     names = _log_axis_names(axes, position)
-    for option, scale in (("time", time_scale), ("position", position_scale), ("force", force_scale)):
-        if not np.isfinite(scale) or scale == 0.0:
-            raise InvalidInput(
-                f"{option}_scale",
-                f"{scale:g}",
-                "a scale must be a number other than 0",
-                "Omit it for 1.",
-            )
+    _check_scales({"time": time_scale, "position": position_scale, "force": force_scale}, rate)
     for option, limit in (("start", start), ("end", end)):
         if limit is not None and np.isnan(limit):
             raise InvalidInput(option, f"{limit:g}", "a time in s is required", "Omit it for the whole log.")
-    columns = read_log_columns(log_path)
-    times = time_scale * _select_log_column(log_path, columns, "time", time)
+    log = read_log_columns(log_path)
+    position_names = [find_column(log, "position", name, position_scale) for name in position]
+    force_names = [find_column(log, "force", name, force_scale) for name in force]
+    time_name = None if rate is not None else find_column(log, "time", time, time_scale)
+    check_column_lengths(log, [*([time_name] if time_name else []), *position_names, *force_names])
     positions, forces = (
-        np.column_stack([_select_log_column(log_path, columns, option, name) for name in selected])
-        for option, selected in (("position", position), ("force", force))
+        np.column_stack([log.numbers(name) for name in selected])
+        for selected in (position_names, force_names)
     )
-    keep = np.ones(times.size, dtype=bool)
-    # Missing times are kept here: they must be refused, not dropped.
-    if start is not None:
-        keep &= ~(times < start)
-    if end is not None:
-        keep &= ~(times > end)
-    if not keep.any():
-        raise InvalidInput(
-            "start, end",
-            f"{start} to {end} s",
-            f"the log runs from {np.nanmin(times):g} to {np.nanmax(times):g} s",
-            "Choose a part within it.",
-        )
+    check_column_numbers(position_names, positions, "position")
+    check_column_numbers(force_names, forces, "force")
+    if time_name is not None:
+        stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
+        if np.isnan(stamps.seconds).all():
+            raise refuse_column_without_numbers("time", time)
+    else:
+        assert rate is not None  # otherwise there is a time column
+        stamps = TimeStamps(np.arange(len(positions)) / rate, "sample rate")
+    run_name = None if run_column is None else find_column(log, "run-column", run_column, 1.0)
+    belongs, runs = find_runs(stamps.seconds, None if run_name is None else log.columns[run_name])
+    repeated = _repeated_samples(stamps.seconds, positions, forces)
+    keep = ~repeated
+    if run is not None:
+        chosen = select_run(str(run), runs)
+        keep &= belongs == chosen
+        belongs, runs = np.zeros_like(belongs), (runs[chosen],)
+    keep &= _samples_between(stamps.seconds, keep, start, end)
     return Log(
         path=log_path,
-        time=times[keep],
+        time=stamps.seconds[keep],
         position=position_scale * positions[keep],
         force=force_scale * forces[keep],
         axes=names,
-        columns={"time": time}
-        | {f"position {axis}": name for axis, name in zip(names, position, strict=True)}
-        | {f"force {axis}": name for axis, name in zip(names, force, strict=True)},
-        diagnostics=tuple(_suspect_force_columns(columns, force, force_scale)),
+        columns=({} if time_name is None else {"time": time_name})
+        | {f"position {axis}": name for axis, name in zip(names, position_names, strict=True)}
+        | {f"force {axis}": name for axis, name in zip(names, force_names, strict=True)},
+        run=belongs[keep],
+        runs=runs,
+        time_form=stamps.form,
+        first_time=stamps.first,
+        diagnostics=(
+            *suspect_force_columns(log, force_names, force_scale),
+            *words_among_numbers(log, [*position_names, *force_names]),
+            *([diagnostic("repeated samples", count=int(repeated.sum()))] if repeated.any() else []),
+        ),
     )
 
 
@@ -165,48 +231,46 @@ def _log_axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tupl
     return ("x", "y", "z")[: len(position)] if len(position) <= 3 else tuple(map(str, range(len(position))))
 
 
-def _select_log_column(path: Path, columns: Mapping[str, FloatArray], option: str, name: str) -> FloatArray:
-    """Return the column that an option names, checked to have one number per sample."""
-    column = columns.get(name)
-    if column is None:
-        available = ", ".join(other for other, values in columns.items() if values.size > 1) or "none"
+def _check_scales(scales: Mapping[str, float], rate: float | None) -> None:
+    for option, scale in scales.items():
+        if not np.isfinite(scale) or scale == 0.0:
+            raise InvalidInput(
+                f"{option}_scale",
+                f"{scale:g}",
+                "a scale must be a number other than 0",
+                "Omit it for 1.",
+            )
+    if rate is not None and not (np.isfinite(rate) and rate > 0.0):
         raise InvalidInput(
-            f"--{option}",
-            name,
-            f"the columns of {path.name} are: {available}",
-            f"Name the {option} column with --{option}.",
+            "rate", f"{rate:g}", "samples per second are required", "Omit it if the log has times."
         )
-    if column.size == 0:
-        raise InvalidInput(
-            "log",
-            str(path),
-            "a log with one row per sample is required, but this one contains no samples",
-            "Check that the recording was saved; the file has only its first line.",
-        )
-    if column.size > 1 and np.isnan(column).all():
-        raise InvalidInput(
-            f"--{option}",
-            name,
-            "a column of numbers is required, but this one contains none",
-            "Name another column.",
-        )
-    longest = max(values.size for values in columns.values())
-    if column.size != longest:
-        raise InvalidInput(
-            f"--{option}",
-            f"{name}, {column.size} values",
-            f"one value per sample is required, and the log has {longest} samples",
-            "Name a column that was recorded with every sample.",
-        )
-    return column
 
 
-def _suspect_force_columns(
-    columns: Mapping[str, FloatArray], force: Sequence[str], scale: float
-) -> list[Diagnostic]:
-    """Find a force column in other units that no scale converts, and scalars that may be the scale."""
-    suspects = [name for name in force if set(name.lower().replace("[", "_").split("_")) & _OTHER_QUANTITIES]
-    if scale != 1.0 or not suspects:
-        return []
-    scalars = ", ".join(name for name, values in columns.items() if values.size == 1)
-    return [diagnostic("suspect force column", column=suspects[0], scalars=scalars or "none")]
+def _repeated_samples(time: FloatArray, *values: FloatArray) -> NDArray[np.bool_]:
+    """Find rows that repeat the row before, as some buses deliver a message twice."""
+    rows = np.column_stack([time, *values])
+    same = ((rows[1:] == rows[:-1]) | (np.isnan(rows[1:]) & np.isnan(rows[:-1]))).all(axis=1)
+    return np.concatenate([[False], same & np.isfinite(time[1:])])
+
+
+def _samples_between(
+    time: FloatArray, chosen: NDArray[np.bool_], start: float | None, end: float | None
+) -> NDArray[np.bool_]:
+    """Select the samples between two times, s; a sample without a time stamp stays, and is a lost one."""
+    keep = np.ones(time.size, dtype=bool)
+    if start is not None:
+        keep &= ~(time < start)
+    if end is not None:
+        keep &= ~(time > end)
+    if not (keep & chosen).any():
+        limits = [
+            f"from {start:g} s" if start is not None else "",
+            f"to {end:g} s" if end is not None else "",
+        ]
+        raise InvalidInput(
+            "start, end",
+            " ".join(filter(None, limits)),
+            f"the log runs from {np.nanmin(time[chosen]):g} to {np.nanmax(time[chosen]):g} s",
+            "Choose a part within it.",
+        )
+    return keep

@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 
@@ -32,6 +33,8 @@ __all__ = [
     "PAPER_EPSILON",
     "Fit",
     "Reweighting",
+    "autocorrelated_sum",
+    "confidence_quantile",
     "least_squares",
     "newey_west_lags",
     "paper_least_squares",
@@ -70,6 +73,8 @@ class Fit:
         Newey-West bandwidth in samples; None if the covariance assumes independent residuals.
     converged
         False if the iteration stopped before it converged.
+    slope
+        Derivative of the weighted residual by the residual, where it is not the weight.
     """
 
     estimate: FloatArray
@@ -79,6 +84,7 @@ class Fit:
     degrees_of_freedom: int
     lags: int | None
     converged: bool = True
+    slope: FloatArray | None = None
 
     @property
     def standard_error(self) -> FloatArray:
@@ -87,14 +93,20 @@ class Fit:
 
     def half_width(self) -> FloatArray:
         """Return the half-widths of the coefficients' 95 % confidence intervals."""
-        from scipy import stats
-
-        quantile = float(stats.t.ppf(0.975, self.degrees_of_freedom))
-        if self.lags is not None:
-            share = (self.lags + 1) / self.residual.size
-            fixed_bandwidth = 1.96 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
-            quantile *= fixed_bandwidth / 1.96
+        used = int(np.count_nonzero(self.weights))
+        quantile = confidence_quantile(self.degrees_of_freedom, self.lags, used)
         return np.asarray(quantile * self.standard_error)
+
+
+def confidence_quantile(degrees_of_freedom: int, lags: int | None, samples: int) -> float:
+    """Return the half-width of a 95 % interval in standard errors, with or without a Newey-West bandwidth."""
+    from scipy import stats
+
+    quantile = float(stats.t.ppf(0.975, degrees_of_freedom))
+    if lags is None:
+        return quantile
+    share = (lags + 1) / samples
+    return quantile * (1.96 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3) / 1.96
 
 
 def regressor_matrix(
@@ -136,10 +148,16 @@ def newey_west_lags(residual: FloatArray) -> int:
     return min(int(max(usual, andrews)), samples // 2)
 
 
-def least_squares(regressor: FloatArray, force: FloatArray, weights: FloatArray | None = None) -> Fit:
+def least_squares(
+    regressor: FloatArray,
+    force: FloatArray,
+    weights: FloatArray | None = None,
+    stretch: NDArray[np.int_] | None = None,
+) -> Fit:
     """Fit by ordinary or weighted least squares, with a Newey-West covariance.
 
-    The rows of the regressor and the forces (N) are samples, and a weight of 1 is full weight.
+    The rows of the regressor and the forces (N) are samples, and a weight of 1 is full weight. `stretch`
+    numbers the stretch that a sample is from; the covariance does not reach across stretches.
     """
     weights = np.ones_like(force) if weights is None else weights
     root = np.sqrt(weights)
@@ -151,15 +169,15 @@ def least_squares(regressor: FloatArray, force: FloatArray, weights: FloatArray 
     lags = newey_west_lags(weights * residual)
     return Fit(
         estimate=estimate,
-        covariance=_sandwich_covariance(regressor, weights * residual, weights, lags),
+        covariance=_sandwich_covariance(regressor, weights * residual, weights, lags, stretch),
         residual=residual,
         weights=weights,
-        degrees_of_freedom=force.size - estimate.size,
+        degrees_of_freedom=int(np.count_nonzero(weights)) - estimate.size,
         lags=lags,
     )
 
 
-def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
+def robust_least_squares(regressor: FloatArray, force: FloatArray, start: FloatArray | None = None) -> Fit:
     """Fit by Hampel's three-part M-estimator, started from Huber's, with a Newey-West covariance.
 
     Both are statsmodels' RLM. Huber's problem is convex, so its solution does not depend on a start. Hampel's
@@ -169,7 +187,8 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     damping by 3 %.) The loss is bounded and the scale is the median absolute residual of all samples, so
     the fit cannot collapse onto a few of them as it does under the paper's weights.
 
-    If no residual is large, the fit is that of ordinary least squares.
+    If no residual is large, the fit is that of ordinary least squares. `start` takes the place of Huber's
+    solution, where a fit of nearly the same forces is known.
     """
     import statsmodels.api as sm
 
@@ -181,9 +200,10 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
     with warnings.catch_warnings():
         # The result says whether it converged.
         warnings.simplefilter("ignore")
-        huber = sm.RLM(force, regressor, M=sm.robust.norms.HuberT()).fit()
+        if start is None:
+            start = sm.RLM(force, regressor, M=sm.robust.norms.HuberT()).fit().params
         norm = sm.robust.norms.Hampel(*_HAMPEL)
-        hampel = sm.RLM(force, regressor, M=norm).fit(start_params=huber.params, maxiter=_MAXIMUM_STEPS)
+        hampel = sm.RLM(force, regressor, M=norm).fit(start_params=start, maxiter=_MAXIMUM_STEPS)
     residual = np.asarray(hampel.resid)
     scaled = residual / hampel.scale
     # Rejected samples must not influence the estimated correlation of the others.
@@ -197,22 +217,38 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray) -> Fit:
         degrees_of_freedom=ordinary.degrees_of_freedom,
         lags=lags,
         converged=hampel.fit_history["iteration"] < _MAXIMUM_STEPS,
+        slope=np.asarray(norm.psi_deriv(scaled)),
     )
 
 
 def _sandwich_covariance(
-    regressor: FloatArray, score: FloatArray, slope: FloatArray, lags: int
+    regressor: FloatArray,
+    score: FloatArray,
+    slope: FloatArray,
+    lags: int,
+    stretch: NDArray[np.int_] | None = None,
 ) -> FloatArray:
     """Return the covariance of an M-estimate: `score` is ψ of each residual, `slope` its derivative."""
-    from statsmodels.stats.sandwich_covariance import S_hac_simple
-
     # Scaled columns: mass and offset may differ by orders of magnitude.
     size = _regressor_column_sizes(regressor)
     columns = regressor / size
     bread = np.linalg.inv(columns.T @ (slope[:, None] * columns))
     leverage = np.clip(np.einsum("ij,jk,ik->i", columns, bread, columns), 0.0, 0.5)
-    meat = np.asarray(S_hac_simple(columns * (score / (1.0 - leverage))[:, None], nlags=lags))
+    meat = autocorrelated_sum(columns * (score / (1.0 - leverage))[:, None], lags, stretch)
     return np.asarray(bread @ meat @ bread / np.outer(size, size))
+
+
+def autocorrelated_sum(scores: FloatArray, lags: int, stretch: NDArray[np.int_] | None = None) -> FloatArray:
+    """Return the Newey-West covariance of the sum of all scores, one row per sample.
+
+    Samples of different stretches are taken as uncorrelated.
+    """
+    from statsmodels.stats.sandwich_covariance import S_hac_simple
+
+    if stretch is None:
+        return np.asarray(S_hac_simple(scores, nlags=lags))
+    parts = np.split(scores, np.flatnonzero(np.diff(stretch)) + 1)
+    return np.asarray(sum(S_hac_simple(part, nlags=min(lags, len(part) - 1)) for part in parts))
 
 
 def _regressor_column_sizes(regressor: FloatArray) -> FloatArray:

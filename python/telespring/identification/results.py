@@ -2,20 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.identification.filtering import Signals
 from telespring.identification.regression import Fit
-from telespring.identification.warning_messages import Diagnostic
+from telespring.identification.warning_messages import Diagnostic, outside_intervals
 
-__all__ = ["METHODS", "AxisIdentification", "CrossInertia", "Estimate", "Identification", "Method"]
+__all__ = [
+    "METHODS",
+    "PARAMETERS",
+    "AxisIdentification",
+    "CrossInertia",
+    "Estimate",
+    "Identification",
+    "Method",
+]
 
 Method: TypeAlias = Literal["robust", "ols", "paper"]
+
+#: The parameters of an axis, in the order of tables.
+PARAMETERS = (
+    "mass",
+    "damping",
+    "stiffness",
+    "coulomb",
+    "offset",
+    "drag",
+    "stiction",
+    "gravity_sine",
+    "gravity_cosine",
+)
 
 METHODS = {
     "robust": "Hampel's M-estimate from Huber's, Newey-West covariance",
@@ -31,7 +54,7 @@ class Estimate:
     Attributes
     ----------
     value
-        kg, N·s/m or N.
+        kg, N·s/m, N/m, N, or N·s²/m² for the drag.
     standard_error
         In the same unit.
     interval
@@ -55,12 +78,15 @@ class CrossInertia:
         kg; None if the axes moved too much alike to estimate it.
     significant
         True if it differs from 0 at a significance level of 0.001 and exceeds 2 % of the axes' masses.
+    may_be_lag
+        Whether a lag of the force would look the same in this movement.
     """
 
     axis: str
     other: str
     inertia: Estimate | None
     significant: bool
+    may_be_lag: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,56 +97,76 @@ class AxisIdentification:
     ----------
     axis
         Name of the axis.
-    mass, damping
-        kg and N·s/m.
-    coulomb, offset
-        Coulomb friction and offset of the force, N; None if not in the model.
+    estimates
+        By the names in `PARAMETERS`: mass and damping, and every other term of the model.
+    added
+        The terms that the log itself showed to be needed.
     correlation
         Correlation of the errors of mass and damping.
     condition_number
-        Condition number of the regressor [a, v, sign v, 1] in SI units.
+        Condition number of the regressor in SI units.
     r_squared
         Share of the force's variance that the model explains.
     relative_force_error
         Norm of the residual over norm of the force.
     time_shift
-        Lag of the force behind the position, s; None if it cannot be estimated.
+        Lag of the force behind the position, s, that the estimates allow for; without an error if it was
+        given, and None if it cannot be estimated.
+    stiction_velocity
+        Velocity within which stiction decays to Coulomb friction, m/s; None if it is not in the model.
     signals_index
         Row of this axis in the signals.
-    estimated_force, residual
-        N, at the times of the signals.
+    measured_force, estimated_force, residual
+        N, at the times of the signals; the lag of the measured force is corrected.
     weights
         Weights of the samples, 1 for full weight.
+    used
+        Which samples the fit used: those that were measured.
     fit
-        The regression.
+        The regression; of several logs that of the first one.
     """
 
     axis: str
-    mass: Estimate
-    damping: Estimate
-    coulomb: Estimate | None
-    offset: Estimate | None
+    estimates: Mapping[str, Estimate]
+    added: tuple[str, ...]
     correlation: float
     condition_number: float
     r_squared: float
     relative_force_error: float
     time_shift: Estimate | None
+    stiction_velocity: float | None
     signals_index: int
+    measured_force: FloatArray
     estimated_force: FloatArray
     residual: FloatArray
     weights: FloatArray
+    used: NDArray[np.bool_]
     fit: Fit
 
     @property
-    def estimates(self) -> dict[str, Estimate]:
-        """The estimated parameters by name."""
-        candidates = {
-            "mass": self.mass,
-            "damping": self.damping,
-            "coulomb": self.coulomb,
-            "offset": self.offset,
-        }
-        return {name: estimate for name, estimate in candidates.items() if estimate is not None}
+    def mass(self) -> Estimate:
+        """Kg."""
+        return self.estimates["mass"]
+
+    @property
+    def damping(self) -> Estimate:
+        """N·s/m."""
+        return self.estimates["damping"]
+
+    @property
+    def coulomb(self) -> Estimate | None:
+        """Coulomb friction, N; None if not in the model."""
+        return self.estimates.get("coulomb")
+
+    @property
+    def offset(self) -> Estimate | None:
+        """Force in the middle of the movement, N; None if not in the model."""
+        return self.estimates.get("offset")
+
+    @property
+    def stiffness(self) -> Estimate | None:
+        """Stiffness of a spring between robot and ground, N/m; None if not in the model."""
+        return self.estimates.get("stiffness")
 
     def half_width(self, parameter: str) -> float:
         """Half-width of a parameter's interval; 1 % of the value where the method gives no valid interval."""
@@ -129,34 +175,44 @@ class AxisIdentification:
             return 0.01 * abs(estimate.value)
         return 0.5 * (estimate.interval[1] - estimate.interval[0])
 
+    def is_present(self, parameter: str) -> bool:
+        """Whether the interval of a term in the model excludes 0."""
+        estimate = self.estimates.get(parameter)
+        return estimate is not None and (estimate.interval[0] > 0.0 or estimate.interval[1] < 0.0)
+
     @property
     def outlier_share(self) -> float | None:
-        """Share of the samples that the fit rejected as outliers; None for the paper's method."""
-        return None if self.fit.lags is None else float(np.mean(self.weights < 0.5))
+        """Share of the samples in the fit that it rejected as outliers; None for the paper's method."""
+        if self.fit.lags is None:
+            return None
+        return float(np.mean(self.weights[self.used] < 0.5))
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values in SI units; None for parameters that are not in the model."""
         values: dict[str, Any] = {"axis": self.axis}
-        for name in ("mass", "damping", "coulomb", "offset"):
+        for name in PARAMETERS:
             estimate = self.estimates.get(name)
             values[name] = None if estimate is None else estimate.value
             values[f"{name}_interval"] = None if estimate is None else list(estimate.interval)
             values[f"{name}_sd"] = None if estimate is None else estimate.standard_error
         shift = self.time_shift
+        is_estimated = shift is not None and shift.standard_error > 0.0
         return values | {
+            "added": list(self.added),
+            "stiction_velocity": self.stiction_velocity,
             "mass_damping_correlation": self.correlation,
             "condition_number": self.condition_number,
             "r_squared": self.r_squared,
             "relative_force_error": self.relative_force_error,
             "left_out": self.outlier_share,
             "time_shift": None if shift is None else shift.value,
-            "time_shift_interval": None if shift is None else list(shift.interval),
+            "time_shift_interval": list(shift.interval) if shift is not None and is_estimated else None,
         }
 
 
 @dataclass(frozen=True)
 class Identification:
-    """A robot identified from a log.
+    """A robot identified from one log or several.
 
     Attributes
     ----------
@@ -178,6 +234,8 @@ class Identification:
         One per ordered pair of axes.
     diagnostics
         Reasons to doubt the estimates, with their values.
+    logs
+        Where several logs were taken together, what each of them gives alone.
     """
 
     axes: tuple[AxisIdentification, ...]
@@ -191,6 +249,17 @@ class Identification:
     lags: int | None
     cross_inertias: tuple[CrossInertia, ...]
     diagnostics: tuple[Diagnostic, ...]
+    logs: tuple[Identification, ...] = ()
+
+    @property
+    def log_count(self) -> int:
+        """Number of logs; the scatter between logs is in the intervals only if there are two or more."""
+        return max(1, len(self.logs))
+
+    @property
+    def outside_intervals(self) -> str:
+        """What the intervals do not include, as a sentence."""
+        return outside_intervals(self.method, self.log_count)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -237,4 +306,7 @@ class Identification:
                 for cross in self.cross_inertias
             ],
             "warnings": list(self.warnings),
+            "logs": self.log_count,
+            "outside_intervals": self.outside_intervals,
+            "each_log": [[axis.to_json() for axis in log.axes] for log in self.logs],
         }

@@ -14,6 +14,8 @@ __all__ = ["robot_toml", "write_robot"]
 
 #: A study's range of masses begins here, kg.
 _SMALLEST_MASS = 1e-4
+#: Standard deviations from the mean to the ends of a normal distribution's 95 % interval.
+_NORMAL = 1.959963984540054
 
 
 def robot_toml(identification: Identification, name: str, *, source: str = "") -> str:
@@ -39,7 +41,7 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
     Raises
     ------
     telespring.InvalidInput
-        If a mass is not positive or a damping is negative.
+        If a mass is not positive, a damping is negative, or a spring pushes the robot away.
     """
     import tomli_w
 
@@ -51,21 +53,36 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
         "mass": [axis.mass.value for axis in axes],
         "damping": [axis.damping.value for axis in axes],
     }
-    if axes[0].coulomb is not None:
-        robot["coulomb"] = [max(0.0, axis.coulomb.value) for axis in axes if axis.coulomb is not None]
+    if any(axis.is_present("coulomb") for axis in axes):
+        # Friction that the log does not show, or that would drive the robot, is none; a warning tells of it.
+        robot["coulomb"] = [
+            max(0.0, axis.estimates["coulomb"].value) if axis.is_present("coulomb") else 0.0 for axis in axes
+        ]
     # The intervals of the paper's method are not valid, and neither are standard deviations from them.
     if identification.method != "paper":
-        robot["mass_sd"] = [axis.mass.standard_error for axis in axes]
-        robot["damping_sd"] = [axis.damping.standard_error for axis in axes]
+        # `decide` draws from a normal distribution: with these, 95 % of its draws lie in the intervals.
+        robot["mass_sd"] = [axis.half_width("mass") / _NORMAL for axis in axes]
+        robot["damping_sd"] = [axis.half_width("damping") / _NORMAL for axis in axes]
         robot["mass_damping_correlation"] = [axis.correlation for axis in axes]
+    left_out = ("axes", "each_log")
     record = {
-        key: value for key, value in identification.to_json().items() if value is not None and key != "axes"
+        key: value
+        for key, value in identification.to_json().items()
+        if value is not None and key not in left_out
     }
     record["cross_inertias"] = [
         {key: value for key, value in cross.items() if value is not None}
         for cross in record["cross_inertias"]
     ]
-    record["logs"] = 1
+    springs = {
+        doubt.values["axis"]: doubt.values["stiffness"]
+        for doubt in identification.diagnostics
+        if doubt.code == "spring"
+    }
+    if springs:
+        record["stiffness"] = [
+            axis.estimates["stiffness"].value if axis.axis in springs else 0.0 for axis in axes
+        ]
     record["condition_number"] = [axis.condition_number for axis in axes]
     record["r_squared"] = [axis.r_squared for axis in axes]
     if source:
@@ -109,6 +126,15 @@ def write_robot(
 
 
 def _refuse_impossible_robot(identification: Identification) -> None:
+    for doubt in identification.diagnostics:
+        if doubt.code == "negative spring":
+            raise InvalidInput(
+                f"stiffness ({doubt.values['axis']})",
+                f"{doubt.values['stiffness']:.4g} N/m",
+                "a robot that a force pushes away from the middle of its movement has no verdict",
+                "Remove the cause, for example with a counterweight or by levelling the robot, and log "
+                "again.",
+            )
     for axis in identification.axes:
         if axis.mass.value < _SMALLEST_MASS:
             parameter = "mass"

@@ -1,221 +1,225 @@
-"""Terms that the fitted model omits: friction, an offset, a lag of the force, inertia between axes.
+"""What the fitted model leaves out: inertia between axes, a lag that was ruled out, any other dependence.
 
-Fitted alone, each of them looks like another: friction like damping and like the other axis' acceleration, a
-lag like mass and, where the axes follow the same movement at different times, like coupled axes. They are
-therefore estimated side by side, in one fit per axis.
+Every effect is tested as one more column of the regression, beside all terms of the model, with the same
+covariance. It counts where it is significant and shifts mass or damping by a good part of their intervals.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.identification.filtering import Signals
-from telespring.identification.regression import Fit, least_squares, robust_least_squares
+from telespring.identification.filtering import STRIBECK_VELOCITIES
+from telespring.identification.joint_fit import SEPARABLE, fit_axes, orthogonal_share
+from telespring.identification.log_fit import LogFit, fit_with_column, is_significant
+from telespring.identification.regression import Fit
 from telespring.identification.results import Estimate
+from telespring.identification.terms import ALWAYS, TERMS, term_column
 
-__all__ = ["Term", "UnmodelledTerms", "estimate_unmodelled_terms", "is_moving"]
+__all__ = ["Effect", "Inertia", "estimate_inertias", "find_effects", "ruled_out_terms"]
 
-#: A column can be separated from others if this share of its length is orthogonal to them: two columns of
-#: unit length then have a condition number below 10.
-_SEPARABLE = 0.2
+#: An inertia between axes is estimated where this share of the other acceleration is orthogonal to the model.
+_SEPARABLE_INERTIA = 0.1
 #: A lag and inertia between axes may look more alike: fitted side by side, their errors show how well they
 #: are separated. Below this share the errors themselves are unreliable.
-_SEPARABLE_SIDE_BY_SIDE = 0.02
-#: With friction, samples are excluded to which an axis at rest contributes more than this.
-_REST_SHARE = 0.02
-#: Probability of a false alarm, for each term.
-_SIGNIFICANCE = 0.001
-#: A lag is corrected in steps, each exact to first order; none is longer than this, s.
-_LAG_STEPS, _LONGEST_LAG = 6, 0.2
+_SEPARABLE_FROM_LAG = 0.02
+#: A cross inertia below this share of the axes' own masses does not change the verdict.
+_NEGLIGIBLE_INERTIA = 0.02
+#: Probability of a false alarm per effect, of which a dozen are tested per axis.
+_SIGNIFICANCE = 1e-4
+#: An effect matters if mass or damping shift by so many half-widths and by this share of their values.
+_MATTERS, _LEAST_SHIFT = 0.5, 1e-3
 
 
 @dataclass(frozen=True)
-class Term:
-    """A coefficient of a term that the fitted model omits.
+class Inertia:
+    """Force on one axis per acceleration of another.
 
     Attributes
     ----------
-    value, standard_error, half_width
-        In its own unit; the half-width is that of the 95 % confidence interval.
-    significant
-        Whether it differs from 0 at a significance level of 0.001.
+    estimate
+        kg; None if the axes moved too much alike.
+    matters
+        Whether it differs from 0 at a significance level of 0.001, and exceeds 2 % of the axes' masses.
+    may_be_lag
+        Whether a lag of the force would look the same in this movement.
     """
 
-    value: float
-    standard_error: float
-    half_width: float
-    significant: bool
-
-    @property
-    def estimate(self) -> Estimate:
-        """Value, standard error and interval of an unmodelled term."""
-        interval = (self.value - self.half_width, self.value + self.half_width)
-        return Estimate(self.value, self.standard_error, interval)
+    estimate: Estimate | None
+    matters: bool = False
+    may_be_lag: bool = False
 
 
 @dataclass(frozen=True)
-class UnmodelledTerms:
-    """What one axis' force contains besides the fitted model.
+class Effect:
+    """A dependence of the force that the model does not have.
 
     Attributes
     ----------
-    friction
-        "coulomb" and "offset", N, where they were not fitted and can be separated from the model.
+    name
+        Of the effect.
+    mass, damping
+        kg and N·s/m, estimated together with the effect.
     lag
-        Lag of the force behind the position, s; None if it cannot be estimated.
-    inertias
-        kg, per other axis by its index; None if the axes moved too much alike.
-    is_confounded
-        Whether the movement cannot separate a lag from inertia between the axes.
-    r_squared
-        Share of the force's variance that the model explains with all of these terms.
+        s, where the effect is a lag of the force.
     """
 
-    friction: Mapping[str, Term]
-    lag: Term | None
-    inertias: Mapping[int, Term | None]
-    is_confounded: bool
-    r_squared: float
+    name: str
+    mass: float
+    damping: float
+    lag: float | None = None
 
 
-def estimate_unmodelled_terms(
-    fit: Fit, regressor: FloatArray, signals: Signals, index: int, omitted: Sequence[str]
-) -> UnmodelledTerms:
-    """Estimate friction, lag and inertial coupling side by side on one axis.
+def estimate_inertias(fit: LogFit) -> list[Mapping[int, Inertia]]:
+    """Estimate, for every axis, the inertias between it and the others, by the others' rows in the signals.
 
-    `fit` and `regressor` are those of the axis in row `index` of the signals; `omitted` lists which of
-    "coulomb" and "offset" are not among the regressor's columns.
+    All are estimated in one fit together with the lag of the force, unless the movement cannot separate them.
     """
-    force, jerk = signals.force[index], signals.jerk[index]
-    friction = {
-        name: column
-        for name, column in (("coulomb", signals.direction[index]), ("offset", np.ones_like(force)))
-        if name in omitted and _orthogonal_share_of_column(column, regressor) > _SEPARABLE
-    }
-    base = np.column_stack([regressor, *friction.values()])
-    others = [i for i in range(len(signals.force)) if i != index]
-    accelerations = {
-        i: signals.acceleration[i]
-        for i in others
-        if _orthogonal_share_of_column(signals.acceleration[i], base) > _SEPARABLE
-    }
-    is_lag_separable = _orthogonal_share_of_column(jerk, regressor) > _SEPARABLE
-    candidates = [*([jerk] if is_lag_separable else []), *accelerations.values()]
-    is_confounded = is_lag_separable and any(
-        _orthogonal_share_of_column(column, np.column_stack([base, *candidates[:i], *candidates[i + 1 :]]))
-        <= _SEPARABLE_SIDE_BY_SIDE
-        for i, column in enumerate(candidates)
-    )
-    weights = _moving_sample_weights(fit, base, list(friction), signals, index, omitted)
-    with_inertias = np.column_stack([base, *accelerations.values()])
-    if is_confounded:
-        lag, _, r_squared = _fit_terms_with_force_lag(base, jerk, signals.time, force, weights)
-        terms, r_squared_coupled = _fit_all_terms(with_inertias, force, weights)
-        r_squared = max(r_squared, r_squared_coupled)
-    elif is_lag_separable:
-        lag, terms, r_squared = _fit_terms_with_force_lag(with_inertias, jerk, signals.time, force, weights)
-    else:
-        lag = None
-        terms, r_squared = _fit_all_terms(with_inertias, force, weights)
-    inertias = dict(zip(accelerations, terms[base.shape[1] :], strict=True))
-    return UnmodelledTerms(
-        friction=dict(zip(friction, terms[regressor.shape[1] : base.shape[1]], strict=True)),
-        lag=lag,
-        inertias={i: inertias.get(i) for i in others},
-        is_confounded=is_confounded,
-        r_squared=r_squared,
-    )
-
-
-def is_moving(signals: Signals, index: int) -> FloatArray:
-    """Return which samples of an axis contain hardly any rest."""
-    return np.asarray(signals.rest[index] < _REST_SHARE)
-
-
-def _moving_sample_weights(
-    fit: Fit, base: FloatArray, friction: list[str], signals: Signals, index: int, omitted: Sequence[str]
-) -> FloatArray:
-    """Return the weights of the fit, without the samples near rest where the axis has friction."""
-    force = signals.force[index]
-    weights = np.ones_like(force) if fit.lags is None else fit.weights
-    has_friction = "coulomb" not in omitted
-    if "coulomb" in friction:
-        terms, _ = _fit_all_terms(base, force, weights)
-        has_friction = terms[fit.estimate.size].significant
-        if has_friction and fit.lags is not None:
-            # The fit without friction took other samples for outliers.
-            weights = robust_least_squares(base, force).weights
-    moving = is_moving(signals, index)
-    if has_friction and moving.mean() > 0.3:
-        # While an axis sticks, friction takes any value and looks like every other term.
-        weights = weights * moving
-    return weights
-
-
-def _fit_all_terms(columns: FloatArray, force: FloatArray, weights: FloatArray) -> tuple[list[Term], float]:
-    """Return the coefficients of all columns, and the share of the force's variance that they explain."""
-    fit = least_squares(columns, force, weights)
-    strictness = _significance_threshold(fit.degrees_of_freedom)
-    terms = [
-        Term(float(value), float(error), float(half), bool(abs(value) > strictness * half))
-        for value, error, half in zip(fit.estimate, fit.standard_error, fit.half_width(), strict=True)
+    signals, used = fit.signals, fit.signals.used
+    count = len(signals.force)
+    regressors = [_fullest_regressor(fit, i) for i in range(count)]
+    separable = [
+        [
+            k
+            for k in range(count)
+            if k != i
+            and orthogonal_share(signals.acceleration[k][used], regressors[i][used]) > _SEPARABLE_INERTIA
+        ]
+        for i in range(count)
     ]
-    variation = float((fit.weights * (force - force.mean()) ** 2).sum())
-    squares = float((fit.weights * fit.residual**2).sum())
-    return terms, 1.0 - squares / variation if variation > 0.0 else 0.0
+    may_be_lag = [
+        any(
+            orthogonal_share(
+                signals.acceleration[k][used], np.column_stack([regressors[i], fit.joint.slope[i]])[used]
+            )
+            <= _SEPARABLE_FROM_LAG
+            for k in separable[i]
+        )
+        for i in range(count)
+    ]
+    if not any(separable):
+        return [{k: Inertia(None) for k in range(count) if k != i} for i in range(count)]
+    own_slopes = [
+        replace(fit.terms[i], coupled=tuple(others)).regressor_slope(signals, i)
+        for i, others in enumerate(separable)
+    ]
+    wider = fit_axes(
+        [
+            np.column_stack([x, *(signals.acceleration[k] for k in others)])
+            for x, others in zip(regressors, separable, strict=True)
+        ],
+        [
+            _with_columns_before(slope, len(others), x.shape[1])
+            for slope, others, x in zip(own_slopes, separable, regressors, strict=True)
+        ],
+        signals,
+        method="ols" if fit.options.method == "paper" else fit.options.method,
+        lag=fit.joint.lags[0].value if any(may_be_lag) or not fit.joint.lags[0].estimated else None,
+        shared=fit.shared_lag,
+    )
+    found: list[Mapping[int, Inertia]] = []
+    for i, (own, others) in enumerate(zip(wider.fits, separable, strict=True)):
+        half, start = own.half_width(), regressors[i].shape[1]
+        each: dict[int, Inertia] = {k: Inertia(None) for k in range(count) if k != i}
+        for place, k in enumerate(others, start=start):
+            value, error = float(own.estimate[place]), float(own.standard_error[place])
+            interval = (value - float(half[place]), value + float(half[place]))
+            negligible = _NEGLIGIBLE_INERTIA * math.sqrt(abs(own.estimate[0] * wider.fits[k].estimate[0]))
+            matters = is_significant(own, column=place) and abs(value) > negligible
+            each[k] = Inertia(Estimate(value, error, interval), matters, may_be_lag[i])
+        found.append(each)
+    return found
 
 
-def _fit_terms_with_force_lag(
-    columns: FloatArray, jerk: FloatArray, time: FloatArray, force: FloatArray, weights: FloatArray
-) -> tuple[Term | None, list[Term], float]:
-    """Estimate the lag of the force from its share of the jerk, and the coefficients of the other columns.
+def _with_columns_before(slope: FloatArray, last: int, width: int) -> FloatArray:
+    """Insert zeros before the last columns of a regressor's slope, for terms that were added to it."""
+    own = slope.shape[1] - last
+    return np.column_stack([slope[:, :own], np.zeros((len(slope), width - own)), slope[:, own:]])
 
-    A negative mass gives no lag.
+
+def _fullest_regressor(fit: LogFit, axis: int) -> FloatArray:
+    """Return an axis' regressor with spring, friction and offset even where they are ruled out.
+
+    An inertia must not stand for a term that was left out by request.
     """
-    from scipy.interpolate import CubicSpline
-
-    with_jerk = np.column_stack([columns, jerk])
-    keep = np.ones(time.size, dtype=bool)
-    shifted, total = force, 0.0
-    spline = None
-    for _ in range(_LAG_STEPS):
-        terms, r_squared = _fit_all_terms(with_jerk[keep], shifted[keep], weights[keep])
-        fitted = int(keep.sum())
-        mass = terms[0].value
-        if mass <= 0.0:
-            return None, terms[:-1], r_squared
-        # F(t − τ) contains −τ m times the jerk, and −τ b times the acceleration.
-        step, error = -terms[-1].value / mass, terms[-1].standard_error / mass
-        lag = Term(total + step, error, terms[-1].half_width / mass, significant=False)
-        if abs(step) < error or abs(total + step) > _LONGEST_LAG:
-            break
-        total += step
-        spline = spline or CubicSpline(time, force)
-        shifted = spline(time + total)
-        keep = (time + total >= time[0]) & (time + total <= time[-1])
-    strictness = _significance_threshold(fitted - with_jerk.shape[1])
-    significant = bool(abs(lag.value) > strictness * lag.half_width)
-    return replace(lag, significant=significant), terms[:-1], r_squared
+    signals, used = fit.signals, fit.signals.used
+    terms = replace(fit.terms[axis], coupled=())
+    regressor = terms.regressor(signals, axis)
+    for name in ALWAYS:
+        column = term_column(signals, axis, name, terms)
+        if name not in terms.names and orthogonal_share(column[used], regressor[used]) > SEPARABLE:
+            regressor = np.column_stack([regressor, column])
+    return regressor
 
 
-def _significance_threshold(degrees_of_freedom: int) -> float:
-    """Return how many half-widths of its 95 % interval a term must exceed to be significant."""
-    from scipy import stats
+def find_effects(fit: LogFit, axis: int, names: Sequence[str]) -> list[Effect]:
+    """Find what the force on one axis also depends on, the most significant first."""
+    found: list[tuple[float, Effect]] = []
+    for name, column in _effect_columns(fit, axis, names).items():
+        wider = fit_with_column(fit, axis, column)
+        if wider is None or not is_significant(wider, _SIGNIFICANCE):
+            continue
+        if _shifts(fit, axis, wider, _MATTERS):
+            mass, damping = wider.estimate[:2].tolist()
+            lag = None
+            if name == "lag":
+                # F(t − τ) contains −τ times the force's slope.
+                lag = (fit.options.lag or 0.0) + float(wider.estimate[-1])
+            strength = abs(float(wider.estimate[-1])) / float(wider.standard_error[-1])
+            found.append((strength, Effect(name, mass, damping, lag)))
+    return [effect for _, effect in sorted(found, key=lambda pair: -pair[0])]
 
-    strict, usual = (stats.t.ppf(share, degrees_of_freedom) for share in (1.0 - 0.5 * _SIGNIFICANCE, 0.975))
-    return float(strict / usual)
+
+def ruled_out_terms(fit: LogFit, axis: int) -> list[tuple[str, Fit]]:
+    """Return the terms that were ruled out although this axis has them, each with the fit that has it too."""
+    found = []
+    for name in TERMS:
+        if fit.options.model.asked.get(name) is not False:
+            continue
+        # Of stiction with several velocities the first that matters tells.
+        for index in range(len(STRIBECK_VELOCITIES) if name == "stiction" else 1):
+            terms = replace(fit.terms[axis], stiction_index=index)
+            wider = fit_with_column(fit, axis, term_column(fit.signals, axis, name, terms))
+            if wider is None or not is_significant(wider):
+                continue
+            is_drive = name in ("coulomb", "drag", "stiction") and wider.estimate[-1] < 0.0
+            if not is_drive and _shifts(fit, axis, wider, 1.0):
+                found.append((name, wider))
+                break
+    return found
 
 
-def _orthogonal_share_of_column(column: FloatArray, others: FloatArray) -> float:
-    """Return the share of a column's length that is orthogonal to all other columns."""
-    length = float(np.linalg.norm(column))
-    if length == 0.0:
-        return 0.0
-    size = np.linalg.norm(others, axis=0)
-    unit = others / np.where(size > 0.0, size, 1.0)
-    remainder = column - unit @ np.linalg.lstsq(unit, column, rcond=None)[0]
-    return float(np.linalg.norm(remainder)) / length
+def _shifts(fit: LogFit, axis: int, wider: Fit, half_widths: float) -> bool:
+    """Tell whether a wider model shifts mass or damping by so many half-widths of their intervals."""
+    estimate = fit.joint.fits[axis].estimate[:2]
+    shift = np.abs(wider.estimate[:2] - estimate)
+    least = np.maximum(half_widths * fit.half_widths(axis), _LEAST_SHIFT * np.abs(estimate))
+    return bool((shift > least).any())
+
+
+def _effect_columns(fit: LogFit, axis: int, names: Sequence[str]) -> dict[str, FloatArray]:
+    """Return what the force might also depend on: position, velocity, their products and signs."""
+    signals = fit.signals
+    x = signals.position[axis] - signals.position[axis][signals.used].mean()
+    v, a, sign = signals.velocity[axis], signals.acceleration[axis], signals.direction[axis]
+    columns = {
+        "the square of the position": x**2,
+        "the cube of the position": x**3,
+        "the square of the velocity": v**2,
+        "the cube of the velocity": v**3,
+        "position times velocity": x * v,
+        "position times acceleration": x * a,
+        "position and direction": x * sign,
+        "the direction times the acceleration": sign * a,
+    }
+    for i, other in enumerate(names):
+        if i != axis:
+            columns[f"the velocity of axis {other}"] = signals.velocity[i]
+            columns[f"the position of axis {other}"] = signals.position[i] - signals.position[i].mean()
+    if not fit.joint.lags[axis].estimated:
+        columns["lag"] = -fit.joint.slope[axis]
+    return columns

@@ -11,21 +11,29 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["UNITS", "Diagnostic", "diagnostic"]
+__all__ = ["UNITS", "Diagnostic", "diagnostic", "outside_intervals"]
 
 #: What an SI value is multiplied by in these units.
 _SCALES = {"mm": 1e3, "ms": 1e3, "%": 100.0}
 
-UNITS = {"mass": "kg", "damping": "N·s/m", "coulomb": "N", "offset": "N"}
+UNITS = {
+    "mass": "kg",
+    "damping": "N·s/m",
+    "stiffness": "N/m",
+    "coulomb": "N",
+    "offset": "N",
+    "drag": "N·s²/m²",
+    "stiction": "N",
+    "gravity_sine": "N",
+    "gravity_cosine": "N",
+}
 
 _OMITTED = (
-    "Axis {axis}: the model omits %s. Add %s for a mass of {mass:.4g} kg (now {fitted_mass:.4g} kg) and a "
-    "damping of {damping:.4g} N·s/m (now {fitted_damping:.4g} N·s/m)."
+    "Axis {axis}: the log has %s, but --no-%s rules it out. Leave out --no-%s for a mass of {mass:.4g} "
+    "kg (now "
+    "{fitted_mass:.4g} kg) and a damping of {damping:.4g} N·s/m (now {fitted_damping:.4g} N·s/m)."
 )
-_LAG = (
-    "Axis {axis}: the force seems to be {lag:.2g ms} {direction} the position, which biases the mass by "
-    "about {mass_bias:.2g} kg. "
-)
+
 
 _MESSAGES = {
     # the log
@@ -33,6 +41,26 @@ _MESSAGES = {
         "The force column {column} looks like a voltage, a current or a command. If it is one, give the "
         "newtons per unit with --force-scale. Otherwise mass and damping are wrong by that factor. Scalars "
         "in the same file: {scalars}."
+    ),
+    "words among numbers": (
+        'The column {column} has {count} fields that are no numbers, the first "{word}". They count as lost '
+        "samples."
+    ),
+    "bridged gaps": (
+        "Lost samples: {count} (gaps: {gaps}, the longest {longest:.3g ms}). They were interpolated, and the "
+        "estimates leave them out."
+    ),
+    "long gaps": (
+        "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the "
+        "{pieces} stretches between them together."
+    ),
+    "samples between gaps": "Samples between two close gaps, left out: {count}.",
+    "repeated samples": (
+        "Repeated samples: {count}. A row with the time and the values of the row before was left out."
+    ),
+    "glitches": (
+        "Glitches in the {column}: {count} samples ({share:.2g %}) leave the signal and come back, or repeat "
+        "an old value. The estimates leave them out. Check the sensor's cable and the logger."
     ),
     "uneven time stamps": (
         "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
@@ -53,23 +81,73 @@ _MESSAGES = {
     ),
     "constant force": "The {column} stays at {force:.4g} N for {duration:.4g ms}. Was the sensor stuck?",
     # the model
-    "omitted friction": _OMITTED % ("friction of {coulomb:.3g} N", "--coulomb"),
-    "omitted offset": _OMITTED % ("an offset of {offset:.3g} N", "--offset"),
-    "omitted friction and offset": _OMITTED
-    % ("friction of {coulomb:.3g} N and an offset of {offset:.3g} N", "--coulomb --offset"),
-    "sticking": (
-        "Axis {axis} sticks at its reversals, and the force during this time biases the mass. Without the "
-        "samples near rest it is {moving_mass:.4g} kg instead of {mass:.4g} kg; the interval does not "
-        "include this uncertainty. Move faster, so that the axis rests for a shorter time."
+    "omitted stiffness": _OMITTED % ("a spring of {value:.3g} N/m to the ground", "stiffness", "stiffness"),
+    "omitted coulomb": _OMITTED % ("friction of {value:.3g} N", "coulomb", "coulomb"),
+    "omitted offset": _OMITTED % ("an offset of {value:.3g} N", "offset", "offset"),
+    "omitted drag": _OMITTED % ("a force of {value:.3g} N·s²/m² times v|v|", "drag", "drag"),
+    "omitted stiction": _OMITTED % ("stiction of {value:.3g} N", "stiction", "stiction"),
+    "omitted effect": (
+        "Axis {axis}: the force also depends on {effect}, and the model has no such term. With it the "
+        "mass would "
+        "be {mass:.4g} kg (now {fitted_mass:.4g} kg) and the damping {damping:.4g} N·s/m (now "
+        "{fitted_damping:.4g} N·s/m). The intervals do not include this."
     ),
-    "force lag": _LAG + "If the two sensors really are that far apart in time, correct it with --force-delay "
-    "{force_delay:.2g}.",
-    "force lag or coupling": _LAG
-    + "Axes coupled by inertia would look the same in this movement. Excite the axes with different "
-    "movements to see which it is.",
-    "force lag differs by axis": _LAG
-    + "The axes disagree, so no single --force-delay corrects it. Identify each axis on its own with its "
-    "own --force-delay, or look for another force on this axis.",
+    "spring": (
+        "Axis {axis}: a spring of {stiffness:.3g} N/m ({low:.3g} to {high:.3g} N/m) pulls the robot to "
+        "a place. "
+        "Mass and damping allow for it. A study that takes the robot file adds the spring to the operator's "
+        "stiffness on this side, and rehearse leaves it out."
+    ),
+    "negative spring": (
+        "Axis {axis}: a force pushes the robot away from the middle, like a spring of {stiffness:.3g} N/m "
+        "({low:.3g} to {high:.3g} N/m). Mass and damping allow for it, but no verdict can: remove its "
+        "cause, for "
+        "example a counterweight or a slope."
+    ),
+    "stiction": (
+        "Axis {axis}: friction is larger near rest, by {value:.2g} N within {velocity:.2g} m/s. Mass "
+        "and damping "
+        "allow for it. Studies and verdicts have no such friction."
+    ),
+    "drag": (
+        "Axis {axis}: the log has a force of {value:.3g} N·s²/m² times v|v|. The damping is that of slow "
+        "movements. Studies and verdicts leave the rest out."
+    ),
+    "gravity": (
+        "Axis {axis}: gravity acts on this axis, {value:.3g} N times the sine or cosine of its angle. "
+        "Mass and "
+        "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
+    ),
+    "force lag": (
+        "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "
+        "--force-delay for a mass of {mass:.4g} kg (now {fitted_mass:.4g} kg) and a damping of {damping:.4g} "
+        "N·s/m (now {fitted_damping:.4g} N·s/m)."
+    ),
+    "untested spring": (
+        "Axis {axis}: this movement at one frequency cannot show whether a spring pulls the robot to a "
+        "place, "
+        "which you ruled out: each N/m of it would take {mass_per_stiffness:.2g} kg off the mass."
+    ),
+    "unknown lag": (
+        "Axis {axis}: this movement cannot show whether the force is late, and each ms shifts the mass by "
+        "{mass_per_ms:.2g} kg. If force and position are sampled together, say so with --force-delay 0. "
+        "Otherwise excite several frequencies."
+    ),
+    "lags differ": (
+        "The axes disagree about the lag of the force ({names}: {lags}), and the estimates use each "
+        "axis' own. "
+        "Sensors that are sampled together have one lag: look for another force on these axes."
+    ),
+    "lag or coupling": (
+        "Axis {axis}: in this movement a lag of the force ({lag:.2g ms}) and inertia between the axes "
+        "look the "
+        "same. Excite the axes with different movements to see which it is."
+    ),
+    "logs disagree": (
+        "Axis {axis}: the logs disagree about the {parameter} ({values} {unit}) by more than their own "
+        "errors. "
+        "The interval includes this scatter. Did the sensor, its zero or the robot change between them?"
+    ),
     "coupled axes": (
         "The axes are not independent: the force on {axis} includes {inertia:.3g} kg ({low:.3g} to "
         "{high:.3g} kg) times the acceleration on {other}. Verdicts for single axes do not hold for this "
@@ -84,6 +162,11 @@ _MESSAGES = {
         "Axis {axis}: negative {parameters}. Force and position must be positive in the same direction; "
         "--force-scale -1 reverses the force."
     ),
+    "negative friction": (
+        "Axis {axis}: Coulomb friction is negative, {coulomb:.3g} N ({low:.3g} to {high:.3g} N): a "
+        "force in the "
+        "direction of the movement. The robot file has 0. Does a controller compensate for friction?"
+    ),
     "mass close to zero": (
         "Axis {axis}: the mass cannot be distinguished from 0. Excite the robot with more acceleration or "
         "record longer."
@@ -94,7 +177,7 @@ _MESSAGES = {
     ),
     "unexplained force": (
         "Axis {axis}: the model explains only {r_squared:.0f %} of the force. Do position and force belong "
-        "to the same axis? Is friction or an offset missing (--coulomb, --offset)?"
+        "to the same axis?"
     ),
     "many outliers": (
         "Axis {axis}: {share:.0f %} of the samples were rejected as outliers. Look at the residuals "
@@ -109,8 +192,7 @@ _MESSAGES = {
     "cut-off dependence": (
         "Axis {axis}: the {parameter} depends on the cut-off: {value:.3g} {unit} at {cutoff:.3g} Hz, but "
         "{other_value:.3g} {unit} at {other_cutoff:.3g} Hz. The difference is larger than both intervals. "
-        "Check whether the position jumps, whether friction is missing (--coulomb), and the residuals "
-        "(--figure)."
+        "Check whether the position jumps, and the residuals (--figure)."
     ),
     "implausible motion": (
         "Axis {axis} reaches {velocity:.3g} m/s and {acceleration:.3g} m/s², more than a robot held by a "
@@ -150,6 +232,22 @@ class Diagnostic:
 def diagnostic(code: str, **values: Any) -> Diagnostic:
     """Word a warning of an identification: its code selects the sentence, and its values fill it."""
     return Diagnostic(code, values, _QuantityFormatter().format(_MESSAGES[code], **values))
+
+
+def outside_intervals(method: str, logs: int) -> str:
+    """Say what the intervals from a number of logs do not include."""
+    if method == "paper":
+        return "These intervals are not valid."
+    if logs > 1:
+        return (
+            f"The intervals are from {logs} logs and include their scatter. A wrong "
+            f"gain of "
+            "the force or position sensor and what no log excites are outside them."
+        )
+    return (
+        "The intervals are from one log. What changes from log to log, a wrong gain of the force or position "
+        "sensor and what the model leaves out are outside them: identify several logs together."
+    )
 
 
 class _QuantityFormatter(string.Formatter):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_numbers
+from telespring._arrays import as_numbers, unmasked
 from telespring._errors import InvalidInput
 from telespring._types import Delay, FloatArray
 from telespring.model import Arm, DelaySystem, Dyad
@@ -191,7 +191,7 @@ def pose_system(
     >>> system.roots_at_zero  # free handles: both axes have a rigid-body mode
     2
     """
-    (place,) = _pose_positions(np.asarray(position)[np.newaxis])
+    (place,) = _pose_positions(np.asarray(unmasked(position))[np.newaxis])
     return core.pose_system(dyad, arms, stiffness, delay, place, agent_stiffness)
 
 

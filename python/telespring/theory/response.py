@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_vector
+from telespring._arrays import as_vector, unmasked
 from telespring._core import FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve
 from telespring._errors import InvalidInput
 from telespring._types import ComplexArray, Delay
@@ -42,7 +42,7 @@ Convention: TypeAlias = Literal["exact", "paper"]
 
 def _evaluate_over_s_plane(s: ArrayLike, compute: Callable[[ComplexArray], ComplexArray]) -> ComplexArray:
     try:
-        given = np.asarray(s)
+        given = np.asarray(unmasked(s))
         if given.dtype.kind not in "biufc":
             raise TypeError
         points = given.astype(np.complex128, copy=False)

@@ -8,13 +8,21 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.analysis.recordings.layout import DYAD_COLUMNS, INDEX_OPTIONAL, INDEX_REQUIRED, STATUSES, TIME
+from telespring.analysis.recordings.layout import (
+    DYAD_COLUMNS,
+    INDEX_OPTIONAL,
+    INDEX_REQUIRED,
+    SI,
+    STATUSES,
+    TIME,
+)
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from telespring._tables import TextTable
 
 _LAYOUT_HELP = (
     "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
@@ -45,6 +53,20 @@ def check_required_columns(file: str, columns: Sequence[str], required: Sequence
             similar = similar or difflib.get_close_matches(name, columns, n=1)
             value = f"missing; {similar[0]} is there instead" if similar else "missing"
             refuse(f"{file}: {name}", value, f"the column {name} is required")
+
+
+def check_units_below_names(file: str, table: TextTable) -> None:
+    """Refuse a line of units that contradicts the names of its columns."""
+    for column, unit in zip(table.names, table.units, strict=False):
+        given = unit.strip("[](){}<> ")
+        named = [SI[suffix] for suffix in SI if column.endswith(f"_{suffix}")]
+        if given and named and given not in named:
+            refuse(
+                f"{file}: {column}",
+                f"in {given}",
+                f"the name says {named[0]}, and units are not converted",
+                "Convert the numbers, or correct the line of units.",
+            )
 
 
 def check_index_columns(file: str, columns: Sequence[str]) -> None:
@@ -131,17 +153,16 @@ def parse_number(text: str, field: str) -> float:
 
 
 def parse_whole_number(text: str, field: str, remedy: str) -> int:
-    """Parse a whole number of 0 or more of the list of trials."""
-    if not text.isdecimal():
+    """Parse a whole number of 0 or more of the list of trials; a table may write 1 as 1.0."""
+    whole, point, zeros = text.partition(".")
+    if not whole.isdecimal() or zeros.strip("0") or (point and not zeros):
         refuse(field, text or "empty", "a whole number of 0 or more is required", remedy)
-    return int(text)
+    return int(whole)
 
 
-def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str]) -> None:
+def check_recorded_samples(file: str, table: TextTable, columns: Sequence[str]) -> None:
     """Refuse a trial without samples, or with a field that is not a finite number."""
-    import pandas as pd
-
-    if table.empty:
+    if not len(table):
         refuse(
             file,
             "only a header",
@@ -149,29 +170,31 @@ def check_recorded_samples(file: str, table: pd.DataFrame, columns: Sequence[str
             "Remove this trial from the list, or record it again.",
         )
     for column in columns:
-        values = table[column]
-        if values.dtype.kind not in "fi" or not np.isfinite(np.asarray(values, dtype=float)).all():
-            numbers = np.asarray(pd.to_numeric(values, errors="coerce"), dtype=float)
-            line = int(np.argmin(np.isfinite(numbers)))
-            text = str(values.iloc[line])
+        place = table.names.index(column)
+        wrong = np.flatnonzero(~np.isfinite(table.numbers(place)))
+        if wrong.size:
+            text = str(table.columns[place].iloc[int(wrong[0])])
             refuse(
-                f"{file}, line {line + 2}: {column}",
+                f"{file}, line {table.lines[wrong[0]]}: {column}",
                 "empty" if text == "nan" else text,
                 "a number is required in every line",
-                "Remove lines without samples; write decimals with a point.",
+                "Remove lines without samples.",
             )
 
 
-def check_recorded_times(file: str, time: FloatArray) -> None:
-    """Refuse sample times that do not increase, seem to be in ms, start late or leave a long gap."""
+def check_recorded_times(file: str, time: FloatArray, lines: NDArray[np.int_]) -> None:
+    """Refuse sample times that do not increase, seem to be in ms, start late or leave a long gap.
+
+    `lines` are the numbers of their lines in the file.
+    """
     if len(time) < 2:
         refuse(file, f"{len(time)} samples", "at least two are required")
     steps = np.diff(time)
     if not np.all(steps > 0.0):
-        line = int(np.argmax(steps <= 0.0)) + 3
+        later = int(np.argmax(steps <= 0.0)) + 1
         refuse(
-            f"{file}, line {line}: {TIME}",
-            f"{time[line - 2]:.10g} after {time[line - 3]:.10g}",
+            f"{file}, line {lines[later]}: {TIME}",
+            f"{time[later]:.10g} after {time[later - 1]:.10g}",
             "time must increase from line to line",
             "Sort the samples, and remove duplicates.",
         )
@@ -191,9 +214,8 @@ def check_recorded_times(file: str, time: FloatArray) -> None:
             "Subtract the time at which the trial started.",
         )
     if steps.max() > _LONGEST_GAP * step:
-        line = int(np.argmax(steps)) + 3
         refuse(
-            f"{file}, line {line}: {TIME}",
+            f"{file}, line {lines[int(np.argmax(steps)) + 1]}: {TIME}",
             f"{steps.max():.4g} s without a sample",
             f"gaps of up to {_LONGEST_GAP:g} samples ({_LONGEST_GAP * step:.4g} s) are allowed",
             "Remove this trial, or end it before the gap.",

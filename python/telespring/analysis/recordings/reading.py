@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._files import spelt_otherwise
+from telespring._tables import TextTable, read_text_table
 from telespring._types import FloatArray
 from telespring.analysis.recordings import checks
 from telespring.analysis.recordings.assembly import RecordedTrial, TrialEntry, assemble_dataset
 from telespring.analysis.recordings.layout import INDEX, QUANTITIES, STUDY, TARGET, TIME, recorded_columns
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
     from telespring.model import Task
 
 __all__ = ["read_recorded"]
+
+#: Columns of the list of trials that are numbers.
+_NUMBERS = ("stiffness_N_per_m", "delay_s", "trial", "ended_at_s", "seed", "discard_s")
 
 
 def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | None = None) -> xr.Dataset:
@@ -59,26 +63,29 @@ def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] |
     ['UM', 'CM-36-167']
     """
     place = Path(path)
-    index = place / INDEX if place.is_dir() else place
+    index = spelt_otherwise(place / INDEX) if place.is_dir() else place
     trials = [_read_recorded_trial(index.parent, entry) for entry in _read_list_of_trials(index)]
-    study = index.parent / STUDY
-    return assemble_dataset(trials, task, study.read_text(encoding="utf-8") if study.is_file() else None)
+    study = spelt_otherwise(index.parent / STUDY)
+    return assemble_dataset(trials, task, study.read_text(encoding="utf-8-sig") if study.is_file() else None)
 
 
 def _read_list_of_trials(path: Path) -> list[TrialEntry]:
     """Read the list of trials; no trial and no file may be listed twice."""
     table = _read_recorded_csv(path, path.name, text=True)
-    checks.check_index_columns(path.name, list(table.columns))
+    checks.check_index_columns(path.name, table.names)
+    lines = table.lines.tolist()
     entries = [
         _parse_trial_entry(
-            {str(column): str(text).strip() for column, text in row.items()}, f"{path.name}, line {line}"
+            {column: str(text).strip() for column, text in zip(table.names, row, strict=True)},
+            f"{path.name}, line {line}",
+            table.decimal,
         )
-        for line, row in enumerate(table.to_dict("records"), start=2)
+        for line, row in zip(lines, table.columns.itertuples(index=False), strict=True)
     ]
     if not entries:
         checks.refuse(path.name, "no lines", "a line per trial is required")
     listed: dict[str, dict[object, int]] = {"trial": {}, "file": {}}
-    for line, entry in enumerate(entries, start=2):
+    for line, entry in zip(lines, entries, strict=True):
         keys = {"trial": (entry.stiffness, entry.delay, entry.dyad, entry.number), "file": entry.file}
         for column, key in keys.items():
             if key in listed[column]:
@@ -96,8 +103,12 @@ def _read_list_of_trials(path: Path) -> list[TrialEntry]:
     return entries
 
 
-def _parse_trial_entry(row: Mapping[str, str], field: str) -> TrialEntry:
-    """Parse one line of the list of trials."""
+def _parse_trial_entry(texts: Mapping[str, str], field: str, decimal: str) -> TrialEntry:
+    """Parse one line of the list of trials, whose decimals have this mark."""
+    row = {
+        column: text.replace(decimal, ".") if decimal != "." and column in _NUMBERS else text
+        for column, text in texts.items()
+    }
     ended_at: float | None = None
     if "ended_at_s" in row:
         text = row["ended_at_s"]
@@ -120,8 +131,8 @@ def _parse_trial_entry(row: Mapping[str, str], field: str) -> TrialEntry:
 
 def _read_recorded_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
     """Read the samples of one trial from its file."""
-    table = _read_recorded_csv(folder / entry.file, entry.file)
-    present = list(table.columns)
+    table = _read_recorded_csv(spelt_otherwise(folder / entry.file), entry.file)
+    present = table.names
     quantities = [
         quantity
         for quantity in QUANTITIES
@@ -132,45 +143,29 @@ def _read_recorded_trial(folder: Path, entry: TrialEntry) -> RecordedTrial:
     columns += TARGET if has_target else ()
     checks.check_required_columns(entry.file, present, columns)
     checks.check_recorded_samples(entry.file, table, columns)
-    time = np.asarray(table[TIME], dtype=float)
-    checks.check_recorded_times(entry.file, time)
-    series: dict[str, FloatArray] = {
-        quantity: np.asarray(table[list(recorded_columns(quantity))], dtype=float).reshape(-1, 2, 2)
-        for quantity in quantities
-    }
+    numbers = {column: table.numbers(present.index(column)) for column in columns}
+    time = numbers[TIME]
+    checks.check_recorded_times(entry.file, time, table.lines)
+
+    def stack(names: Sequence[str]) -> FloatArray:
+        return np.column_stack([numbers[name] for name in names])
+
+    series = {quantity: stack(recorded_columns(quantity)).reshape(-1, 2, 2) for quantity in quantities}
     if has_target:
-        series["target"] = np.asarray(table[list(TARGET)], dtype=float)
+        series["target"] = stack(TARGET)
     if entry.status == "completed":
         for quantity in series.keys() & {"position", "target"}:
             checks.check_recorded_metres(entry.file, quantity, series[quantity])
     return RecordedTrial(entry, time, series)
 
 
-def _read_recorded_csv(path: Path, name: str, *, text: bool = False) -> pd.DataFrame:
+def _read_recorded_csv(path: Path, name: str, *, text: bool = False) -> TextTable:
     """Read a CSV file of recorded trials with its numbers exact, or all as text."""
-    import pandas as pd
-
-    try:
-        if text:
-            table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
-        else:
-            # Since pandas 3.1 decimals are always read exactly, and the option is gone.
-            is_exact = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
-            precision: dict[str, Any] = {} if is_exact else {"float_precision": "round_trip"}
-            table = pd.read_csv(path, encoding="utf-8-sig", **precision)
-    except UnicodeDecodeError:
-        checks.refuse(name, "not UTF-8", "a text file in UTF-8 is required", "Save it as CSV UTF-8.")
-    except pd.errors.EmptyDataError:
-        checks.refuse(name, "empty", "a line of column names and a line per sample are required")
-    except pd.errors.ParserError as error:
-        reason = str(error).removeprefix("Error tokenizing data. C error: ").strip()
-        checks.refuse(name, reason, "every line must have as many fields as there are column names")
-    table.columns = [str(column).strip() for column in table.columns]
-    if len(table.columns) == 1 and ";" in table.columns[0]:
-        checks.refuse(
-            name,
-            "separated by semicolons",
-            "columns must be separated by commas, and decimals written with a point",
-            "Export it with commas between columns and decimal points.",
-        )
+    table = read_text_table(path, name, as_texts=text)
+    if not table.has_names:
+        checks.refuse(name, "no column names", "a line of column names above the numbers is required")
+    for column in table.names:
+        if column and table.names.count(column) > 1:
+            checks.refuse(f"{name}: {column}", "twice", "every column name may stand only once")
+    checks.check_units_below_names(name, table)
     return table

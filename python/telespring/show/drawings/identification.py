@@ -47,7 +47,7 @@ def draw_regression(robots: Sequence[tuple[str, Identification]]) -> Figure:
             RegressionPanel(
                 label=f"{name}, axis {axis.axis}",
                 time=robot.signals.time,
-                measured=robot.signals.force[axis.signals_index],
+                measured=axis.measured_force,
                 estimated=axis.estimated_force,
                 residual=axis.residual,
                 velocity=robot.signals.velocity[axis.signals_index],

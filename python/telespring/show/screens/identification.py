@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from telespring.identification.cutoff import CUTOFF_RULE
+from telespring.identification.warning_messages import UNITS
 from telespring.show.quantities import format_estimate
 
 if TYPE_CHECKING:
@@ -17,10 +18,15 @@ if TYPE_CHECKING:
 __all__ = ["identification_screen"]
 
 _PARAMETERS = {
-    "mass": ("mass", "kg"),
-    "damping": ("damping", "N·s/m"),
-    "coulomb": ("Coulomb friction", "N"),
-    "offset": ("offset", "N"),
+    "mass": "mass",
+    "damping": "damping",
+    "stiffness": "spring",
+    "coulomb": "Coulomb friction",
+    "offset": "offset",
+    "drag": "drag, times v|v|",
+    "stiction": "stiction",
+    "gravity_sine": "gravity, sine",
+    "gravity_cosine": "gravity, cosine",
 }
 
 
@@ -33,8 +39,11 @@ def identification_screen(identification: Identification, title: str) -> Rendera
             f"{identification.samples[0]} samples at {identification.rate:.5g} Hz; "
             f"{identification.samples[1]} used after filtering at {identification.cutoff:.4g} Hz ({source})."
         ),
+        *_force_lag_statement(identification),
+        *_log_table(identification),
         _identification_method_statement(identification),
         *_axis_independence_statement(identification),
+        Text(identification.outside_intervals),
         *(Text.assemble(("Warning: ", "bold yellow"), warning) for warning in identification.warnings),
     )
 
@@ -47,11 +56,49 @@ def _identified_estimate_table(identification: Identification, title: str) -> Ta
     for axis in identification.axes:
         quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
         for key, estimate in axis.estimates.items():
-            name, unit = _PARAMETERS[key]
+            name, unit = _PARAMETERS[key], UNITS[key]
             value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
             table.add_row(quality[0], name, f"{value} {unit}", interval, *quality[1:])
             quality = "", "", ""
     return table
+
+
+def _force_lag_statement(identification: Identification) -> list[Text]:
+    """Say by how much the force was late, where that was estimated; the estimates allow for it."""
+    shifts = {axis.axis: axis.time_shift for axis in identification.axes if axis.time_shift is not None}
+    estimated = {name: shift for name, shift in shifts.items() if shift.standard_error > 0.0}
+    if not estimated:
+        return []
+    distinct = set(estimated.values())
+    lines = []
+    for name, shift in estimated.items():
+        value, interval = format_estimate(
+            1e3 * shift.value, 1e3 * shift.standard_error, (1e3 * shift.interval[0], 1e3 * shift.interval[1])
+        )
+        of_axis = "" if len(distinct) == 1 else f" on {name}"
+        lines.append(
+            Text(f"Lag of the force{of_axis}: {value} ms ({interval} ms); the estimates allow for it.")
+        )
+    return lines[:1] if len(distinct) == 1 else lines
+
+
+def _log_table(identification: Identification) -> list[RenderableType]:
+    """Show the mass and damping that each log gives alone, where there are several."""
+    if not identification.logs:
+        return []
+    table = Table(box=None, pad_edge=False, title_justify="left", title="Each log alone")
+    table.add_column("log")
+    for axis in identification.axes:
+        table.add_column(f"mass {axis.axis}, kg", justify="right")
+        table.add_column(f"damping {axis.axis}, N·s/m", justify="right")
+    for number, log in enumerate(identification.logs, start=1):
+        cells = []
+        for axis in log.axes:
+            for estimate in (axis.mass, axis.damping):
+                value, _ = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
+                cells.append(value)
+        table.add_row(str(number), *cells)
+    return [table]
 
 
 def _identification_method_statement(identification: Identification) -> Text:
