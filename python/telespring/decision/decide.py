@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.theory.criteria import Crossing, decay_stiffness, minimum_damping
+from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, Tier, Verdict, Verdicts, verdicts
 
 if TYPE_CHECKING:
@@ -84,9 +84,8 @@ class AxisDecision:
     @property
     def stable(self) -> bool:
         """Whether the delay is stable for every operator, under sampled controllers too if they sample."""
-        sampled = self.verdict.sampled
         continuous = next(tier.satisfied for tier in self.verdict.tiers if tier.tier == "constant delay")
-        return continuous and (sampled is None or sampled.stable)
+        return continuous and self.verdict.sampled_stable is not False
 
     def _bound(self, name: Tier) -> float:
         bound = next(tier.stiffness_bound for tier in self.verdict.tiers if tier.tier == name)
@@ -106,8 +105,8 @@ class Decision:
     horizon
         Stable intervals are listed up to this one-way delay, s.
     added_damping
-        More than this damping, N·s/m, must be added to both robots for a stable constant delay under
-        continuous controllers; 0 if it is stable now, infinite if no damping suffices.
+        More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
+        stable now, infinite if no damping is known to suffice.
     over_operator_ranges
         Whether operators are ranges: `AxisDecision` says which values are then the worst over them.
     decay_rate
@@ -187,7 +186,12 @@ class Decision:
 
     @property
     def delay_limit(self) -> float:
-        """Every shorter one-way delay is stable under continuous controllers, s; 0 if none is."""
+        """Every shorter one-way delay is stable, s; 0 if none is.
+
+        Under continuous controllers if the dyad is stable, under its own controllers if it is not.
+        """
+        if not self.stable:
+            return self.verdicts.remedies.delay or 0.0
         return min(axis.maximum_delay for axis in self.axes)
 
     @property
@@ -280,9 +284,8 @@ def decide(
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     damping = 0.0
-    if not constant.satisfied:
-        # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        damping = max(judged.remedies.damping or 0.0, minimum_damping(dyad, stiffness, mean))
+    if not constant.satisfied or judged.sampled_stable is False:
+        damping = judged.remedies.damping or math.inf
     certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
     return Decision(
         verdicts=judged,

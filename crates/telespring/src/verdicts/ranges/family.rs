@@ -87,12 +87,12 @@ fn cardinal_sine(x: f64) -> f64 {
 
 impl Hold {
     /// The mean time by which the hold delays a force, s.
-    fn lag(&self) -> f64 {
+    pub(super) fn lag(&self) -> f64 {
         0.5 * self.period + self.computing_time
     }
 
     /// The magnitude of the hold at a frequency up to π/h.
-    fn magnitude(&self, frequency: f64) -> f64 {
+    pub(super) fn magnitude(&self, frequency: f64) -> f64 {
         cardinal_sine(0.5 * frequency * self.period)
     }
 }
@@ -125,7 +125,7 @@ impl SideRange {
     /// Bounds on the alias sums of 1/B, without and with the velocity's weight, up to a frequency: m/N each.
     ///
     /// At ω + 2πl/h, |B| ≥ m ω² − k_h; ζ(2) and ζ(3) bound the sums over l.
-    fn aliases(&self, hold: &Hold, frequency: f64) -> Option<[f64; 2]> {
+    pub(super) fn aliases(&self, hold: &Hold, frequency: f64) -> Option<[f64; 2]> {
         let nearest = TAU / hold.period - frequency;
         let inertia = self.mass.0 * nearest * nearest - self.stiffness.1;
         (inertia > 0.0).then(|| [2.404_114 * frequency / (nearest * inertia), 3.289_869 / inertia])
@@ -333,75 +333,6 @@ impl Family {
         let size = if total > 0.0 { least } else { high * high + c * c * squared.1 };
         let product = first * second;
         total * size + product * if product > 0.0 { squared.0 } else { squared.1 } > 0.0
-    }
-
-    /// Whether no root lies on the axis up to a low frequency: both factors 1 + B/(HC) have positive real and
-    /// imaginary parts there, while e^(−jωT) lags by less than half a turn.
-    fn is_slow_motion_stable(&self, cell: &Cell, round_trip: (f64, f64)) -> bool {
-        let (frequency, c) = (cell.frequency.1, self.coupling_damping);
-        let squared = frequency * frequency;
-        if frequency * round_trip.1 >= PI || cell.stiffness.0 <= 0.0 {
-            return false;
-        }
-        let damped = self.sides.iter().any(|side| side.damping.0 + cell.added.0 > 0.0);
-        if !damped && c == 0.0 && round_trip.0 == 0.0 {
-            return false;
-        }
-        if c > 0.0 {
-            return self.hold.is_none() && self.is_slow_damper_stable(cell);
-        }
-        let Some(Hold { period, .. }) = self.hold else {
-            return self.sides.iter().all(|side| side.mass.1 * squared < cell.stiffness.0);
-        };
-        let hold = self.hold.expect("sampled");
-        let lag = hold.lag();
-        let angle = frequency * lag;
-        if angle >= 1.0 || frequency * period >= 1.0 {
-            return false;
-        }
-        self.sides.iter().all(|side| {
-            let Some([alias, _]) = side.aliases(&hold, frequency) else { return false };
-            let damping = (side.damping.0 + cell.added.0, side.damping.1 + cell.added.1);
-            // Both conditions are concave in the operator's stiffness: its ends decide.
-            [side.stiffness.0, side.stiffness.1].into_iter().all(|ground| {
-                let open = ground + side.mass.1 * squared + frequency * damping.1;
-                let share = open * alias;
-                if share >= 0.5 {
-                    return false;
-                }
-                let error = open * share / (1.0 - share);
-                let imaginary = ground * lag * angle.cos() - side.mass.1 * squared * lag
-                    + damping.0 * angle.cos()
-                    - error / frequency;
-                let real = cell.stiffness.0 * hold.magnitude(frequency) + ground * angle.cos()
-                    - side.mass.1 * squared
-                    - frequency * damping.1 * angle
-                    - error;
-                imaginary > 0.0 && real > 0.0
-            })
-        })
-    }
-
-    /// The same with a coupling damper: operators so stiff that they turn the factor's imaginary part negative
-    /// make it larger than 1 instead.
-    fn is_slow_damper_stable(&self, cell: &Cell) -> bool {
-        let (frequency, c) = (cell.frequency.1, self.coupling_damping);
-        let squared = frequency * frequency;
-        let (low, high) = cell.stiffness;
-        if self.sides.iter().any(|side| side.mass.1 * squared >= low) {
-            return false;
-        }
-        let lead = (1.0 + (c * frequency / low).powi(2)).sqrt();
-        [0, 1].into_iter().all(|i| {
-            let (own, other) = (&self.sides[i], &self.sides[1 - i]);
-            let turning = (own.damping.0 + cell.added.0) * low / c;
-            if own.stiffness.1 <= turning {
-                return turning > 0.0;
-            }
-            let excess = turning - own.mass.1 * squared;
-            excess > 0.0
-                && (1.0 + excess / high) * (1.0 - other.mass.1 * squared / low) > lead * lead * (1.0 + 1e-12)
-        })
     }
 
     /// The values of both sides (mass, damping, stiffness) whose factors these are, as near as the range allows.

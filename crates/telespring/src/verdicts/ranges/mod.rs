@@ -8,10 +8,12 @@
 //! |---|---|
 //! | `value_set` | whether the products of two rectangles reach a number |
 //! | `family` | the rectangles of all operators over a cell of frequencies and parameters |
+//! | `slow_motion` | the lowest frequencies, with the rigid-body motion |
 //! | `search` | branch and bound for the first root |
 
 mod family;
 mod search;
+mod slow_motion;
 mod value_set;
 
 pub(super) use family::{Family, Hold, SideRange};

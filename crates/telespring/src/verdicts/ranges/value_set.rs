@@ -196,14 +196,21 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         let (mut reached, mut missed) = (0, 0);
-        for _ in 0..400 {
+        for case in 0..400 {
             let mut interval = |low: f64, size: f64| {
                 let start = low + (3.0 - low) * random();
-                (start, start + size * random() * random())
+                (start, start + size * random())
             };
             let first = rectangle(interval(-3.0, 4.0), interval(0.0, 1.0));
             let second = rectangle(interval(-3.0, 4.0), interval(0.0, 1.0));
-            let target = Complex64::from_polar(1.0 + 3.0 * random(), std::f64::consts::TAU * random());
+            // Every other target is the product of two numbers in or next to the rectangles.
+            let mut near = |rectangle: &Rectangle| {
+                let mut part = |(low, high): (f64, f64)| low - 0.1 + (high - low + 0.2) * random();
+                Complex64::new(part(rectangle.real), part(rectangle.imaginary))
+            };
+            let product = near(&first) * near(&second);
+            let turn = if case % 2 == 0 { 1.0 } else { 2.0 * random() };
+            let target = product * Complex64::from_polar(1.0, turn - 1.0);
             const POINTS: u32 = 160;
             let part =
                 |(low, high): (f64, f64), i: u32| low + (high - low) * f64::from(i) / f64::from(POINTS);
