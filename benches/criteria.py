@@ -59,6 +59,13 @@ def rows(effort: Effort, rust: RustSide | None) -> Iterator[Row]:
         )
         yield Row(
             VERDICTS,
+            "ours: Rust verdicts and remedies over all grips, sampled",
+            rust.timing("criteria/hman/verdicts-over-grips"),
+            ours=True,
+            target_seconds=0.5,
+        )
+        yield Row(
+            VERDICTS,
             "ours: Rust critical stiffness, axis x",
             rust.timing("criteria/hman/critical-stiffness"),
             ours=True,

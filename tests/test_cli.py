@@ -251,6 +251,27 @@ def test_law_the_worst_operator_decides_not_the_middle_one(tmp_path: Path) -> No
     assert answered(file, "--stiffness", softer)["stable"]
 
 
+# The operators at the corners and in the middle of these ranges are stable; some between them are not.
+WORST_INSIDE = """
+robot1 = {mass = 1.76, damping = 0.6}
+robot2 = {mass = 1.14, damping = 5.8}
+operator1.stiffness = {min = 49.8, max = 351}
+operator2.stiffness = {min = 34.9, max = 270}
+coupling.stiffness = 20.0
+network.delay = 0.502
+"""
+
+
+def test_law_the_worst_operator_inside_a_range_decides(tmp_path: Path) -> None:
+    file = written(tmp_path, WORST_INSIDE)
+    answer = answered(file)
+    assert not answer["stable"]
+    # An operator pair of 118.1 and 57.5 N/m allows 17.15 N/m.
+    assert 16.0 < answer["remedies"]["stiffness"] < 17.16
+    assert answered(file, "--stiffness", str(0.999 * answer["remedies"]["stiffness"]))["stable"]
+    assert answered(file, "--delay", str(0.999 * answer["remedies"]["delay"]))["stable"]
+
+
 def test_law_jitter_counts_where_a_buffer_makes_the_delay_constant() -> None:
     common = ("--stiffness", "71.2", "--delay", "0.1", "--jitter", "0.1", "--sample-period", "0.001")
     answer = answered(*common)

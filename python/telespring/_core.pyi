@@ -565,6 +565,8 @@ class Verdict(_Record):
         stiffness_bound: float | None,
         attained: bool,
         satisfied: bool,
+        proven: bool,
+        least_found: float | None,
         margin: StiffnessMargin | None,
         worst_axis: int | None,
         worst_operators: tuple[OperatorPoint, OperatorPoint] | None,
@@ -575,6 +577,8 @@ class Verdict(_Record):
     stiffness_bound: Final[float | None]
     attained: Final[bool]
     satisfied: Final[bool]
+    proven: Final[bool]
+    least_found: Final[float | None]
     margin: Final[StiffnessMargin | None]
     worst_axis: Final[int | None]
     worst_operators: Final[tuple[OperatorPoint, OperatorPoint] | None]
@@ -639,12 +643,16 @@ class AxisTier(_Record):
         stiffness_bound: float | None,
         attained: bool,
         satisfied: bool,
+        proven: bool,
+        least_found: float | None,
         operators: tuple[OperatorPoint, OperatorPoint],
     ) -> AxisTier: ...
     tier: Final[Tier]
     stiffness_bound: Final[float | None]
     attained: Final[bool]
     satisfied: Final[bool]
+    proven: Final[bool]
+    least_found: Final[float | None]
     operators: Final[tuple[OperatorPoint, OperatorPoint]]
 
 @final
@@ -659,6 +667,8 @@ class AxisVerdict(_Record):
         maximum_delay: float,
         sampled: SampledSpectrum | None,
         sampled_stiffness_bound: float | None,
+        sampled_stable: bool | None,
+        sampled_proven: bool | None,
     ) -> AxisVerdict: ...
     name: Final[str]
     grounded: Final[bool]
@@ -668,6 +678,8 @@ class AxisVerdict(_Record):
     maximum_delay: Final[float]
     sampled: Final[SampledSpectrum | None]
     sampled_stiffness_bound: Final[float | None]
+    sampled_stable: Final[bool | None]
+    sampled_proven: Final[bool | None]
 
 @final
 class Remedies(_Record):
@@ -685,12 +697,12 @@ class Verdicts(_Record):
         tiers: tuple[Verdict, ...],
         any_passive_operator: float | None,
         sampled_stable: bool | None,
+        sampled_proven: bool | None,
         paper: PaperVerdict,
         stiffness_allowed: StiffnessAllowed | None,
         stiffness_allowed_behind_buffer: StiffnessAllowed | None,
         delay_budget: tuple[DelayBudget, DelayBudget],
         axes: tuple[AxisVerdict, ...],
-        operators_examined: int,
         remedies: Remedies,
     ) -> Verdicts: ...
     stiffness: Final[float]
@@ -698,12 +710,12 @@ class Verdicts(_Record):
     tiers: Final[tuple[Verdict, ...]]
     any_passive_operator: Final[float | None]
     sampled_stable: Final[bool | None]
+    sampled_proven: Final[bool | None]
     paper: Final[PaperVerdict]
     stiffness_allowed: Final[StiffnessAllowed | None]
     stiffness_allowed_behind_buffer: Final[StiffnessAllowed | None]
     delay_budget: Final[tuple[DelayBudget, DelayBudget]]
     axes: Final[tuple[AxisVerdict, ...]]
-    operators_examined: Final[int]
     remedies: Final[Remedies]
     def tier(self, name: Tier) -> Verdict: ...
 

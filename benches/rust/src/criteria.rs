@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use telespring::verdicts::{Network, verdicts};
+use telespring::verdicts::{Network, OperatorRange, verdicts};
 use telespring::criteria::{critical_stiffness, crossings, maximum_delay, paper_critical_stiffness};
-use telespring::{Delay, DyadAxis, hman};
+use telespring::{Delay, DyadAxis, Operator, hman};
 
 use crate::Bench;
 use crate::timing::Uniform;
@@ -73,6 +73,16 @@ pub fn run(bench: &mut Bench) -> Result<(), Box<dyn Error>> {
     let axis = dyad.axis(0)?;
     bench.time("criteria/hman/critical-stiffness", 1, 1.0, || {
         black_box(critical_stiffness(black_box(&axis)));
+    });
+    // Every operator from a free handle to a firm grip, under sampled controllers, where remedies are needed too.
+    let grip = OperatorRange::new(
+        Operator::free(2),
+        Operator::new(vec![1.5; 2], vec![10.0; 2], vec![300.0; 2])?,
+    )?;
+    let grips = [grip.clone(), grip];
+    let sampled = Network::new(Delay::each_way(0.1)?, 0.0, 0.0, 0.001, 0.0)?;
+    bench.time("criteria/hman/verdicts-over-grips", 1, 1.0, || {
+        let _ = black_box(verdicts(black_box(&dyad), Some(&grips), 142.4, &sampled));
     });
     bench.time("criteria/hman/verdicts", 1, 1.0, || {
         let _ = black_box(verdicts(black_box(&dyad), None, 71.2, &network));

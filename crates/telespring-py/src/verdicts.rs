@@ -114,14 +114,19 @@ record! {
         stiffness_bound,
         /// Whether that stiffness is itself allowed.
         attained,
-        /// Whether the requested stiffness satisfies the rule on every axis, for every operator examined. A
-        /// constant delay may be stable above the bound, in a later stable interval.
+        /// Whether the requested stiffness is proven to satisfy the rule on every axis, for every operator of the
+        /// range. A constant delay may be stable above the bound, in a later stable interval.
         satisfied,
+        /// Whether the search over a range of operators decided. If not, `satisfied` is False; the bounds of tiers 2
+        /// to 4 hold all the same, but may be far below `least_found`.
+        proven,
+        /// The smallest bound found for a single pair of operators, N/m; None where none was computed.
+        least_found,
         /// How far the stiffness is from the bound; None without a bound.
         margin,
         /// The axis with the smallest bound, counted from 0.
         worst_axis,
-        /// The operators with the smallest bound on that axis.
+        /// The operators on that axis whose own bound is `least_found`.
         worst_operators,
         /// "met", "met behind playout buffer" or "not met": whether the network fulfils the assumption of the
         /// tier, as it is or only behind a buffer that delays every packet equally.
@@ -220,9 +225,13 @@ record! {
         stiffness_bound,
         /// Whether that stiffness is itself allowed.
         attained,
-        /// Whether the requested stiffness satisfies the rule, for every operator examined.
+        /// Whether the requested stiffness is proven to satisfy the rule, for every operator of the range.
         satisfied,
-        /// The operators with the smallest bound.
+        /// Whether the search over a range of operators decided.
+        proven,
+        /// The smallest bound found for a single pair of operators, N/m; None where none was computed.
+        least_found,
+        /// The operators with that bound.
         operators,
     }
 }
@@ -240,19 +249,24 @@ record! {
         paper_critical_stiffness,
         /// Eq. 6 of the paper, s; 0 if its Eq. 9 fails.
         paper_maximum_delay,
-        /// End of the first stable interval, s, the shortest over the operators examined.
+        /// Every shorter one-way delay, s, is stable for every operator.
         maximum_delay,
-        /// The slowest multiplier under sampled controllers, the worst over the operators; None without a
+        /// The slowest multiplier under sampled controllers, the worst of the operators examined; None without a
         /// sample period.
         sampled,
-        /// The stiffness, N/m, at most the bound of tier 4, below which every stiffness is stable under sampled
-        /// controllers; None without a sample period.
+        /// The largest stiffness, N/m, at most the bound of tier 4, up to which the sampled dyad is stable for
+        /// every operator.
         sampled_stiffness_bound,
+        /// Whether the requested stiffness is proven to be stable under sampled controllers for every operator.
+        sampled_stable,
+        /// Whether the search over a range of operators decided, and the bound is at most 5 % low.
+        sampled_proven,
     }
 }
 
 record! {
-    /// Single changes that each make the constant delay stable.
+    /// Single changes that each make the constant delay stable, and the sampled dyad if there is a sample period, for
+    /// every operator of the range.
     Remedies(core::Remedies) {
         /// Lower the stiffness below this, N/m.
         stiffness,
@@ -278,9 +292,11 @@ record! {
         /// The bound of tier 2 from the robots' own damping, N/m: it holds for every passive operator. None
         /// with a coupling damper.
         any_passive_operator,
-        /// Whether the sampled dyad is stable at this constant delay on every axis; None without a sample
-        /// period.
+        /// Whether the sampled dyad is proven to be stable at this constant delay on every axis, for every operator;
+        /// None without a sample period.
         sampled_stable,
+        /// Whether the search over a range of operators decided; None without a sample period.
+        sampled_proven,
         /// The paper's verdict.
         paper,
         /// The largest stiffness over the tiers whose assumption the network fulfils without a buffer. Tiers 3
@@ -292,9 +308,7 @@ record! {
         delay_budget,
         /// Every axis.
         axes,
-        /// How many pairs of operators were examined per axis; 1 without a range.
-        operators_examined,
-        /// What to change, where tier 4 is not satisfied.
+        /// What to change, where tier 4 is not satisfied or the sampled dyad is not stable.
         remedies,
     }
     methods {

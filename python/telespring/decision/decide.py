@@ -109,9 +109,8 @@ class AxisDecision:
     @property
     def stable(self) -> bool:
         """Whether the delay is stable for every operator, under sampled controllers too if they sample."""
-        sampled = self.verdict.sampled
         continuous = next(tier.satisfied for tier in self.verdict.tiers if tier.tier == "constant delay")
-        return continuous and (sampled is None or sampled.stable)
+        return continuous and self.verdict.sampled_stable is not False
 
     def _bound(self, name: Tier) -> float:
         bound = next(tier.stiffness_bound for tier in self.verdict.tiers if tier.tier == name)
@@ -138,7 +137,7 @@ class Decision:
         operators for the worst case, and judged over the ranges up to twice the delay.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
-        stable now, infinite if no damping suffices.
+        stable now, infinite if no damping is known to suffice.
     over_operator_ranges
         Whether operators are ranges.
     decay_rate
@@ -181,7 +180,7 @@ class Decision:
     def status(self) -> Status:
         """The answer in one word: "stable", "marginal", "unstable" or "not proven"."""
         if not self.stable:
-            return "unstable"
+            return "unstable" if self.is_instability_proven else "not proven"
         if not self.is_proven:
             return "not proven"
         return "stable" if self.keeps_reserve else "marginal"
@@ -192,6 +191,15 @@ class Decision:
         sampled = (axis.verdict.sampled for axis in self.axes)
         counted = all(each is None or each.certificate != "incomplete" for each in sampled)
         return counted and self.axes_independent is not False
+
+    @property
+    def is_instability_proven(self) -> bool:
+        """Whether some operator is unstable, or without ranges the dyad is; otherwise the search was cut off."""
+        constant = self.verdicts.tier("constant delay")
+        sampled = (axis.verdict.sampled for axis in self.axes)
+        return (not constant.satisfied and constant.proven) or any(
+            each is not None and not each.stable for each in sampled
+        )
 
     @property
     def keeps_reserve(self) -> bool:
@@ -351,7 +359,7 @@ def decide(
         keeps_stiffness_reserve=question.keeps_stiffness_reserve(judged),
         keeps_delay_reserve=question.keeps_delay_reserve(judged, longest),
         delay_limit=longest,
-        added_damping=0.0 if is_stable(judged) else question.added_damping(judged),
+        added_damping=0.0 if is_stable(judged) else judged.remedies.damping or math.inf,
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
         decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(worst, mean, decay_rate)),

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 from telespring._core import check_usual
 from telespring.decision.reserve import RESERVE
-from telespring.decision.sampled_limits import damped, enough, first_change
+from telespring.decision.sampled_limits import damped, first_change
 from telespring.model import Dyad, Network, Operator, OperatorRange
-from telespring.theory.criteria import minimum_damping
 from telespring.theory.verdicts import AxisTier, AxisVerdict, Verdicts, verdicts
 
 __all__ = [
@@ -195,44 +194,6 @@ class Question:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if stable(middle) else (low, middle)
         return low
-
-    def added_damping(self, judged: Verdicts) -> float:
-        """Return the damping, N·s/m, of which more must be added to both robots to be stable."""
-        constant = self.at_delay(constant_delay(judged))
-        mean = 0.5 * sum(constant_delay(judged))
-        # An axis that is stable now may, with more damping, be so in a later stable interval only.
-        held = self.held_by(judged)
-        least = max(judged.remedies.damping or 0.0, minimum_damping(held, judged.stiffness, mean))
-        if self.network.sample_period == 0.0 or math.isinf(least):
-            return least
-        worst = replace(constant, dyad=held, operator_ranges=None)
-        slower = damped(held, -judged.stiffness * self.lag)
-        if slower is not None:
-            least = max(least, 0.999 * minimum_damping(slower, judged.stiffness, mean + self.lag))
-
-        def stable(question: Question, damping: float) -> bool:
-            more = damped(question.dyad, damping)
-            assert more is not None  # it is damped more, not less
-            return is_stable(replace(question, dyad=more).judge(judged.stiffness))
-
-        added = enough(lambda damping: stable(worst, damping), least)
-        if self.operator_ranges is None or math.isinf(added):
-            return added
-        if stable(constant, added):
-            return added
-        # Another pair of operators is worse with sampled controllers.
-        step = 0.02 * float(max(robot.damping.max() for robot in self.dyad.robots))
-        low, high = added, 2.0 * added + step
-        for _ in range(_TRIES_OVER_RANGES):
-            if stable(constant, high):
-                break
-            low, high = high, 2.0 * high + step
-        else:
-            return math.inf
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if stable(constant, middle) else (middle, high)
-        return high
 
 
 def refuse_unusual(

@@ -1,4 +1,4 @@
-"""Delay and damping that are stable with sampled controllers: found by search, and judged where they end."""
+"""Delays that are stable with sampled controllers: found by search, and judged where they end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from telespring.model import Dyad, Robot
 
-__all__ = ["damped", "enough", "first_change"]
+__all__ = ["damped", "first_change"]
 
 #: The delays on which the first change is sought before it is narrowed down.
 _GRID = 16
@@ -37,28 +37,6 @@ def first_change(is_stable: Callable[[float], bool], end: float, halvings: int =
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_stable(middle) else (low, middle)
     return low
-
-
-def enough(is_stable: Callable[[float], bool], least: float, halvings: int = _HALVINGS) -> float:
-    """Return a value from `least` on that is stable, nearly the smallest; infinite if none is found.
-
-    Examples
-    --------
-    >>> round(enough(lambda value: value > 3.0, 2.9), 2), enough(lambda value: False, 1.0)
-    (3.0, inf)
-    """
-    high = least
-    for _ in range(12):
-        if is_stable(high):
-            break
-        high = 1.25 * high + 1e-3
-    else:
-        return math.inf
-    low = least
-    for _ in range(halvings):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if is_stable(middle) else (middle, high)
-    return high
 
 
 def damped(dyad: Dyad, damping: float) -> Dyad | None:

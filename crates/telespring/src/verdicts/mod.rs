@@ -11,30 +11,36 @@
 //! network meets.
 
 mod any_network;
+mod any_network_range;
+mod axis_tiers;
 mod bounded_delay;
 mod contour;
 mod gain;
 mod network;
 mod operators;
 mod paper;
+mod ranges;
+mod remedies;
 mod sampled;
 mod sampled_characteristic;
 mod sampled_gain;
 mod sampled_line;
+mod sampled_range;
 mod sampled_roots;
 mod zero_order_hold;
 
+pub use axis_tiers::AxisTier;
 pub use network::{DelayBudget, Network};
-pub use operators::{AxisTier, OperatorPoint, OperatorRange};
+pub use operators::{OperatorPoint, OperatorRange};
 pub use paper::PaperVerdict;
+pub use remedies::Remedies;
 pub use sampled::sampled_spectral_radius;
 pub use sampled_roots::{SampledCertificate, SampledSpectrum};
 
-use operators::{ExaminedTiers, OperatorBox};
+use operators::OperatorBox;
 
-use crate::criteria::{maximum_delay, minimum_damping};
 use crate::error::{InvalidInput, Result};
-use crate::model::{Dyad, DyadAxis};
+use crate::model::Dyad;
 use crate::quantity;
 
 /// A tier: one of the four verdicts, named by what the network may do.
@@ -116,14 +122,19 @@ pub struct Verdict {
     pub stiffness_bound: Option<f64>,
     /// True if the bound itself is allowed.
     pub attained: bool,
-    /// True if the given stiffness satisfies the rule on every axis for every operator examined. A constant
-    /// delay (tier 4) may be stable above the bound, in a later stable interval.
+    /// True if the given stiffness is proven to satisfy the rule on every axis for every operator of the range. A
+    /// constant delay (tier 4) may be stable above the bound, in a later stable interval.
     pub satisfied: bool,
+    /// False if a search over the range of operators was cut off, or the tier has no exact rule over a range.
+    /// The bound holds for tiers 2 to 4 nevertheless, but may be far below `least_found`.
+    pub proven: bool,
+    /// The smallest bound found for a single pair of operators, N/m: no bound over the range is larger.
+    pub least_found: Option<f64>,
     /// The margin of the given stiffness to the bound.
     pub margin: Option<StiffnessMargin>,
     /// The axis with the smallest bound.
     pub worst_axis: Option<usize>,
-    /// The operators with the smallest bound on that axis.
+    /// The operators on that axis whose own bound is `least_found`.
     pub worst_operators: Option<[OperatorPoint; 2]>,
     /// Whether the network meets the assumption of the tier.
     pub assumption: Assumption,
@@ -142,17 +153,6 @@ pub struct Allowed {
     pub tier: Tier,
 }
 
-/// Alternative changes that make the constant delay (tier 4) stable.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Remedies {
-    /// A stiffness below this, N/m.
-    pub stiffness: Option<f64>,
-    /// A mean one-way delay below this, s.
-    pub delay: Option<f64>,
-    /// More added damping per robot than this, N·s/m.
-    pub damping: Option<f64>,
-}
-
 /// The verdicts on one axis in detail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisVerdict {
@@ -166,14 +166,19 @@ pub struct AxisVerdict {
     pub paper_critical_stiffness: f64,
     /// The paper's maximum delay (Eq. 6), s; 0 if its Eq. 9 fails.
     pub paper_maximum_delay: f64,
-    /// The end of the first stable delay interval, s; the smallest over the operators examined.
+    /// Every shorter one-way delay (s) is stable for every operator: the end of the first stable interval.
     pub maximum_delay: f64,
-    /// The slowest multiplier under sampled controllers, over the corners of the operator box and the worst
-    /// operators of tier 4; `None` without a sample period.
+    /// The slowest multiplier under sampled controllers, the worst over the operators with the smallest bounds,
+    /// the weakest and the middle ones; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
-    /// The stiffness (N/m), up to the bound of tier 4, below which every stiffness is stable under sampled
-    /// controllers, over the corners of the operator box and the worst operators of tier 4.
+    /// The largest stiffness (N/m), up to the bound of tier 4, that is stable under sampled controllers for every
+    /// operator.
     pub sampled_stiffness_bound: Option<f64>,
+    /// True if the given stiffness is proven to be stable under sampled controllers for every operator.
+    pub sampled_stable: Option<bool>,
+    /// False if the search over the range of operators was cut off before it decided, or the bound may be more than
+    /// 5 % low.
+    pub sampled_proven: Option<bool>,
 }
 
 /// The four verdicts, the paper's verdict and the conclusions.
@@ -187,9 +192,11 @@ pub struct Verdicts {
     pub tiers: [Verdict; 4],
     /// The bound of tier 2 from the robots' own damping, N/m, valid for every passive operator.
     pub any_passive_operator: Option<f64>,
-    /// True if the sampled dyad is stable at this constant delay on every axis; `None` without a sample
-    /// period.
+    /// True if the sampled dyad is proven to be stable at this constant delay on every axis for every operator;
+    /// `None` without a sample period.
     pub sampled_stable: Option<bool>,
+    /// False if a search over the range of operators was cut off before it decided.
+    pub sampled_proven: Option<bool>,
     /// The paper's verdict.
     pub paper: PaperVerdict,
     /// The largest stiffness bound over the tiers whose assumption the network meets without a buffer.
@@ -201,9 +208,7 @@ pub struct Verdicts {
     pub delay_budget: [DelayBudget; 2],
     /// The verdicts per axis.
     pub axes: Vec<AxisVerdict>,
-    /// The number of operator pairs examined per axis; 1 without a range.
-    pub operators_examined: usize,
-    /// Changes that would satisfy tier 4, if it is not satisfied.
+    /// Changes that would make the dyad stable, if tier 4 is not satisfied or the sampled dyad is not stable.
     pub remedies: Remedies,
 }
 
@@ -216,8 +221,10 @@ impl Verdicts {
 
 /// The four verdicts on a dyad at a stiffness (N/m) over a network.
 ///
-/// With `operators` every verdict is the worst over both ranges, which replace the dyad's own operators:
-/// exactly for tiers 1 and 2, over corners and a refined grid for tiers 3 and 4.
+/// With `operators` every verdict holds for all operators of both ranges, which replace the dyad's own. Tiers 1 and 2
+/// have a known worst operator; for tiers 3 and 4 and the sampled dyad a search excludes roots on the imaginary
+/// axis for the whole range at once. Only tier 1 of sampled controllers with grounded operators or a
+/// coupling damper has no proof over a range: see [`Verdict::proven`].
 ///
 /// # Errors
 ///
@@ -244,23 +251,22 @@ pub fn verdicts(
 ) -> Result<Verdicts> {
     let k = quantity::STIFFNESS.check("stiffness", stiffness)?;
     check_ranges(dyad, operators)?;
-    let count = dyad.axis_names().len();
-    let mut axes = Vec::with_capacity(count);
-    let mut remedies = Remedies::default();
-    let mut operators_examined = 0;
-    for index in 0..count {
-        let region = OperatorBox::new(dyad, operators, index);
-        let examined = operators::examine_tiers(&region, network, k)?;
-        operators_examined = operators_examined.max(examined.count);
-        axes.push(axis_verdict(dyad, index, &region, &examined, network, k, &mut remedies)?);
-    }
+    let regions: Vec<OperatorBox> =
+        (0..dyad.axis_names().len()).map(|index| OperatorBox::new(dyad, operators, index)).collect();
+    let axes = dyad
+        .axis_names()
+        .iter()
+        .zip(&regions)
+        .map(|(name, region)| axis_verdict(name, region, network, k))
+        .collect::<Result<Vec<_>>>()?;
     let tiers = Tier::ALL.map(|tier| worst_axis(&axes, tier, network, k));
-    if tiers[3].satisfied {
-        remedies = Remedies::default();
+    let is_sampled = network.sample_period() > 0.0;
+    let sampled_stable = is_sampled.then(|| axes.iter().all(|axis| axis.sampled_stable == Some(true)));
+    let remedies = if tiers[3].satisfied && sampled_stable != Some(false) {
+        Remedies::default()
     } else {
-        let bound = tiers[3].stiffness_bound.filter(|&bound| bound > 0.0);
-        remedies.stiffness = bound;
-    }
+        remedies::remedies(&regions, &axes, network, k)?
+    };
     let paper = paper_verdict(&axes, network, k, tiers[3].satisfied);
     let sampled_bound =
         axes.iter().filter_map(|axis| axis.sampled_stiffness_bound).fold(f64::INFINITY, f64::min);
@@ -269,14 +275,13 @@ pub fn verdicts(
         network: *network,
         tiers,
         any_passive_operator: any_passive_operator(dyad, network),
-        sampled_stable: (network.sample_period() > 0.0)
-            .then(|| axes.iter().all(|axis| axis.sampled.is_some_and(|sampled| sampled.is_stable()))),
+        sampled_stable,
+        sampled_proven: is_sampled.then(|| axes.iter().all(|axis| axis.sampled_proven == Some(true))),
         paper,
         stiffness_allowed: largest_allowed(&tiers, sampled_bound, false),
         stiffness_allowed_behind_buffer: largest_allowed(&tiers, sampled_bound, true),
         delay_budget: network.budget(),
         axes,
-        operators_examined,
         remedies,
     })
 }
@@ -298,60 +303,33 @@ fn check_ranges(dyad: &Dyad, operators: Option<&[OperatorRange; 2]>) -> Result<(
     Ok(())
 }
 
-/// The verdicts on one axis; tightens the remedies where tier 4 is not satisfied.
-fn axis_verdict(
-    dyad: &Dyad,
-    index: usize,
-    region: &OperatorBox,
-    examined: &ExaminedTiers,
-    network: &Network,
-    k: f64,
-    remedies: &mut Remedies,
-) -> Result<AxisVerdict> {
-    let nominal = region.axis(&examined.worst_constant);
-    let mut held: Vec<DyadAxis> = region.corners().iter().map(|corner| region.axis(corner)).collect();
-    if !held.contains(&nominal) {
-        held.push(nominal);
-    }
-    let delay = network.buffered_mean();
-    let mut shortest = f64::INFINITY;
-    let mut sampled: Option<SampledSpectrum> = None;
-    for axis in &held {
-        shortest = shortest.min(maximum_delay(axis, k)?);
-        if network.sample_period() > 0.0 {
-            let spectrum = sampled_spectral_radius(axis, k, network)?;
-            if sampled.is_none_or(|worst| spectrum.radius > worst.radius) {
-                sampled = Some(spectrum);
-            }
-        }
-        if !examined.tiers[3].satisfied {
-            let added = minimum_damping(axis, k, delay)?;
-            let added = added.max(remedies.damping.unwrap_or(0.0));
-            remedies.damping = (added > 0.0).then_some(added);
-        }
-    }
-    if !examined.tiers[3].satisfied {
-        remedies.delay = (shortest > 0.0)
-            .then(|| remedies.delay.unwrap_or(f64::INFINITY).min(shortest))
-            .filter(|d| d.is_finite());
-    }
-    let sampled_stiffness_bound = sampled.map(|_| {
-        let limit = examined.tiers[3].stiffness_bound.unwrap_or(f64::INFINITY);
-        // The nominal axis first: it is often the worst, and a lower limit shortens the other searches.
-        let nominal_bound = sampled::stiffness_bound(&nominal, network, limit);
-        held.iter()
-            .filter(|&axis| *axis != nominal)
-            .fold(nominal_bound, |bound, axis| sampled::stiffness_bound(axis, network, bound))
-    });
+/// The verdicts on one axis.
+fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> Result<AxisVerdict> {
+    let constant = axis_tiers::constant_delay_tiers(region, network.buffered_mean(), k)?;
+    let [third, fourth] = constant.tiers;
+    let nominal = region.axis(&constant.worst);
+    let held = if network.sample_period() > 0.0 {
+        let limit = fourth.stiffness_bound.unwrap_or(f64::INFINITY);
+        Some(sampled_range::sampled_axis(region, &constant.worst, limit, network, k)?)
+    } else {
+        None
+    };
     Ok(AxisVerdict {
-        name: dyad.axis_names()[index].clone(),
-        grounded: held.iter().any(|axis| !axis.is_free()),
-        tiers: examined.tiers,
+        name: name.to_owned(),
+        grounded: region.has_grounded(),
+        tiers: [
+            axis_tiers::any_network_tier(region, network, k),
+            axis_tiers::bounded_delay_tier(region, network, k),
+            third,
+            fourth,
+        ],
         paper_critical_stiffness: paper::critical_stiffness(&nominal)?,
         paper_maximum_delay: paper::maximum_delay(&nominal, k)?,
-        maximum_delay: shortest,
-        sampled,
-        sampled_stiffness_bound,
+        maximum_delay: constant.maximum_delay,
+        sampled: held.as_ref().map(|held| held.spectrum),
+        sampled_stiffness_bound: held.as_ref().map(|held| held.stiffness_bound),
+        sampled_stable: held.as_ref().map(|held| held.is_stable),
+        sampled_proven: held.as_ref().map(|held| held.is_proven),
     })
 }
 
@@ -369,6 +347,8 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
         stiffness_bound: None,
         attained: false,
         satisfied: false,
+        proven: axes.iter().all(|axis| axis.tiers[index].proven),
+        least_found: None,
         margin: None,
         worst_axis: None,
         worst_operators: None,
@@ -389,6 +369,7 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
         if verdict.stiffness_bound.is_none_or(|least| bound < least) {
             verdict.stiffness_bound = Some(bound);
             verdict.attained = here.attained;
+            verdict.least_found = here.least_found;
             verdict.worst_axis = Some(i);
             verdict.worst_operators = Some(here.operators);
             verdict.margin = Some(StiffnessMargin { ratio: bound / k, difference: bound - k });
@@ -444,6 +425,8 @@ fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> 
     tiers
         .iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
+        // Over a range of operators the bound of tier 1 may rest on examples only.
+        .filter(|verdict| verdict.proven || verdict.tier != Tier::AnyNetwork)
         .filter_map(|verdict| {
             let bound = verdict.stiffness_bound?;
             let constant = matches!(verdict.tier, Tier::AnyConstantDelay | Tier::ConstantDelay);

@@ -1,0 +1,159 @@
+//! The dyad under sampled controllers over a range of operators.
+
+use super::operators::{OperatorBox, OperatorPair};
+use super::ranges::{CertifiedBound, Crossing, Family};
+use super::sampled_roots::SampledSpectrum;
+use super::{Network, bounded_delay, sampled, sampled_spectral_radius};
+use crate::error::Result;
+use crate::model::Delay;
+use crate::quantity;
+
+/// The sampled dyad on one axis.
+pub(super) struct SampledAxis {
+    /// The slowest multiplier of the operators examined.
+    pub spectrum: SampledSpectrum,
+    /// The largest stiffness (N/m), up to the bound of tier 4, that is stable for every operator.
+    pub stiffness_bound: f64,
+    /// True if the given stiffness is proven to be stable for every operator.
+    pub is_stable: bool,
+    /// False if the search over the range was cut off, or the bound may be more than 5 % low.
+    pub is_proven: bool,
+}
+
+/// The round trip behind a playout buffer in whole sample periods, s.
+fn held_round_trip(network: &Network) -> f64 {
+    let [forward, backward] = network.whole_ticks();
+    (forward + backward) as f64 * network.sample_period()
+}
+
+/// A stiffness (N/m) up to which every member is stable, from the rule of tier 2 with the samples' ages at this
+/// constant delay; 0 if that rule does not apply.
+fn soft_stiffness(family: &Family, network: &Network) -> f64 {
+    if family.coupling_damping > 0.0 {
+        return 0.0;
+    }
+    let own = network.oldest_own_sample();
+    let ages = network.whole_ticks().map(|ticks| ticks as f64 * network.sample_period() + own);
+    bounded_delay::stiffness_bound(family.sides.map(|side| side.damping.0), ages, own)
+}
+
+/// The bound counts as tight if an operator is unstable at this multiple of it.
+const LOOSE: f64 = 1.05;
+
+/// With a coupling damper the rule of tier 2 is missing: softer springs than this part of the limit are taken to be
+/// as stable as one of them.
+const SOFTEST: f64 = 1e-6;
+
+/// The first stiffness (N/m) up to `limit` at which some member is unstable under sampled controllers.
+fn first_unstable_stiffness(
+    region: &OperatorBox,
+    family: &Family,
+    network: &Network,
+    limit: f64,
+) -> Result<CertifiedBound> {
+    let unknown = CertifiedBound { value: 0.0, sides: None, is_finished: false };
+    let mut start = soft_stiffness(family, network);
+    if family.coupling_damping > 0.0 {
+        start = SOFTEST * limit;
+        let is_known = start.is_finite()
+            && quantity::STIFFNESS.check("stiffness", start).is_ok()
+            && sampled_spectral_radius(&region.axis(&region.middle()), start, network)?.is_stable();
+        if !is_known {
+            return Ok(unknown);
+        }
+    }
+    if start == 0.0 {
+        return Ok(unknown);
+    }
+    if start >= limit {
+        return Ok(CertifiedBound { value: limit, sides: None, is_finished: true });
+    }
+    Ok(family.first_stiffness(Some(held_round_trip(network)), start, limit))
+}
+
+/// The sampled dyad on one axis at a stiffness `k` (N/m). `limit` is the bound of tier 4, with the operators
+/// `worst`.
+pub(super) fn sampled_axis(
+    region: &OperatorBox,
+    worst: &OperatorPair,
+    limit: f64,
+    network: &Network,
+    k: f64,
+) -> Result<SampledAxis> {
+    let nominal = region.axis(worst);
+    let spectrum = sampled_spectral_radius(&nominal, k, network)?;
+    if region.is_point() {
+        return Ok(SampledAxis {
+            spectrum,
+            stiffness_bound: sampled::stiffness_bound(&nominal, network, limit),
+            is_stable: spectrum.is_stable(),
+            is_proven: true,
+        });
+    }
+    let family = region.sampled_family(network);
+    let certified = first_unstable_stiffness(region, &family, network, limit)?;
+    let mut spectrum = spectrum;
+    let found = certified.sides.as_ref().map(|sides| region.operators_of(sides));
+    let above = LOOSE * certified.value;
+    // The aliases of a slow hold may keep the search from seeing how far it could go.
+    let mut is_tight = above >= limit;
+    for at in found.into_iter().chain([*worst, region.weakest_corner(), region.middle()]) {
+        let axis = region.axis(&at);
+        let other = sampled_spectral_radius(&axis, k, network)?;
+        if other.radius > spectrum.radius {
+            spectrum = other;
+        }
+        is_tight = is_tight
+            || quantity::STIFFNESS.check("stiffness", above).is_ok()
+                && !sampled_spectral_radius(&axis, above, network)?.is_stable();
+    }
+    let verdict = if !spectrum.is_stable() {
+        Some(false)
+    } else if k < certified.value {
+        Some(true)
+    } else {
+        match family.crossing(k, Some(held_round_trip(network))) {
+            Crossing::Excluded => Some(true),
+            Crossing::Found => Some(false),
+            Crossing::Unresolved => None,
+        }
+    };
+    Ok(SampledAxis {
+        spectrum,
+        stiffness_bound: certified.value,
+        is_stable: verdict == Some(true),
+        is_proven: verdict.is_some() && certified.is_finished && is_tight,
+    })
+}
+
+/// A mean one-way delay (s) below which every member is stable under sampled controllers, whatever the rounding up
+/// to whole periods makes of the delays of both directions.
+///
+/// No root crosses while the round trip grows as a real number, so that all whole numbers of periods have the same
+/// count of unstable roots as none at all: at the highest frequency the loop turns, but its gain is below 1.
+pub(super) fn stable_delay(region: &OperatorBox, network: &Network, k: f64, limit: f64) -> Result<f64> {
+    let h = network.sample_period();
+    let immediate = Network::new(Delay::each_way(0.0)?, 0.0, 0.0, h, network.computing_time())?;
+    if !sampled_spectral_radius(&region.axis(&region.middle()), k, &immediate)?.is_stable() {
+        return Ok(0.0);
+    }
+    let first = region.sampled_family(network).first_round_trip(k, 2.0 * limit + 2.0 * h);
+    let periods = (first.value / h).ceil() - 1.0;
+    // Two directions round up separately: together by less than two periods.
+    Ok((0.5 * h * (periods - 1.0)).clamp(0.0, limit))
+}
+
+/// A damping (N·s/m), added to both robots, above which every member is stable under sampled controllers; `None` if
+/// no rule gives one.
+pub(super) fn stabilising_damping(region: &OperatorBox, network: &Network, k: f64) -> Option<f64> {
+    let family = region.sampled_family(network);
+    if family.coupling_damping > 0.0 {
+        return None;
+    }
+    // With this much damping the rule of tier 2 holds on both sides.
+    let own = network.oldest_own_sample();
+    let oldest = 0.5 * held_round_trip(network) + 2.0 * own;
+    let least = family.sides[0].damping.0.min(family.sides[1].damping.0);
+    let enough = (k * oldest * (1.0 + 1e-9) - least).max(0.0);
+    Some(if enough == 0.0 { 0.0 } else { family.last_damping(k, held_round_trip(network), enough).value })
+}
