@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use telespring::{InvalidInput, Result};
 
 use crate::errors::Outcome;
+use crate::interrupt::{Watch, in_parallel};
 
 /// A number or an array of numbers, as the caller named it.
 pub struct Numbers<'py> {
@@ -193,32 +194,48 @@ pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
         })
         .collect();
     let columns: Vec<&[f64]> = columns.iter().map(Cow::as_ref).collect();
-    let fill = |(chunk, values): (usize, &mut [T])| -> std::result::Result<(), (usize, InvalidInput)> {
-        let mut row = [0.0; MOST];
-        let row = &mut row[..columns.len()];
-        for (offset, value) in values.iter_mut().enumerate() {
-            let index = chunk * CHUNK + offset;
-            for (number, column) in row.iter_mut().zip(&columns) {
-                *number = if column.len() == 1 { column[0] } else { column[index] };
-            }
-            *value = compute(row).map_err(|refusal| (index, refusal))?;
+    let row_at = |row: &mut [f64], index: usize| {
+        for (number, column) in row.iter_mut().zip(&columns) {
+            *number = if column.len() == 1 { column[0] } else { column[index] };
         }
-        Ok(())
     };
-    let (values, refused) = py.detach(|| {
-        let mut values = vec![T::default(); length];
-        let refused = if length < PARALLEL_FROM {
-            values.chunks_mut(CHUNK).enumerate().map(fill).find_map(std::result::Result::err)
-        } else {
-            values
-                .par_chunks_mut(CHUNK)
-                .enumerate()
-                .map(fill)
-                .filter_map(std::result::Result::err)
-                .min_by_key(|(index, _)| *index)
-        };
-        (values, refused)
-    });
+    let mut values = vec![T::default(); length];
+    let refused = if length < PARALLEL_FROM {
+        py.detach(|| -> PyResult<_> {
+            let mut watch = Watch::start();
+            let mut row = [0.0; MOST];
+            let row = &mut row[..columns.len()];
+            for (index, value) in values.iter_mut().enumerate() {
+                watch.look()?;
+                row_at(row, index);
+                match compute(row) {
+                    Ok(computed) => *value = computed,
+                    Err(refusal) => return Ok(Some((index, refusal))),
+                }
+            }
+            Ok(None)
+        })?
+    } else {
+        in_parallel(py, |stop| {
+            let fill = |(chunk, values): (usize, &mut [T])| -> Option<(usize, InvalidInput)> {
+                let mut row = [0.0; MOST];
+                let row = &mut row[..columns.len()];
+                for (offset, value) in values.iter_mut().enumerate() {
+                    if stop.is_set() {
+                        return None;
+                    }
+                    let index = chunk * CHUNK + offset;
+                    row_at(row, index);
+                    match compute(row) {
+                        Ok(computed) => *value = computed,
+                        Err(refusal) => return Some((index, refusal)),
+                    }
+                }
+                None
+            };
+            values.par_chunks_mut(CHUNK).enumerate().filter_map(fill).min_by_key(|(index, _)| *index)
+        })?
+    };
     match refused {
         None => Ok(values.into_pyarray(py).reshape(IxDyn(&shape))?.into_any()),
         Some((index, mut refusal)) => {

@@ -10,6 +10,7 @@ use telespring::{InvalidInput, Result, Side, criteria, spectrum};
 use crate::arguments::{Count, DelayChoice, Number};
 use crate::arrays::{Numbers, over_arrays};
 use crate::errors::Outcome;
+use crate::interrupt::{apart, in_parallel};
 use crate::records::record;
 use crate::spectrum::{Spectrum, warn};
 
@@ -108,8 +109,8 @@ pub fn unstable_root_count(axis: &telespring::DyadAxis, k: f64, delay: f64) -> R
     criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?).map(i64::from)
 }
 
-/// Rows of a stability map that one thread takes at a time.
-const ROWS: usize = 16;
+/// Elements of a stability map that one thread takes at a time, about.
+const PIECE: usize = 1 << 14;
 
 /// Whether each pair of stiffness and delay is stable on all these Python axes, a row per stiffness.
 pub fn stability_map<'py>(
@@ -120,22 +121,32 @@ pub fn stability_map<'py>(
 ) -> Outcome<Bound<'py, PyArray2<bool>>> {
     let (k, delay) = (k.row()?, delay.row()?);
     let shape = [k.len(), delay.len()];
-    let stable = py.detach(|| -> Result<Vec<bool>> {
-        for (i, &value) in k.iter().enumerate() {
-            STIFFNESS.check(&format!("k[{i}]"), value)?;
-        }
+    for (i, &value) in k.iter().enumerate() {
+        STIFFNESS.check(&format!("k[{i}]"), value)?;
+    }
+    for (i, &value) in delay.iter().enumerate() {
+        DELAY.check(&format!("delay[{i}]"), value)?;
+    }
+    let rows = (PIECE / delay.len().max(1)).clamp(1, 16);
+    let stable = in_parallel(py, |stop| -> Result<Vec<bool>> {
         let mut stable = vec![true; shape[0] * shape[1]];
-        for axis in axes {
-            let rows: Vec<Vec<bool>> = k
-                .par_chunks(ROWS)
-                .map(|k| criteria::stability_map(axis, k, &delay))
-                .collect::<Result<_>>()?;
-            for (all, here) in stable.iter_mut().zip(rows.into_iter().flatten()) {
-                *all &= here;
+        let block = |(k, stable): (&[f64], &mut [bool])| {
+            for (start, delay) in delay.chunks(PIECE).enumerate().map(|(i, delay)| (i * PIECE, delay)) {
+                for axis in axes {
+                    if stop.is_set() {
+                        return Ok(());
+                    }
+                    let here = criteria::stability_map(axis, k, delay)?;
+                    for (row, here) in stable.chunks_exact_mut(shape[1]).zip(here.chunks_exact(delay.len())) {
+                        row[start..].iter_mut().zip(here).for_each(|(all, here)| *all &= here);
+                    }
+                }
             }
-        }
+            Ok(())
+        };
+        k.par_chunks(rows).zip(stable.par_chunks_mut((rows * shape[1]).max(1))).try_for_each(block)?;
         Ok(stable)
-    })?;
+    })??;
     Ok(stable.into_pyarray(py).reshape(shape)?)
 }
 
@@ -295,25 +306,29 @@ impl DyadAxis {
     /// Every crossing of the imaginary axis; see `telespring.crossings`.
     fn crossings(&self, py: Python<'_>, k: Number) -> Outcome<Vec<Crossing>> {
         let k = STIFFNESS.check("k", k.named("k")?)?;
-        Ok(py.detach(|| criteria::crossings(&self.axis, k))?.iter().copied().map(Crossing).collect())
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::crossings(&axis, k))??.iter().copied().map(Crossing).collect())
     }
 
     /// Intervals of stable one-way delays up to a horizon, s; see `telespring.stable_delays`.
     fn stable_delays(&self, py: Python<'_>, k: Number, horizon: Number) -> Outcome<Vec<(f64, f64)>> {
         let (k, horizon) = (STIFFNESS.check("k", k.named("k")?)?, horizon.named("horizon")?);
-        Ok(py.detach(|| criteria::stable_delays(&self.axis, k, horizon))?)
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::stable_delays(&axis, k, horizon))??)
     }
 
     /// Ranges of stiffness with at least this decay rate (1/s), N/m; see `telespring.decay_stiffness`.
     fn decay_stiffness(&self, py: Python<'_>, delay: Number, decay_rate: Number) -> Outcome<Vec<(f64, f64)>> {
         let (delay, rate) = (DELAY.check("delay", delay.named("delay")?)?, decay_rate.named("decay_rate")?);
-        Ok(py.detach(|| criteria::decay_stiffness(&self.axis, delay, rate))?)
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::decay_stiffness(&axis, delay, rate))??)
     }
 
     /// Largest real part of the characteristic roots but s = 0, 1/s; see `telespring.spectral_abscissa`.
     fn spectral_abscissa(&self, py: Python<'_>, k: Number, delay: DelayChoice) -> Outcome<f64> {
         let (k, delay) = (k.named("k")?, delay.check()?);
-        let abscissa = py.detach(|| spectrum::spectral_abscissa(&self.axis, k, &delay))?;
+        let axis = self.axis;
+        let abscissa = apart(py, move || spectrum::spectral_abscissa(&axis, k, &delay))??;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -328,7 +343,8 @@ impl DyadAxis {
         count: Count,
     ) -> Outcome<Bound<'py, PyArray1<num_complex::Complex64>>> {
         let (k, delay, count) = (k.named("k")?, delay.check()?, count.check()?);
-        let roots = py.detach(|| spectrum::characteristic_roots(&self.axis, k, &delay, count))?;
+        let axis = self.axis;
+        let roots = apart(py, move || spectrum::characteristic_roots(&axis, k, &delay, count))??;
         warn(py, "roots'", &roots.certificate)?;
         Ok(roots.roots.into_pyarray(py))
     }
@@ -343,7 +359,8 @@ impl DyadAxis {
         count: Count,
     ) -> Outcome<Spectrum> {
         let (k, delay, count) = (k.named("k")?, delay.check()?, count.check()?);
-        let roots = py.detach(|| spectrum::characteristic_roots(&self.axis, k, &delay, count))?;
+        let axis = self.axis;
+        let roots = apart(py, move || spectrum::characteristic_roots(&axis, k, &delay, count))??;
         Ok(Spectrum::of(py, roots))
     }
 

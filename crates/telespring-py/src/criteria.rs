@@ -11,6 +11,7 @@ use crate::arguments::written;
 use crate::arrays::{Numbers, over_arrays};
 use crate::axis::{self, Crossing, DyadAxis, is_paper, unknown_method};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 
 /// What a criterion is computed for.
@@ -454,7 +455,7 @@ pub fn crossings<'py>(
         .into());
     };
     let k = STIFFNESS.check("k", numbers("k", k)?.single()?)?;
-    let crossings = py.detach(|| criteria::crossings(&axis, k))?;
+    let crossings = apart(py, move || criteria::crossings(&axis, k))??;
     let crossings: Vec<_> = crossings.iter().copied().map(Crossing).collect();
     Ok(crossings.into_bound_py_any(py)?)
 }
@@ -488,7 +489,7 @@ pub fn stable_delays<'py>(
     let axes = subject.axes()?;
     let (k, horizon) = (numbers("k", k)?.single()?, numbers("horizon", horizon)?.single()?);
     STIFFNESS.check("k", k)?;
-    in_all(py, &axes, |axis| criteria::stable_delays(axis, k, horizon))
+    in_all(py, axes, move |axis| criteria::stable_delays(axis, k, horizon))
 }
 
 #[doc = concat!(
@@ -521,21 +522,21 @@ pub fn decay_stiffness<'py>(
     let axes = subject.axes()?;
     let (delay, rate) = (numbers("delay", delay)?.single()?, numbers("decay_rate", rate)?.single()?);
     DELAY.check("delay", delay)?;
-    in_all(py, &axes, |axis| criteria::decay_stiffness(axis, delay, rate))
+    in_all(py, axes, move |axis| criteria::decay_stiffness(axis, delay, rate))
 }
 
 /// The intervals of a criterion that every axis has.
 fn in_all(
     py: Python<'_>,
-    axes: &[telespring::DyadAxis],
-    compute: impl Fn(&telespring::DyadAxis) -> Result<Vec<(f64, f64)>> + Sync,
+    axes: Vec<telespring::DyadAxis>,
+    compute: impl Fn(&telespring::DyadAxis) -> Result<Vec<(f64, f64)>> + Send + 'static,
 ) -> Outcome<Vec<(f64, f64)>> {
-    let common = py.detach(|| -> Result<_> {
+    let common = apart(py, move || -> Result<_> {
         let mut common = vec![(0.0, f64::INFINITY)];
-        for axis in axes {
+        for axis in &axes {
             common = criteria::intersection(&common, &compute(axis)?);
         }
         Ok(common)
-    })?;
+    })??;
     Ok(common)
 }

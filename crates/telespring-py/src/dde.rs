@@ -11,6 +11,7 @@ use telespring::dde::adaptive::{DelayKind, Discontinuity, Options, Solution, Sta
 use crate::arguments::PerAxis;
 use crate::arrays::as_numbers;
 use crate::errors::{Failure, Outcome};
+use crate::interrupt::Watch;
 
 /// A delay as Python passes it: a number, or a function and whether it takes the state.
 #[derive(FromPyObject)]
@@ -127,8 +128,10 @@ pub fn solve_dde(
     let options = Options::from(options);
     let rows = delays.len();
     let mut solution = py.detach(|| {
+        let mut watch = Watch::start();
         let slope = |t: f64, y: &[f64], delayed: telespring::dde::adaptive::Delayed<'_>, out: &mut [f64]| {
             Python::attach(|py| {
+                watch.look_and_yield(py)?;
                 let delayed = PyArray1::from_slice(py, delayed.as_slice()).reshape([rows, dimension])?;
                 let returned = rhs.bind(py).call1((t, PyArray1::from_slice(py, y), delayed))?;
                 read_into(&returned, "rhs(t, y, delayed)", out)
@@ -235,10 +238,10 @@ impl DelaySolution {
     /// y' at one or many times, one order less accurate than y.
     fn derivative<'py>(&self, times: &Bound<'py, PyAny>) -> Outcome<Bound<'py, PyAny>> {
         self.at(times, |times, values| {
-            for (&t, row) in times.iter().zip(values.chunks_exact_mut(self.solution.dimension())) {
-                self.solution.derivative(t, row)?;
-            }
-            Ok(())
+            times
+                .iter()
+                .zip(values.chunks_exact_mut(self.solution.dimension()))
+                .try_for_each(|(&t, row)| self.solution.derivative(t, row))
         })
     }
 
@@ -260,14 +263,27 @@ impl DelaySolution {
         times: &Bound<'py, PyAny>,
         evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
     ) -> Outcome<Bound<'py, PyAny>> {
+        // evaluated between two looks for signals
+        const CHUNK: usize = 1 << 14;
         let py = times.py();
         let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract()?;
         let mut shape = times.shape().to_vec();
         let times: Vec<f64> = times.as_array().iter().copied().collect();
-        shape.push(self.solution.dimension());
-        let values = py.detach(|| -> telespring::Result<_> {
-            let mut values = vec![0.0; times.len() * self.solution.dimension()];
-            evaluate(&times, &mut values)?;
+        let (dimension, known) = (self.solution.dimension(), self.solution.start()..=self.solution.end());
+        shape.push(dimension);
+        let values = py.detach(|| -> Outcome<_> {
+            let mut values = vec![0.0; times.len() * dimension];
+            let mut watch = Watch::start();
+            for (part, (times, values)) in
+                times.chunks(CHUNK).zip(values.chunks_mut(CHUNK * dimension)).enumerate()
+            {
+                watch.look()?;
+                evaluate(times, values).map_err(|mut refusal| {
+                    let first = times.iter().position(|time| !known.contains(time)).unwrap_or(0);
+                    refusal.field = format!("times[{}]", part * CHUNK + first);
+                    refusal
+                })?;
+            }
             Ok(values)
         })?;
         Ok(values.into_pyarray(py).reshape(shape)?.into_any())

@@ -9,6 +9,7 @@ use telespring::InvalidInput;
 use crate::arguments::Count;
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::spectrum::{Spectrum, warn};
 
 /// x′(t) = A0 x(t) + Σ Aj x(t - τj): a linear system with several constant delays.
@@ -62,6 +63,18 @@ fn matrix(name: &str, value: &Bound<'_, PyAny>) -> Outcome<DMatrix<f64>> {
 fn to_python<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py>> {
     // columns are contiguous in a DMatrix
     matrix.as_slice().to_pyarray(py).reshape([matrix.ncols(), matrix.nrows()])?.transpose()
+}
+
+impl DelaySystem {
+    /// A long computation with the matrices of the delay system, which a signal can interrupt.
+    fn apart<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        compute: impl FnOnce(&telespring::delay_system::DelaySystem) -> T + Send + 'static,
+    ) -> PyResult<T> {
+        let system = self.0.clone();
+        apart(py, move || compute(&system))
+    }
 }
 
 #[pymethods]
@@ -133,7 +146,7 @@ impl DelaySystem {
         count: Count,
     ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
         let count = count.check()?;
-        let roots = py.detach(|| self.0.characteristic_roots(count))?;
+        let roots = self.apart(py, move |system| system.characteristic_roots(count))??;
         warn(py, "roots'", &roots.certificate)?;
         Ok(roots.roots.into_pyarray(py))
     }
@@ -156,7 +169,7 @@ impl DelaySystem {
     /// >>> ts.DelaySystem([[-2.0]]).spectral_abscissa()
     /// -2.0
     fn spectral_abscissa(&self, py: Python<'_>) -> PyResult<f64> {
-        let abscissa = py.detach(|| self.0.spectral_abscissa());
+        let abscissa = self.apart(py, telespring::delay_system::DelaySystem::spectral_abscissa)?;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -181,7 +194,8 @@ impl DelaySystem {
     /// >>> system.spectral_abscissa(), system.spectral_abscissa_without_zero() < -0.1
     /// (0.0, True)
     fn spectral_abscissa_without_zero(&self, py: Python<'_>) -> PyResult<f64> {
-        let abscissa = py.detach(|| self.0.spectral_abscissa_without_zero());
+        let abscissa =
+            self.apart(py, telespring::delay_system::DelaySystem::spectral_abscissa_without_zero)?;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -219,7 +233,7 @@ impl DelaySystem {
     #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
     fn certified_roots(&self, py: Python<'_>, count: Count) -> Outcome<Spectrum> {
         let count = count.check()?;
-        Ok(Spectrum::of(py, py.detach(|| self.0.characteristic_roots(count))?))
+        Ok(Spectrum::of(py, self.apart(py, move |system| system.characteristic_roots(count))??))
     }
 
     fn __repr__(&self) -> String {

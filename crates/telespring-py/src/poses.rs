@@ -9,6 +9,7 @@ use telespring::rig::Arm;
 use crate::arguments::{DelayChoice, Number, rows};
 use crate::delay_system::DelaySystem;
 use crate::errors::{Failure, Outcome};
+use crate::interrupt::in_parallel;
 use crate::model::Dyad;
 use crate::plant::arm_of;
 
@@ -59,12 +60,13 @@ pub fn pose_stability<'py>(
 ) -> Outcome<Stability<'py>> {
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
     let (held, positions) = (held(dyad, &arms, agent_stiffness)?, rows("positions", positions)?);
-    let poses = py.detach(|| {
+    let poses = in_parallel(py, |stop| {
         sides(&held, &positions)?
             .par_iter()
+            .take_any_while(|_| !stop.is_set())
             .map(|sides| held.stability(sides, stiffness, &delay))
             .collect::<telespring::Result<Vec<_>>>()
-    })?;
+    })??;
     let complete = poses.iter().all(|pose| pose.is_complete);
     let values = |value: fn(&telespring::poses::PoseStability) -> f64| {
         poses.iter().map(value).collect::<Vec<_>>().into_pyarray(py)

@@ -7,6 +7,7 @@ use telespring::{Delay, DyadAxis, spectrum};
 
 use crate::arguments::{AxisChoice, Count, DelayChoice, Number};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 use crate::spectrum::{Spectrum, warn};
 
@@ -64,7 +65,7 @@ pub fn certified_roots(
 ) -> Outcome<Spectrum> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
     let count = count.check()?;
-    let roots = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
+    let roots = apart(py, move || spectrum::characteristic_roots(&axis, stiffness, &delay, count))??;
     Ok(Spectrum::of(py, roots))
 }
 
@@ -126,7 +127,7 @@ pub fn characteristic_roots<'py>(
 ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
     let count = count.check()?;
-    let roots = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
+    let roots = apart(py, move || spectrum::characteristic_roots(&axis, stiffness, &delay, count))??;
     warn(py, "roots'", &roots.certificate)?;
     Ok(roots.roots.into_pyarray(py))
 }
@@ -175,7 +176,7 @@ pub fn spectral_abscissa(
     axis: AxisChoice,
 ) -> Outcome<f64> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
-    let abscissa = py.detach(|| spectrum::spectral_abscissa(&axis, stiffness, &delay))?;
+    let abscissa = apart(py, move || spectrum::spectral_abscissa(&axis, stiffness, &delay))??;
     warn(py, "abscissa's", &abscissa.certificate)?;
     Ok(abscissa.value)
 }

@@ -9,6 +9,7 @@ use telespring::{Delay, InvalidInput};
 
 use crate::arguments::{DelayChoice, Number};
 use crate::errors::Outcome;
+use crate::interrupt::{Watch, apart};
 use crate::model::Dyad;
 
 /// One sine as Python passes it.
@@ -79,12 +80,13 @@ fn sampled_function<T>(
     function: &Py<PyAny>,
     lower: impl FnOnce(&mut dyn FnMut(f64) -> f64) -> telespring::Result<T>,
 ) -> Outcome<T> {
-    let mut raised = None;
+    let (mut raised, mut watch) = (None, Watch::start());
     let lowered = lower(&mut |t| {
         if raised.is_some() {
             return f64::NAN;
         }
-        function.call1(py, (t,)).and_then(|value| value.extract::<f64>(py)).unwrap_or_else(|error| {
+        let value = watch.look_and_yield(py).and_then(|()| function.call1(py, (t,))?.extract::<f64>(py));
+        value.unwrap_or_else(|error| {
             raised = Some(error);
             f64::NAN
         })
@@ -201,7 +203,10 @@ pub fn simulate<'py>(
         Some(history) => lowered("history", axes.len(), &history, |past| past.lower(py, &delay))?,
     };
     let block = 2 * axes.len() * count;
-    let (position, velocity, diverged) = py.detach(|| -> telespring::Result<_> {
+    let force_errors = forces.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect();
+    let history_errors = histories.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect();
+    let shape = [2, axes.len(), count];
+    let (position, velocity, diverged) = apart(py, move || -> telespring::Result<_> {
         let mut position = vec![0.0; block];
         let mut velocity = vec![0.0; if velocities { block } else { 0 }];
         let mut diverged = Vec::with_capacity(axes.len());
@@ -226,16 +231,9 @@ pub fn simulate<'py>(
             });
         }
         Ok((position, velocity, diverged))
-    })?;
-    let shape = [2, axes.len(), count];
+    })??;
     let velocity = if velocities { Some(velocity.into_pyarray(py).reshape(shape)?) } else { None };
-    Ok((
-        position.into_pyarray(py).reshape(shape)?,
-        velocity,
-        diverged,
-        forces.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
-        histories.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
-    ))
+    Ok((position.into_pyarray(py).reshape(shape)?, velocity, diverged, force_errors, history_errors))
 }
 
 /// Adds the axis to a refusal of the core, which works on one axis: `forces[robot]` becomes `forces[robot][axis]`.

@@ -8,6 +8,7 @@ use telespring::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
 
 use crate::arguments::Number;
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 use crate::records::{Value, record, words};
 use crate::study::{Network, OperatorRange};
@@ -323,7 +324,7 @@ pub fn verdicts(
     operator_range: Option<Ranges<'_>>,
 ) -> Outcome<Verdicts> {
     let stiffness = stiffness.named("stiffness")?;
-    let (dyad, network) = (&dyad.get().0, &network.get().0);
+    let (dyad, network) = (dyad.get().0.clone(), network.get().0);
     let axes = dyad.axis_names().len();
     let ranges = match &operator_range {
         None => None,
@@ -336,5 +337,6 @@ pub fn verdicts(
             second.get().on(axes).map_err(|refusal| refusal.within("operator_range[1]"))?,
         ]),
     };
-    py.detach(|| Ok(Verdicts(core::verdicts(dyad, ranges.as_ref(), stiffness, network)?)))
+    let verdicts = apart(py, move || core::verdicts(&dyad, ranges.as_ref(), stiffness, &network))??;
+    Ok(Verdicts(verdicts))
 }
