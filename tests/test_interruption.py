@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-# Between the calls of `starmap(call, ...)` no line of Python runs, so that only the compiled function itself
-# can see the signal; what it returned is in `done`. Some compiled functions are private names here: the public
-# ones around them are Python, which sees signals before and after.
+# Between the calls of `starmap(call, ...)` no line of Python runs, so that only the compiled function can see
+# the signal; what it returned is in `done`. Some compiled functions are private names here: the public ones
+# around them are Python, which sees signals before and after.
 START = """
 import signal, sys, _thread
 from functools import partial

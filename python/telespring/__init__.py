@@ -6,7 +6,7 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 from typing import TYPE_CHECKING
 
 from telespring._deprecated import old_names, serve_moved_modules
-from telespring._errors import CertificateWarning, InvalidInput
+from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
     Arm,
@@ -73,6 +73,7 @@ from telespring.theory.verdicts import (
 
 __all__ = [
     "Agent",
+    "ApproximationWarning",
     "Arm",
     "AxisTier",
     "AxisVerdict",

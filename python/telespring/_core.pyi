@@ -103,6 +103,9 @@ __version__: Final[str]
 # what a response is of: the dyad, the stiffness (N/m), the delay, the axis
 _Loop: TypeAlias = tuple[Dyad, float, Delay, int | str]
 
+# per axis the approximation error for each robot, and whether all are small
+_Fits: TypeAlias = tuple[list[list[float]], bool]
+
 _A: TypeAlias = ArrayLike
 _First: TypeAlias = ArrayLike | Dyad | DyadAxis
 
@@ -975,7 +978,7 @@ def simulate(
     rate: float,
     history: list[list[Any]] | None,
     velocities: bool,
-) -> tuple[FloatArray, FloatArray | None, list[float | None], list[list[float]], list[list[float]]]: ...
+) -> tuple[FloatArray, FloatArray | None, list[float | None], _Fits, _Fits]: ...
 def simulate_handle(
     handle: Mapping[str, Any],
     arm: Arm | Mapping[str, Any],

@@ -176,10 +176,12 @@ fn lowered<V, T>(
 }
 
 type Block<'py> = Bound<'py, PyArray3<f64>>;
-type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Vec<[f64; 2]>, Vec<[f64; 2]>);
+/// Per axis the approximation error for each robot, and whether all are small.
+type Fits = (Vec<[f64; 2]>, bool);
+type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Fits, Fits);
 
 /// Simulates a dyad: positions and velocities as blocks (robot, axis, time), and per axis the time of divergence
-/// and the error of approximated functions.
+/// and how well functions are approximated.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn simulate<'py>(
@@ -203,8 +205,14 @@ pub fn simulate<'py>(
         Some(history) => lowered("history", axes.len(), &history, |past| past.lower(py, &delay))?,
     };
     let block = 2 * axes.len() * count;
-    let force_errors = forces.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect();
-    let history_errors = histories.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect();
+    let force_fits = (
+        forces.iter().map(|pair| pair.each_ref().map(Force::error)).collect(),
+        forces.iter().flatten().all(Force::is_resolved),
+    );
+    let history_fits = (
+        histories.iter().map(|pair| pair.each_ref().map(History::error)).collect(),
+        histories.iter().flatten().all(History::is_resolved),
+    );
     let shape = [2, axes.len(), count];
     let (position, velocity, diverged) = apart(py, move || -> telespring::Result<_> {
         let mut position = vec![0.0; block];
@@ -233,7 +241,7 @@ pub fn simulate<'py>(
         Ok((position, velocity, diverged))
     })??;
     let velocity = if velocities { Some(velocity.into_pyarray(py).reshape(shape)?) } else { None };
-    Ok((position.into_pyarray(py).reshape(shape)?, velocity, diverged, force_errors, history_errors))
+    Ok((position.into_pyarray(py).reshape(shape)?, velocity, diverged, force_fits, history_fits))
 }
 
 /// Adds the axis to a refusal of the core, which works on one axis: `forces[robot]` becomes `forces[robot][axis]`.
