@@ -5,6 +5,7 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 
 from typing import TYPE_CHECKING
 
+from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
@@ -114,6 +115,7 @@ __all__ = [
     "Uncertainty",
     "Verdict",
     "Verdicts",
+    "__version__",
     "certified_roots",
     "characteristic_roots",
     "critical_stiffness",

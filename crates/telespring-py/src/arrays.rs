@@ -3,21 +3,54 @@
 use std::borrow::Cow;
 
 use numpy::ndarray::IxDyn;
-use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    Element, IntoPyArray, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyFloat, PyInt};
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 use rayon::prelude::*;
 use telespring::{InvalidInput, Result};
 
 use crate::errors::Outcome;
 use crate::interrupt::{Watch, in_parallel};
 
+/// Whether an argument is an array whose dimensions have names.
+fn is_labelled(value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    if value.is_instance_of::<PyList>()
+        || value.is_instance_of::<PyTuple>()
+        || value.cast::<PyUntypedArray>().is_ok()
+    {
+        return Ok(false);
+    }
+    labelling(value.py(), "is_labelled")?.call1((value,))?.extract()
+}
+
+/// A function for arrays whose dimensions have names.
+fn labelling<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("telespring._labelled")?.getattr(name)
+}
+
+/// A map over stiffness and delay, labelled if one of them is.
+pub fn labelled_map<'py>(
+    map: Bound<'py, PyAny>,
+    k: &Numbers<'py>,
+    delay: &Numbers<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if k.labelled.is_none() && delay.labelled.is_none() {
+        return Ok(map);
+    }
+    let py = map.py();
+    labelling(py, "label_map")?.call1((map, k.to_python(py)?, delay.to_python(py)?))
+}
+
 /// A number or an array of numbers, as the caller named it.
 pub struct Numbers<'py> {
     name: &'static str,
     values: Values<'py>,
+    /// The argument itself, if its dimensions have names.
+    labelled: Option<Bound<'py, PyAny>>,
 }
 
 enum Values<'py> {
@@ -34,7 +67,7 @@ pub fn as_numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<
 impl<'py> Numbers<'py> {
     /// One number of an argument that may be an array.
     pub fn one(name: &'static str, value: f64) -> Self {
-        Self { name, values: Values::One(value) }
+        Self { name, values: Values::One(value), labelled: None }
     }
 
     /// Any array_like; a number is read without numpy.
@@ -50,8 +83,21 @@ impl<'py> Numbers<'py> {
         let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract()?;
         Ok(match array.ndim() {
             0 => Self::one(name, array.as_array()[IxDyn(&[])]),
-            _ => Self { name, values: Values::Many(array) },
+            _ => Self {
+                name,
+                values: Values::Many(array),
+                labelled: is_labelled(value)?.then(|| value.clone()),
+            },
         })
+    }
+
+    /// The argument as Python passed it, or what replaces it.
+    fn to_python(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        match (&self.labelled, &self.values) {
+            (Some(labelled), _) => Ok(labelled.clone()),
+            (None, Values::One(value)) => value.into_bound_py_any(py),
+            (None, Values::Many(array)) => Ok(array.as_any().clone()),
+        }
     }
 
     /// A single number, where an array has no meaning.
@@ -154,6 +200,26 @@ const CHUNK: usize = 1024;
 /// The most arguments of one computation: seven numbers of an axis and two more.
 const MOST: usize = 9;
 
+/// The same where dimensions have names, by which they are broadcast; so has the result.
+fn over_labelled<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
+    py: Python<'py>,
+    arguments: &[Numbers<'py>],
+    compute: impl Fn(&[f64]) -> Result<T> + Sync,
+) -> Outcome<Bound<'py, PyAny>> {
+    let names: Vec<_> = arguments.iter().map(|argument| argument.name).collect();
+    let values = arguments.iter().map(|argument| argument.to_python(py)).collect::<PyResult<Vec<_>>>()?;
+    let broadcast = labelling(py, "broadcast")?.call1((names.clone(), values.clone()))?;
+    let (arrays, like): (Vec<Bound<'py, PyAny>>, Bound<'py, PyAny>) = broadcast.extract()?;
+    let plain = names.into_iter().zip(&arrays).map(|(name, array)| Numbers::read(name, array));
+    let result = over_arrays(
+        py,
+        &plain.collect::<Outcome<Vec<_>>>()?,
+        &compute as &(dyn Fn(&[f64]) -> Result<T> + Sync),
+    )?;
+    let arguments: Vec<_> = [result, like].into_iter().chain(values).collect();
+    Ok(labelling(py, "label")?.call1(PyTuple::new(py, arguments)?)?)
+}
+
 /// Computes each element from the arguments broadcast against each other, without holding the interpreter:
 /// a number if all are numbers, else an array.
 ///
@@ -163,6 +229,9 @@ pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
     arguments: &[Numbers<'py>],
     compute: impl Fn(&[f64]) -> Result<T> + Sync,
 ) -> Outcome<Bound<'py, PyAny>> {
+    if arguments.iter().any(|argument| argument.labelled.is_some()) {
+        return over_labelled(py, arguments, compute);
+    }
     let mut row = [0.0; MOST];
     let mut all_numbers = true;
     for (value, argument) in row.iter_mut().zip(arguments) {

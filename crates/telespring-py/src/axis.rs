@@ -1,14 +1,14 @@
 //! One axis of a dyad, and where its characteristic roots cross the imaginary axis.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{InvalidInput, Result, Side, criteria, spectrum};
 
-use crate::arguments::{Count, DelayChoice, Number};
-use crate::arrays::{Numbers, over_arrays};
+use crate::arguments::{Argument, Count, DelayChoice, Number};
+use crate::arrays::{Numbers, labelled_map, over_arrays};
 use crate::errors::Outcome;
 use crate::interrupt::{apart, in_parallel};
 use crate::records::record;
@@ -70,17 +70,15 @@ pub struct DyadAxis {
 }
 
 /// Whether `method` asks for the paper's formula.
-pub fn is_paper(method: Option<&str>) -> Result<bool> {
-    match method.unwrap_or("exact") {
-        "exact" => Ok(false),
-        "paper" => Ok(true),
-        other => Err(unknown_method(format!("{other:?}"))),
-    }
-}
-
-/// The error for a method that is neither "exact" nor "paper", as the caller wrote it.
-pub fn unknown_method(written: String) -> InvalidInput {
-    InvalidInput::new("method", written, "the methods are \"exact\" and \"paper\"", "Omit it for \"exact\".")
+pub fn is_paper(method: &Argument<String>) -> Result<bool> {
+    let text = match method {
+        Argument::Given(name) if name == "exact" => return Ok(false),
+        Argument::Given(name) if name == "paper" => return Ok(true),
+        Argument::Given(name) => format!("{name:?}"),
+        Argument::Other(text) => text.clone(),
+    };
+    let allowed = "the methods are \"exact\" and \"paper\"";
+    Err(InvalidInput::new("method", text, allowed, "Omit it for \"exact\"."))
 }
 
 /// The critical stiffness of a Python axis, N/m, exact or by Eq. 5 of the paper.
@@ -118,7 +116,8 @@ pub fn stability_map<'py>(
     axes: &[telespring::DyadAxis],
     k: &Numbers<'py>,
     delay: &Numbers<'py>,
-) -> Outcome<Bound<'py, PyArray2<bool>>> {
+) -> Outcome<Bound<'py, PyAny>> {
+    let named = (k, delay);
     let (k, delay) = (k.row()?, delay.row()?);
     let shape = [k.len(), delay.len()];
     for (i, &value) in k.iter().enumerate() {
@@ -147,7 +146,7 @@ pub fn stability_map<'py>(
         k.par_chunks(rows).zip(stable.par_chunks_mut((rows * shape[1]).max(1))).try_for_each(block)?;
         Ok(stable)
     })??;
-    Ok(stable.into_pyarray(py).reshape(shape)?)
+    Ok(labelled_map(stable.into_pyarray(py).reshape(shape)?.into_any(), named.0, named.1)?)
 }
 
 #[pymethods]
@@ -155,7 +154,7 @@ impl DyadAxis {
     #[new]
     #[pyo3(
         signature = (m1, b1, m2, b2, *, kh1=Number::Given(0.0), kh2=Number::Given(0.0), c=Number::Given(0.0),
-                     name="x".to_owned(), index=0),
+                     name=Argument::Given("x".to_owned()), index=Argument::Given(0)),
         text_signature = "(m1, b1, m2, b2, *, kh1=0.0, kh2=0.0, c=0.0, name='x', index=0)"
     )]
     #[expect(clippy::too_many_arguments, reason = "seven numbers describe an axis")]
@@ -167,9 +166,10 @@ impl DyadAxis {
         kh1: Number,
         kh2: Number,
         c: Number,
-        name: String,
-        index: usize,
+        name: Argument<String>,
+        index: Argument<usize>,
     ) -> Outcome<Self> {
+        let (name, index) = (name.named("name")?, index.named("index")?);
         let side = |mass, damping, ground_stiffness| Side { mass, damping, ground_stiffness };
         let axis = telespring::DyadAxis {
             sides: [
@@ -243,15 +243,19 @@ impl DyadAxis {
     }
 
     /// Stiffness below which no constant delay destabilises, N/m; see `telespring.critical_stiffness`.
-    #[pyo3(signature = (method="exact"))]
-    fn critical_stiffness(&self, method: &str) -> Outcome<f64> {
-        Ok(critical_stiffness(&self.axis, is_paper(Some(method))?)?)
+    #[pyo3(signature = (method=Argument::Given("exact".to_owned())), text_signature = "($self, method='exact')")]
+    fn critical_stiffness(&self, method: Argument<String>) -> Outcome<f64> {
+        Ok(critical_stiffness(&self.axis, is_paper(&method)?)?)
     }
 
     /// Smallest one-way delay at which stability is lost, s; see `telespring.maximum_delay`.
-    #[pyo3(signature = (k, method="exact"))]
-    fn maximum_delay<'py>(&self, k: &Bound<'py, PyAny>, method: &str) -> Outcome<Bound<'py, PyAny>> {
-        let paper = is_paper(Some(method))?;
+    #[pyo3(signature = (k, method=Argument::Given("exact".to_owned())), text_signature = "($self, k, method='exact')")]
+    fn maximum_delay<'py>(
+        &self,
+        k: &Bound<'py, PyAny>,
+        method: Argument<String>,
+    ) -> Outcome<Bound<'py, PyAny>> {
+        let paper = is_paper(&method)?;
         over_arrays(k.py(), &[Numbers::read("k", k)?], |row| maximum_delay(&self.axis, row[0], paper))
     }
 
@@ -299,7 +303,7 @@ impl DyadAxis {
         py: Python<'py>,
         k: &Bound<'py, PyAny>,
         delay: &Bound<'py, PyAny>,
-    ) -> Outcome<Bound<'py, PyArray2<bool>>> {
+    ) -> Outcome<Bound<'py, PyAny>> {
         stability_map(py, &[self.axis], &Numbers::read("k", k)?, &Numbers::read("delay", delay)?)
     }
 
@@ -311,6 +315,7 @@ impl DyadAxis {
     }
 
     /// Intervals of stable one-way delays up to a horizon, s; see `telespring.stable_delays`.
+    #[pyo3(signature = (k, horizon=Number::Given(DELAY.maximum())), text_signature = "($self, k, horizon=100.0)")]
     fn stable_delays(&self, py: Python<'_>, k: Number, horizon: Number) -> Outcome<Vec<(f64, f64)>> {
         let (k, horizon) = (STIFFNESS.check("k", k.named("k")?)?, horizon.named("horizon")?);
         let axis = self.axis;

@@ -7,9 +7,9 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{InvalidInput, Result, criteria};
 
-use crate::arguments::written;
+use crate::arguments::{Argument, written};
 use crate::arrays::{Numbers, over_arrays};
-use crate::axis::{self, Crossing, DyadAxis, is_paper, unknown_method};
+use crate::axis::{self, Crossing, DyadAxis, is_paper};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
@@ -168,8 +168,13 @@ fn bind<'py, const N: usize>(
 
 /// The `method` of a criterion as text, refused by its name where it is something else.
 fn paper(method: Option<&Bound<'_, PyAny>>) -> Result<bool> {
-    let text = method.map(|method| method.extract::<String>().map_err(|_| unknown_method(written(method))));
-    is_paper(text.transpose()?.as_deref())
+    match method {
+        None => Ok(false),
+        Some(method) => {
+            let Ok(method) = method.extract::<Argument<String>>();
+            is_paper(&method)
+        }
+    }
 }
 
 /// The numbers of a criterion that `bind` has found to be there.
@@ -416,7 +421,7 @@ pub fn stability_map<'py>(
 ) -> Outcome<Bound<'py, PyAny>> {
     let (subject, [k, delay]) = bind("stability_map", args, kwargs, ["k", "delay"], 2)?;
     let (k, delay) = (numbers("k", k)?, numbers("delay", delay)?);
-    Ok(axis::stability_map(py, &subject.axes()?, &k, &delay)?.into_any())
+    axis::stability_map(py, &subject.axes()?, &k, &delay)
 }
 
 #[doc = concat!(
@@ -464,7 +469,7 @@ pub fn crossings<'py>(
     "All constant one-way delays up to a horizon at which an axis is stable.",
     parameters!("float"),
     stiffness!("float"),
-    "\nhorizon : float\n    The longest delay of interest, s.",
+    "\nhorizon : float\n    The longest delay of interest, s; by default 100 s, the longest delay of any function here.",
     keywords!("float"),
     "\n\nReturns\n-------\nlist of (float, float)\n    Half-open intervals [start, end), s, ascending. For a dyad those in \
      which all its axes are stable.",
@@ -479,15 +484,21 @@ pub fn crossings<'py>(
 /// [(0.0, 0.8508), (1.7738, 2.1128)]
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, k, horizon, *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, k, horizon=100.0, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn stable_delays<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Vec<(f64, f64)>> {
-    let (subject, [k, horizon]) = bind("stable_delays", args, kwargs, ["k", "horizon"], 2)?;
+    let (subject, [k, horizon]) = bind("stable_delays", args, kwargs, ["k", "horizon"], 1)?;
     let axes = subject.axes()?;
-    let (k, horizon) = (numbers("k", k)?.single()?, numbers("horizon", horizon)?.single()?);
+    let (k, horizon) = (
+        numbers("k", k)?.single()?,
+        match horizon {
+            Some(horizon) => Numbers::read("horizon", &horizon)?.single()?,
+            None => DELAY.maximum(),
+        },
+    );
     STIFFNESS.check("k", k)?;
     in_all(py, axes, move |axis| criteria::stable_delays(axis, k, horizon))
 }

@@ -146,10 +146,18 @@ pub fn solve_dde(
     if let Some(raised) = solution.failure.take() {
         return Err(raised.into());
     }
-    let (t, dimension) = (solution.knots(), solution.dimension());
-    let y = solution.sample(t)?.into_pyarray(py).reshape([t.len(), dimension])?.unbind();
-    Ok(DelaySolution { t: PyArray1::from_slice(py, t).unbind(), y, solution })
+    DelaySolution::of(py, solution)
 }
+
+/// What a solution is pickled as: status, counts, break points, knots, coefficients and initial state.
+type State<'py> = (
+    (String, f64, usize, f64),
+    [usize; 3],
+    Vec<(f64, u32)>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
 
 #[pymethods]
 impl DelaySolution {
@@ -245,6 +253,52 @@ impl DelaySolution {
         })
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, State<'py>)> {
+        let (at, delay, value) = match self.solution.status {
+            Status::StepTooSmall { at } | Status::TooManySteps { at } | Status::NonFinite { at } => {
+                (at, 0, 0.0)
+            }
+            Status::InvalidDelay { at, delay, value } => (at, delay, value),
+            _ => (0.0, 0, 0.0),
+        };
+        let Solution { steps, rejected, evaluations, .. } = self.solution;
+        let state = (
+            (self.status().to_owned(), at, delay, value),
+            [steps, rejected, evaluations],
+            self.discontinuities(),
+            self.t(py),
+            PyArray1::from_slice(py, self.solution.coefficients()),
+            PyArray1::from_slice(py, self.solution.initial()),
+        );
+        Ok((py.get_type::<Self>().getattr("_restore")?, state))
+    }
+
+    /// The solution that `__reduce__` took apart.
+    #[staticmethod]
+    fn _restore(
+        py: Python<'_>,
+        ended: (String, f64, usize, f64),
+        counts: [usize; 3],
+        discontinuities: Vec<(f64, u32)>,
+        knots: PyReadonlyArray1<'_, f64>,
+        coefficients: PyReadonlyArray1<'_, f64>,
+        initial: PyReadonlyArray1<'_, f64>,
+    ) -> Outcome<Self> {
+        let (word, at, delay, value) = ended;
+        let status = match word.as_str() {
+            "completed" => Status::Completed,
+            "step too small" => Status::StepTooSmall { at },
+            "too many steps" => Status::TooManySteps { at },
+            "not finite" => Status::NonFinite { at },
+            _ => Status::InvalidDelay { at, delay, value },
+        };
+        let points = discontinuities.into_iter().map(|(time, order)| Discontinuity { time, order });
+        let values = |array: PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
+        let (knots, coefficients, initial) = (values(knots), values(coefficients), values(initial));
+        let solution = Solution::restore(status, counts, points.collect(), knots, coefficients, initial)?;
+        Self::of(py, solution)
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "DelaySolution(status='{}', start={:?}, end={:?}, steps={})",
@@ -257,6 +311,13 @@ impl DelaySolution {
 }
 
 impl DelaySolution {
+    /// The solution of the core as Python reads it.
+    fn of(py: Python<'_>, solution: Solution<PyErr>) -> Outcome<Self> {
+        let (t, dimension) = (solution.knots(), solution.dimension());
+        let y = solution.sample(t)?.into_pyarray(py).reshape([t.len(), dimension])?.unbind();
+        Ok(Self { t: PyArray1::from_slice(py, t).unbind(), y, solution })
+    }
+
     /// One row of values per time, in the shape of the times.
     fn at<'py>(
         &self,

@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, T
 use pyo3::prelude::*;
 use telespring::InvalidInput;
 
-use crate::arguments::Count;
+use crate::arguments::{Argument, Count, hash};
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
 use crate::interrupt::apart;
@@ -80,8 +80,9 @@ impl DelaySystem {
 #[pymethods]
 impl DelaySystem {
     #[new]
-    #[pyo3(signature = (a0, delayed=Vec::new()), text_signature = "(a0, delayed=())")]
-    fn new(a0: &Bound<'_, PyAny>, delayed: Vec<(f64, Bound<'_, PyAny>)>) -> Outcome<Self> {
+    #[pyo3(signature = (a0, delayed=Argument::Given(Vec::new())), text_signature = "(a0, delayed=())")]
+    fn new(a0: &Bound<'_, PyAny>, delayed: Argument<Vec<(f64, Bound<'_, PyAny>)>>) -> Outcome<Self> {
+        let delayed = delayed.named("delayed")?;
         let a0 = matrix("a0", a0)?;
         let delayed = delayed
             .iter()
@@ -245,6 +246,10 @@ impl DelaySystem {
         let delayed: Vec<String> =
             self.0.delayed().iter().map(|(delay, term)| format!("({delay:?}, {})", rows(term))).collect();
         format!("DelaySystem({}, [{}])", rows(self.0.instantaneous()), delayed.join(", "))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__(py)?.into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Matrix<'py>, Vec<(f64, Matrix<'py>)>)> {

@@ -3,10 +3,11 @@
 use num_complex::Complex64;
 use numpy::{IntoPyArray, Ix1, Ix3, PyArray3, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
+use std::convert::Infallible;
 use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
-use crate::arguments::{AxisChoice, DelayChoice, Number, written};
+use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, written};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
@@ -15,18 +16,25 @@ use crate::records::{Array, record};
 type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
 
 /// The convention for the diagonal, by its name.
-#[derive(FromPyObject)]
-pub struct ConventionName(String);
+pub struct ConventionName(Argument<String>);
+
+impl FromPyObject<'_, '_> for ConventionName {
+    type Error = Infallible;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> Result<Self, Infallible> {
+        Argument::extract(value).map(Self)
+    }
+}
 
 impl ConventionName {
     /// The convention of a frequency response by its Python name, checked.
     fn check(&self) -> telespring::Result<Convention> {
-        match self.0.as_str() {
-            "exact" => Ok(Convention::Exact),
-            "paper" => Ok(Convention::Paper),
-            other => Err(InvalidInput::new(
+        match &self.0 {
+            Argument::Given(name) if name == "exact" => Ok(Convention::Exact),
+            Argument::Given(name) if name == "paper" => Ok(Convention::Paper),
+            Argument::Given(text) | Argument::Other(text) => Err(InvalidInput::new(
                 "convention",
-                format!("{other:?}"),
+                text,
                 "the conventions are \"exact\" and \"paper\"",
                 "Omit it for \"exact\".",
             )),
@@ -262,10 +270,11 @@ pub fn open_loop<'py>(
 pub fn partner_response<'py>(
     py: Python<'py>,
     of: Loop<'py>,
-    robot: usize,
+    robot: Argument<usize>,
     frequency: PyReadonlyArray1<'py, f64>,
 ) -> Outcome<ResponseCurve> {
     let (axis, stiffness, delay) = of.check()?;
+    let robot = robot.named("robot")?;
     let frequency = frequency.as_array().to_vec();
     let curve = apart(py, move || response::partner_response(&axis, stiffness, &delay, robot, &frequency))??;
     Ok(ResponseCurve::of(py, curve))
@@ -285,12 +294,14 @@ fn grid_status(status: GridStatus) -> (String, Vec<f64>) {
 pub fn frequency_grid(
     py: Python<'_>,
     of: Loop<'_>,
-    low: f64,
-    high: f64,
-    resolution: f64,
-    limit: usize,
+    low: Number,
+    high: Number,
+    resolution: Number,
+    limit: Argument<usize>,
 ) -> Outcome<FrequencyGrid> {
     let (axis, stiffness, delay) = of.check()?;
+    let (low, high) = (low.named("low")?, high.named("high")?);
+    let (resolution, limit) = (resolution.named("resolution")?, limit.named("limit")?);
     let grid =
         apart(py, move || response::frequency_grid(&axis, stiffness, &delay, low, high, resolution, limit))??;
     let (status, poles_on_axis) = grid_status(grid.status);

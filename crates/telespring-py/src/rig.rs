@@ -9,7 +9,7 @@ use telespring::rig::{
 };
 use telespring::{Delay, InvalidInput, quantity};
 
-use crate::arguments::{Argument, DelayChoice, Number, rows, written};
+use crate::arguments::{Argument, DelayChoice, Number, hash, rows, written};
 use crate::errors::{Failure, Outcome};
 use crate::interrupt::in_parallel;
 use crate::recording::{Recording, Recordings};
@@ -64,6 +64,10 @@ impl Laboratory {
 
     fn __eq__(&self, other: &Self) -> bool {
         self.inner == other.inner
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.inner.controller.sample_period.into_pyobject(py)?.as_any())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use telespring::{Delay, DyadAxis, spectrum};
 
-use crate::arguments::{AxisChoice, Count, DelayChoice, Number};
+use crate::arguments::{Argument, AxisChoice, Count, DelayChoice, Number};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
@@ -13,12 +13,12 @@ use crate::spectrum::{Spectrum, warn};
 
 /// The arguments of the functions on a dyad's roots, checked.
 fn check(
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: &DelayChoice,
     axis: &AxisChoice,
 ) -> Outcome<(DyadAxis, f64, Delay)> {
-    Ok((axis.of(&dyad.get().0)?, stiffness.named("stiffness")?, delay.check()?))
+    Ok((axis.of(&dyad.named("dyad")?.get().0)?, stiffness.named("stiffness")?, delay.check()?))
 }
 
 /// Rightmost characteristic roots together with their certificate.
@@ -57,7 +57,7 @@ fn check(
        text_signature = "(dyad, stiffness, delay, count=8, axis=0)")]
 pub fn certified_roots(
     py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     count: Count,
@@ -119,7 +119,7 @@ pub fn certified_roots(
        text_signature = "(dyad, stiffness, delay, count=8, axis=0)")]
 pub fn characteristic_roots<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     count: Count,
@@ -170,7 +170,7 @@ pub fn characteristic_roots<'py>(
        text_signature = "(dyad, stiffness, delay, axis=0)")]
 pub fn spectral_abscissa(
     py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     axis: AxisChoice,

@@ -7,7 +7,7 @@ use telespring::dde::linear::{
 };
 use telespring::{Delay, InvalidInput};
 
-use crate::arguments::{DelayChoice, Number};
+use crate::arguments::{Argument, DelayChoice, Number};
 use crate::errors::Outcome;
 use crate::interrupt::{Watch, apart};
 use crate::model::Dyad;
@@ -151,11 +151,16 @@ impl HistoryValue {
     }
 }
 
+/// The forms of a force and of a history in `simulate`.
+const FORCES: &str = "a number, a Sine or a list of them, a Sampled, a Signal, or a function of time";
+const PASTS: &str = "a number, a pair (position, velocity), a Signal, or a function of time";
+
 /// Converts the values of both robots in `simulate`, axis by axis; a refusal names robot and axis.
 fn lowered<V, T>(
     name: &str,
     axes: usize,
-    values: &[Vec<V>],
+    values: Vec<Vec<Argument<V>>>,
+    form: &str,
     lower: impl Fn(&V) -> Outcome<T>,
 ) -> Outcome<Vec<[T; 2]>> {
     let shape_is_right = values.len() == 2 && values.iter().all(|robot| robot.len() == axes);
@@ -170,7 +175,14 @@ fn lowered<V, T>(
         .into());
     }
     let one = |robot: usize, axis: usize| {
-        lower(&values[robot][axis]).map_err(|failure| failure.within(&format!("{name}[{robot}][{axis}]")))
+        let field = format!("{name}[{robot}][{axis}]");
+        match &values[robot][axis] {
+            Argument::Given(value) => lower(value).map_err(|failure| failure.within(&field)),
+            Argument::Other(text) => {
+                let remedy = "Write it in one of these forms.";
+                Err(InvalidInput::new(field, text, format!("{form} is required"), remedy).into())
+            }
+        }
     };
     (0..axes).map(|axis| Ok([one(0, axis)?, one(1, axis)?])).collect()
 }
@@ -186,23 +198,27 @@ type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Fits, F
 #[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn simulate<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
-    forces: Vec<Vec<ForceValue>>,
+    forces: Vec<Vec<Argument<ForceValue>>>,
     duration: Number,
     rate: Number,
-    history: Option<Vec<Vec<HistoryValue>>>,
-    velocities: bool,
+    history: Option<Vec<Vec<Argument<HistoryValue>>>>,
+    velocities: Argument<bool>,
 ) -> Outcome<Simulated<'py>> {
-    let axes: Vec<_> = dyad.get().0.axes().collect();
+    let axes: Vec<_> = dyad.named("dyad")?.get().0.axes().collect();
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
     let (duration, rate) = (duration.named("duration")?, rate.named("rate")?);
+    let velocities = velocities.named("velocities")?;
     let count = output_count(duration, rate)?;
-    let forces = lowered("forces", axes.len(), &forces, |force| force.lower(py, duration))?;
+    let forces =
+        lowered("forces", axes.len(), forces, FORCES, |force: &ForceValue| force.lower(py, duration))?;
     let histories = match history {
         None => axes.iter().map(|_| Default::default()).collect(),
-        Some(history) => lowered("history", axes.len(), &history, |past| past.lower(py, &delay))?,
+        Some(history) => {
+            lowered("history", axes.len(), history, PASTS, |past: &HistoryValue| past.lower(py, &delay))?
+        }
     };
     let block = 2 * axes.len() * count;
     let force_fits = (

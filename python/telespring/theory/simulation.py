@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_numbers
+from telespring._arrays import as_number, as_numbers, as_vector, quoted_value
 from telespring._errors import ApproximationWarning, InvalidInput
 from telespring._types import Delay, FloatArray, SimulationStatus
 
@@ -41,6 +41,10 @@ class Sine:
     angular_frequency: float
     phase: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "angular_frequency", "phase"):
+            object.__setattr__(self, name, as_number(name, getattr(self, name)))
+
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
@@ -63,7 +67,7 @@ class Sampled:
 
     def __init__(self, values: ArrayLike, rate: float, hold: Literal["linear", "zero"] = "linear") -> None:
         object.__setattr__(self, "values", np.ascontiguousarray(as_numbers("values", values)).reshape(-1))
-        object.__setattr__(self, "rate", rate)
+        object.__setattr__(self, "rate", as_number("rate", rate))
         object.__setattr__(self, "hold", hold)
 
 
@@ -83,8 +87,14 @@ class Signal:
     breakpoints: tuple[float, ...] = ()
 
     def __init__(self, function: Callable[[float], float], breakpoints: Iterable[float] = ()) -> None:
+        if not callable(function):
+            raise InvalidInput(
+                "function", quoted_value(function), "a function of time is required", "Pass a callable."
+            )
         object.__setattr__(self, "function", function)
-        object.__setattr__(self, "breakpoints", tuple(breakpoints))
+        given: Any = breakpoints
+        times = list(given) if isinstance(given, Iterable) else given
+        object.__setattr__(self, "breakpoints", tuple(as_vector("breakpoints", times).tolist()))
 
 
 Force: TypeAlias = float | Sine | Sequence[Sine] | Sampled | Signal | Callable[[float], float]
@@ -107,7 +117,7 @@ class Trajectory(NamedTuple):
         Approximation error of functions of time, N and m, (robot, axis): the largest average over 10 ms of
         the distance from the function; 0 for all others.
     status : str
-        "completed", "diverged", or "not resolved" if such an error exceeds 1e-9 of the function's largest value.
+        "completed", "diverged", or "not resolved" if such an error exceeds 1e-9 of the largest value.
     """
 
     time: FloatArray
