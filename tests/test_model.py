@@ -237,8 +237,8 @@ def refusal(ask: Any) -> ts.InvalidInput:
     return refused.value
 
 
-def test_ref_a_wrong_type_is_a_type_error() -> None:
-    with pytest.raises(TypeError):
+def test_ref_a_wrong_type_is_refused_with_a_remedy() -> None:
+    with pytest.raises(ts.InvalidInput):
         ts.Dyad(ts.Robot(1.0, 1.0), None)  # type: ignore[arg-type]
 
 

@@ -105,7 +105,7 @@ def test_ref_a_file_that_cannot_be_read_says_why(tmp_path: Path) -> None:
         ts.Study.read(latin)
     assert refused.value.field == str(latin)
     assert "line 2" in refused.value.value
-    with pytest.raises(TypeError):
+    with pytest.raises(ts.InvalidInput):
         ts.Study.read(3)  # type: ignore[arg-type]
 
 

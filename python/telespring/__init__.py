@@ -6,8 +6,9 @@ Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m,
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
-from telespring._errors import CertificateWarning, InvalidInput
+from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
     Arm,
@@ -74,6 +75,7 @@ from telespring.theory.verdicts import (
 
 __all__ = [
     "Agent",
+    "ApproximationWarning",
     "Arm",
     "AxisTier",
     "AxisVerdict",
@@ -114,6 +116,7 @@ __all__ = [
     "Uncertainty",
     "Verdict",
     "Verdicts",
+    "__version__",
     "certified_roots",
     "characteristic_roots",
     "critical_stiffness",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import operator
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -63,6 +64,19 @@ def as_number(name: str, value: ArrayLike) -> float:
             "Call the function once for each element.",
         )
     return float(number.reshape(())[()])
+
+
+def as_whole_number(name: str, value: SupportsIndex) -> int:
+    """Return the argument as a whole number of 1 or more, or refuse it by its name."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = 0
+    if number < 1 or number >= 2**63:
+        raise InvalidInput(
+            name, quoted_value(value), "a whole number of 1 or more is required", "Give an int."
+        )
+    return number
 
 
 def as_vector(name: str, value: ArrayLike) -> FloatArray:

@@ -1,10 +1,10 @@
-"""The exception for invalid input, and the warning about incomplete spectra."""
+"""The exception for invalid input, and the warnings about results that are less than they should be."""
 
 from __future__ import annotations
 
 from typing import Self
 
-__all__ = ["CertificateWarning", "InvalidInput"]
+__all__ = ["ApproximationWarning", "CertificateWarning", "InvalidInput"]
 
 
 class InvalidInput(ValueError):
@@ -60,3 +60,7 @@ class InvalidInput(ValueError):
 
 class CertificateWarning(RuntimeWarning):
     """The argument principle does not confirm that all characteristic roots were found."""
+
+
+class ApproximationWarning(RuntimeWarning):
+    """A force or a history given as a function of time is not approximated as well as it should be."""

@@ -13,6 +13,7 @@ ComplexArray: TypeAlias = NDArray[np.complex128]
 Method: TypeAlias = Literal["exact", "paper"]
 GridStatus: TypeAlias = Literal["resolved", "poles on the axis", "too many points"]
 NyquistStatus: TypeAlias = Literal["counted", "on the axis", "not counted"]
+SimulationStatus: TypeAlias = Literal["completed", "diverged", "not resolved"]
 SolverStatus: TypeAlias = Literal[
     "completed", "step too small", "too many steps", "not finite", "invalid delay", "stopped"
 ]

@@ -2,13 +2,14 @@
 
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyList;
+use pyo3::types::{PyDict, PyList, PyTuple};
 use std::convert::Infallible;
 use telespring::spectrum::MAX_ROOTS;
 use telespring::{Delay, InvalidInput};
 
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
+use crate::model::{Dyad, Operator, Robot};
 
 /// An argument, or its representation where it has another type.
 pub enum Argument<T> {
@@ -37,12 +38,74 @@ pub fn written(value: &Bound<'_, PyAny>) -> String {
 }
 
 impl<T> Argument<T> {
-    fn or_refuse(self, field: &str, allowed: impl Into<String>, remedy: &str) -> telespring::Result<T> {
+    /// The argument in its type, or a refusal.
+    pub fn or_refuse(self, field: &str, allowed: impl Into<String>, remedy: &str) -> telespring::Result<T> {
         match self {
             Self::Given(value) => Ok(value),
             Self::Other(text) => Err(InvalidInput::new(field, text, allowed.into(), remedy)),
         }
     }
+}
+
+/// What an argument of each type must be, and what to pass.
+macro_rules! named {
+    ($($type:ty: $allowed:literal, $remedy:literal;)*) => {$(
+        impl Argument<$type> {
+            /// The argument in its type, or a refusal with this field.
+            pub fn named(self, field: &str) -> Outcome<$type> {
+                Ok(self.or_refuse(field, $allowed, $remedy)?)
+            }
+        }
+    )*};
+}
+
+named! {
+    String: "a string is required", "Give a str.";
+    usize: "a whole number of 0 or more is required", "Give an int.";
+    bool: "True or False is required", "Give a bool.";
+    Option<Vec<String>>: "a name for each axis is required, in a list", "Write it such as ['x', 'y'].";
+}
+
+macro_rules! named_classes {
+    ($($type:ty: $allowed:literal, $remedy:literal;)*) => {$(
+        impl<'py> Argument<$type> {
+            /// The argument in its class, or a refusal with this field.
+            pub fn named(self, field: &str) -> Outcome<$type> {
+                Ok(self.or_refuse(field, $allowed, $remedy)?)
+            }
+        }
+    )*};
+}
+
+named_classes! {
+    Bound<'py, Dyad>: "a Dyad is required", "Pass Dyad(robot1, robot2).";
+    Bound<'py, Robot>: "a Robot is required", "Pass Robot(mass, damping).";
+    Bound<'py, Operator>: "an Operator is required", "Pass Operator(mass, damping, stiffness).";
+    Option<[Option<Bound<'py, Operator>>; 2]>:
+        "a pair is required, for each robot an Operator or None", "Write it such as (operator, None).";
+    Vec<(f64, Bound<'py, PyAny>)>:
+        "pairs of a delay and a matrix are required", "Write them such as [(0.1, [[-1.0]])].";
+}
+
+/// A hash of what a frozen class is built from; equal values have equal hashes, also 0.0 and -0.0.
+pub fn hash(value: &Bound<'_, PyAny>) -> PyResult<isize> {
+    fn hashable<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = value.py();
+        if let Ok(dict) = value.cast::<PyDict>() {
+            let items = dict.iter().map(|(key, value)| Ok((key, hashable(&value)?)));
+            let items: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)> = items.collect::<PyResult<_>>()?;
+            return Ok(pyo3::types::PyFrozenSet::new(py, PyTuple::new(py, items)?)?.into_any());
+        }
+        if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+            let items = value.try_iter()?.map(|item| hashable(&item?));
+            return Ok(PyTuple::new(py, items.collect::<PyResult<Vec<_>>>()?)?.into_any());
+        }
+        match value.getattr("tolist") {
+            Ok(convert) => hashable(&convert.call0()?),
+            Err(_) => Ok(value.clone()),
+        }
+    }
+    hashable(value)?.hash()
 }
 
 /// A real number.

@@ -3,20 +3,54 @@
 use std::borrow::Cow;
 
 use numpy::ndarray::IxDyn;
-use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    Element, IntoPyArray, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyFloat, PyInt};
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 use rayon::prelude::*;
 use telespring::{InvalidInput, Result};
 
 use crate::errors::Outcome;
+use crate::interrupt::{Watch, in_parallel};
+
+/// Whether an argument is an array whose dimensions have names.
+fn is_labelled(value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    if value.is_instance_of::<PyList>()
+        || value.is_instance_of::<PyTuple>()
+        || value.cast::<PyUntypedArray>().is_ok()
+    {
+        return Ok(false);
+    }
+    labelling(value.py(), "is_labelled")?.call1((value,))?.extract()
+}
+
+/// A function for arrays whose dimensions have names.
+fn labelling<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("telespring._labelled")?.getattr(name)
+}
+
+/// A map over stiffness and delay, labelled if one of them is.
+pub fn labelled_map<'py>(
+    map: Bound<'py, PyAny>,
+    k: &Numbers<'py>,
+    delay: &Numbers<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if k.labelled.is_none() && delay.labelled.is_none() {
+        return Ok(map);
+    }
+    let py = map.py();
+    labelling(py, "label_map")?.call1((map, k.to_python(py)?, delay.to_python(py)?))
+}
 
 /// A number or an array of numbers, as the caller named it.
 pub struct Numbers<'py> {
     name: &'static str,
     values: Values<'py>,
+    /// The argument itself, if its dimensions have names.
+    labelled: Option<Bound<'py, PyAny>>,
 }
 
 enum Values<'py> {
@@ -33,7 +67,7 @@ pub fn as_numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<
 impl<'py> Numbers<'py> {
     /// One number of an argument that may be an array.
     pub fn one(name: &'static str, value: f64) -> Self {
-        Self { name, values: Values::One(value) }
+        Self { name, values: Values::One(value), labelled: None }
     }
 
     /// Any array_like; a number is read without numpy.
@@ -49,8 +83,21 @@ impl<'py> Numbers<'py> {
         let array: PyReadonlyArrayDyn<'py, f64> = as_numbers(name, value)?.extract()?;
         Ok(match array.ndim() {
             0 => Self::one(name, array.as_array()[IxDyn(&[])]),
-            _ => Self { name, values: Values::Many(array) },
+            _ => Self {
+                name,
+                values: Values::Many(array),
+                labelled: is_labelled(value)?.then(|| value.clone()),
+            },
         })
+    }
+
+    /// The argument as Python passed it, or what replaces it.
+    fn to_python(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        match (&self.labelled, &self.values) {
+            (Some(labelled), _) => Ok(labelled.clone()),
+            (None, Values::One(value)) => value.into_bound_py_any(py),
+            (None, Values::Many(array)) => Ok(array.as_any().clone()),
+        }
     }
 
     /// A single number, where an array has no meaning.
@@ -153,6 +200,26 @@ const CHUNK: usize = 1024;
 /// The most arguments of one computation: seven numbers of an axis and two more.
 const MOST: usize = 9;
 
+/// The same where dimensions have names, by which they are broadcast; so has the result.
+fn over_labelled<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
+    py: Python<'py>,
+    arguments: &[Numbers<'py>],
+    compute: impl Fn(&[f64]) -> Result<T> + Sync,
+) -> Outcome<Bound<'py, PyAny>> {
+    let names: Vec<_> = arguments.iter().map(|argument| argument.name).collect();
+    let values = arguments.iter().map(|argument| argument.to_python(py)).collect::<PyResult<Vec<_>>>()?;
+    let broadcast = labelling(py, "broadcast")?.call1((names.clone(), values.clone()))?;
+    let (arrays, like): (Vec<Bound<'py, PyAny>>, Bound<'py, PyAny>) = broadcast.extract()?;
+    let plain = names.into_iter().zip(&arrays).map(|(name, array)| Numbers::read(name, array));
+    let result = over_arrays(
+        py,
+        &plain.collect::<Outcome<Vec<_>>>()?,
+        &compute as &(dyn Fn(&[f64]) -> Result<T> + Sync),
+    )?;
+    let arguments: Vec<_> = [result, like].into_iter().chain(values).collect();
+    Ok(labelling(py, "label")?.call1(PyTuple::new(py, arguments)?)?)
+}
+
 /// Computes each element from the arguments broadcast against each other, without holding the interpreter:
 /// a number if all are numbers, else an array.
 ///
@@ -162,6 +229,9 @@ pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
     arguments: &[Numbers<'py>],
     compute: impl Fn(&[f64]) -> Result<T> + Sync,
 ) -> Outcome<Bound<'py, PyAny>> {
+    if arguments.iter().any(|argument| argument.labelled.is_some()) {
+        return over_labelled(py, arguments, compute);
+    }
     let mut row = [0.0; MOST];
     let mut all_numbers = true;
     for (value, argument) in row.iter_mut().zip(arguments) {
@@ -193,32 +263,48 @@ pub fn over_arrays<'py, T: Element + Copy + Default + IntoPyObject<'py>>(
         })
         .collect();
     let columns: Vec<&[f64]> = columns.iter().map(Cow::as_ref).collect();
-    let fill = |(chunk, values): (usize, &mut [T])| -> std::result::Result<(), (usize, InvalidInput)> {
-        let mut row = [0.0; MOST];
-        let row = &mut row[..columns.len()];
-        for (offset, value) in values.iter_mut().enumerate() {
-            let index = chunk * CHUNK + offset;
-            for (number, column) in row.iter_mut().zip(&columns) {
-                *number = if column.len() == 1 { column[0] } else { column[index] };
-            }
-            *value = compute(row).map_err(|refusal| (index, refusal))?;
+    let row_at = |row: &mut [f64], index: usize| {
+        for (number, column) in row.iter_mut().zip(&columns) {
+            *number = if column.len() == 1 { column[0] } else { column[index] };
         }
-        Ok(())
     };
-    let (values, refused) = py.detach(|| {
-        let mut values = vec![T::default(); length];
-        let refused = if length < PARALLEL_FROM {
-            values.chunks_mut(CHUNK).enumerate().map(fill).find_map(std::result::Result::err)
-        } else {
-            values
-                .par_chunks_mut(CHUNK)
-                .enumerate()
-                .map(fill)
-                .filter_map(std::result::Result::err)
-                .min_by_key(|(index, _)| *index)
-        };
-        (values, refused)
-    });
+    let mut values = vec![T::default(); length];
+    let refused = if length < PARALLEL_FROM {
+        py.detach(|| -> PyResult<_> {
+            let mut watch = Watch::start();
+            let mut row = [0.0; MOST];
+            let row = &mut row[..columns.len()];
+            for (index, value) in values.iter_mut().enumerate() {
+                watch.look()?;
+                row_at(row, index);
+                match compute(row) {
+                    Ok(computed) => *value = computed,
+                    Err(refusal) => return Ok(Some((index, refusal))),
+                }
+            }
+            Ok(None)
+        })?
+    } else {
+        in_parallel(py, |stop| {
+            let fill = |(chunk, values): (usize, &mut [T])| -> Option<(usize, InvalidInput)> {
+                let mut row = [0.0; MOST];
+                let row = &mut row[..columns.len()];
+                for (offset, value) in values.iter_mut().enumerate() {
+                    if stop.is_set() {
+                        return None;
+                    }
+                    let index = chunk * CHUNK + offset;
+                    row_at(row, index);
+                    match compute(row) {
+                        Ok(computed) => *value = computed,
+                        Err(refusal) => return Some((index, refusal)),
+                    }
+                }
+                None
+            };
+            values.par_chunks_mut(CHUNK).enumerate().filter_map(fill).min_by_key(|(index, _)| *index)
+        })?
+    };
     match refused {
         None => Ok(values.into_pyarray(py).reshape(IxDyn(&shape))?.into_any()),
         Some((index, mut refusal)) => {

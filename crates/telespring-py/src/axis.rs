@@ -1,15 +1,16 @@
 //! One axis of a dyad, and where its characteristic roots cross the imaginary axis.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{InvalidInput, Result, Side, criteria, spectrum};
 
-use crate::arguments::{Count, DelayChoice, Number};
-use crate::arrays::{Numbers, over_arrays};
+use crate::arguments::{Argument, Count, DelayChoice, Number};
+use crate::arrays::{Numbers, labelled_map, over_arrays};
 use crate::errors::Outcome;
+use crate::interrupt::{apart, in_parallel};
 use crate::records::record;
 use crate::spectrum::{Spectrum, warn};
 
@@ -69,17 +70,15 @@ pub struct DyadAxis {
 }
 
 /// Whether `method` asks for the paper's formula.
-pub fn is_paper(method: Option<&str>) -> Result<bool> {
-    match method.unwrap_or("exact") {
-        "exact" => Ok(false),
-        "paper" => Ok(true),
-        other => Err(unknown_method(format!("{other:?}"))),
-    }
-}
-
-/// The error for a method that is neither "exact" nor "paper", as the caller wrote it.
-pub fn unknown_method(written: String) -> InvalidInput {
-    InvalidInput::new("method", written, "the methods are \"exact\" and \"paper\"", "Omit it for \"exact\".")
+pub fn is_paper(method: &Argument<String>) -> Result<bool> {
+    let text = match method {
+        Argument::Given(name) if name == "exact" => return Ok(false),
+        Argument::Given(name) if name == "paper" => return Ok(true),
+        Argument::Given(name) => format!("{name:?}"),
+        Argument::Other(text) => text.clone(),
+    };
+    let allowed = "the methods are \"exact\" and \"paper\"";
+    Err(InvalidInput::new("method", text, allowed, "Omit it for \"exact\"."))
 }
 
 /// The critical stiffness of a Python axis, N/m, exact or by Eq. 5 of the paper.
@@ -108,8 +107,8 @@ pub fn unstable_root_count(axis: &telespring::DyadAxis, k: f64, delay: f64) -> R
     criteria::unstable_root_count(axis, STIFFNESS.check("k", k)?, DELAY.check("delay", delay)?).map(i64::from)
 }
 
-/// Rows of a stability map that one thread takes at a time.
-const ROWS: usize = 16;
+/// Elements of a stability map that one thread takes at a time, about.
+const PIECE: usize = 1 << 14;
 
 /// Whether each pair of stiffness and delay is stable on all these Python axes, a row per stiffness.
 pub fn stability_map<'py>(
@@ -117,26 +116,37 @@ pub fn stability_map<'py>(
     axes: &[telespring::DyadAxis],
     k: &Numbers<'py>,
     delay: &Numbers<'py>,
-) -> Outcome<Bound<'py, PyArray2<bool>>> {
+) -> Outcome<Bound<'py, PyAny>> {
+    let named = (k, delay);
     let (k, delay) = (k.row()?, delay.row()?);
     let shape = [k.len(), delay.len()];
-    let stable = py.detach(|| -> Result<Vec<bool>> {
-        for (i, &value) in k.iter().enumerate() {
-            STIFFNESS.check(&format!("k[{i}]"), value)?;
-        }
+    for (i, &value) in k.iter().enumerate() {
+        STIFFNESS.check(&format!("k[{i}]"), value)?;
+    }
+    for (i, &value) in delay.iter().enumerate() {
+        DELAY.check(&format!("delay[{i}]"), value)?;
+    }
+    let rows = (PIECE / delay.len().max(1)).clamp(1, 16);
+    let stable = in_parallel(py, |stop| -> Result<Vec<bool>> {
         let mut stable = vec![true; shape[0] * shape[1]];
-        for axis in axes {
-            let rows: Vec<Vec<bool>> = k
-                .par_chunks(ROWS)
-                .map(|k| criteria::stability_map(axis, k, &delay))
-                .collect::<Result<_>>()?;
-            for (all, here) in stable.iter_mut().zip(rows.into_iter().flatten()) {
-                *all &= here;
+        let block = |(k, stable): (&[f64], &mut [bool])| {
+            for (start, delay) in delay.chunks(PIECE).enumerate().map(|(i, delay)| (i * PIECE, delay)) {
+                for axis in axes {
+                    if stop.is_set() {
+                        return Ok(());
+                    }
+                    let here = criteria::stability_map(axis, k, delay)?;
+                    for (row, here) in stable.chunks_exact_mut(shape[1]).zip(here.chunks_exact(delay.len())) {
+                        row[start..].iter_mut().zip(here).for_each(|(all, here)| *all &= here);
+                    }
+                }
             }
-        }
+            Ok(())
+        };
+        k.par_chunks(rows).zip(stable.par_chunks_mut((rows * shape[1]).max(1))).try_for_each(block)?;
         Ok(stable)
-    })?;
-    Ok(stable.into_pyarray(py).reshape(shape)?)
+    })??;
+    Ok(labelled_map(stable.into_pyarray(py).reshape(shape)?.into_any(), named.0, named.1)?)
 }
 
 #[pymethods]
@@ -144,7 +154,7 @@ impl DyadAxis {
     #[new]
     #[pyo3(
         signature = (m1, b1, m2, b2, *, kh1=Number::Given(0.0), kh2=Number::Given(0.0), c=Number::Given(0.0),
-                     name="x".to_owned(), index=0),
+                     name=Argument::Given("x".to_owned()), index=Argument::Given(0)),
         text_signature = "(m1, b1, m2, b2, *, kh1=0.0, kh2=0.0, c=0.0, name='x', index=0)"
     )]
     #[expect(clippy::too_many_arguments, reason = "seven numbers describe an axis")]
@@ -156,9 +166,10 @@ impl DyadAxis {
         kh1: Number,
         kh2: Number,
         c: Number,
-        name: String,
-        index: usize,
+        name: Argument<String>,
+        index: Argument<usize>,
     ) -> Outcome<Self> {
+        let (name, index) = (name.named("name")?, index.named("index")?);
         let side = |mass, damping, ground_stiffness| Side { mass, damping, ground_stiffness };
         let axis = telespring::DyadAxis {
             sides: [
@@ -232,15 +243,19 @@ impl DyadAxis {
     }
 
     /// Stiffness below which no constant delay destabilises, N/m; see `telespring.critical_stiffness`.
-    #[pyo3(signature = (method="exact"))]
-    fn critical_stiffness(&self, method: &str) -> Outcome<f64> {
-        Ok(critical_stiffness(&self.axis, is_paper(Some(method))?)?)
+    #[pyo3(signature = (method=Argument::Given("exact".to_owned())), text_signature = "($self, method='exact')")]
+    fn critical_stiffness(&self, method: Argument<String>) -> Outcome<f64> {
+        Ok(critical_stiffness(&self.axis, is_paper(&method)?)?)
     }
 
     /// Smallest one-way delay at which stability is lost, s; see `telespring.maximum_delay`.
-    #[pyo3(signature = (k, method="exact"))]
-    fn maximum_delay<'py>(&self, k: &Bound<'py, PyAny>, method: &str) -> Outcome<Bound<'py, PyAny>> {
-        let paper = is_paper(Some(method))?;
+    #[pyo3(signature = (k, method=Argument::Given("exact".to_owned())), text_signature = "($self, k, method='exact')")]
+    fn maximum_delay<'py>(
+        &self,
+        k: &Bound<'py, PyAny>,
+        method: Argument<String>,
+    ) -> Outcome<Bound<'py, PyAny>> {
+        let paper = is_paper(&method)?;
         over_arrays(k.py(), &[Numbers::read("k", k)?], |row| maximum_delay(&self.axis, row[0], paper))
     }
 
@@ -288,32 +303,37 @@ impl DyadAxis {
         py: Python<'py>,
         k: &Bound<'py, PyAny>,
         delay: &Bound<'py, PyAny>,
-    ) -> Outcome<Bound<'py, PyArray2<bool>>> {
+    ) -> Outcome<Bound<'py, PyAny>> {
         stability_map(py, &[self.axis], &Numbers::read("k", k)?, &Numbers::read("delay", delay)?)
     }
 
     /// Every crossing of the imaginary axis; see `telespring.crossings`.
     fn crossings(&self, py: Python<'_>, k: Number) -> Outcome<Vec<Crossing>> {
         let k = STIFFNESS.check("k", k.named("k")?)?;
-        Ok(py.detach(|| criteria::crossings(&self.axis, k))?.iter().copied().map(Crossing).collect())
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::crossings(&axis, k))??.iter().copied().map(Crossing).collect())
     }
 
     /// Intervals of stable one-way delays up to a horizon, s; see `telespring.stable_delays`.
+    #[pyo3(signature = (k, horizon=Number::Given(DELAY.maximum())), text_signature = "($self, k, horizon=100.0)")]
     fn stable_delays(&self, py: Python<'_>, k: Number, horizon: Number) -> Outcome<Vec<(f64, f64)>> {
         let (k, horizon) = (STIFFNESS.check("k", k.named("k")?)?, horizon.named("horizon")?);
-        Ok(py.detach(|| criteria::stable_delays(&self.axis, k, horizon))?)
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::stable_delays(&axis, k, horizon))??)
     }
 
     /// Ranges of stiffness with at least this decay rate (1/s), N/m; see `telespring.decay_stiffness`.
     fn decay_stiffness(&self, py: Python<'_>, delay: Number, decay_rate: Number) -> Outcome<Vec<(f64, f64)>> {
         let (delay, rate) = (DELAY.check("delay", delay.named("delay")?)?, decay_rate.named("decay_rate")?);
-        Ok(py.detach(|| criteria::decay_stiffness(&self.axis, delay, rate))?)
+        let axis = self.axis;
+        Ok(apart(py, move || criteria::decay_stiffness(&axis, delay, rate))??)
     }
 
     /// Largest real part of the characteristic roots but s = 0, 1/s; see `telespring.spectral_abscissa`.
     fn spectral_abscissa(&self, py: Python<'_>, k: Number, delay: DelayChoice) -> Outcome<f64> {
         let (k, delay) = (k.named("k")?, delay.check()?);
-        let abscissa = py.detach(|| spectrum::spectral_abscissa(&self.axis, k, &delay))?;
+        let axis = self.axis;
+        let abscissa = apart(py, move || spectrum::spectral_abscissa(&axis, k, &delay))??;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -328,7 +348,8 @@ impl DyadAxis {
         count: Count,
     ) -> Outcome<Bound<'py, PyArray1<num_complex::Complex64>>> {
         let (k, delay, count) = (k.named("k")?, delay.check()?, count.check()?);
-        let roots = py.detach(|| spectrum::characteristic_roots(&self.axis, k, &delay, count))?;
+        let axis = self.axis;
+        let roots = apart(py, move || spectrum::characteristic_roots(&axis, k, &delay, count))??;
         warn(py, "roots'", &roots.certificate)?;
         Ok(roots.roots.into_pyarray(py))
     }
@@ -343,7 +364,8 @@ impl DyadAxis {
         count: Count,
     ) -> Outcome<Spectrum> {
         let (k, delay, count) = (k.named("k")?, delay.check()?, count.check()?);
-        let roots = py.detach(|| spectrum::characteristic_roots(&self.axis, k, &delay, count))?;
+        let axis = self.axis;
+        let roots = apart(py, move || spectrum::characteristic_roots(&axis, k, &delay, count))??;
         Ok(Spectrum::of(py, roots))
     }
 

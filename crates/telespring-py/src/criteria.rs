@@ -7,10 +7,11 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{InvalidInput, Result, criteria};
 
-use crate::arguments::written;
+use crate::arguments::{Argument, written};
 use crate::arrays::{Numbers, over_arrays};
-use crate::axis::{self, Crossing, DyadAxis, is_paper, unknown_method};
+use crate::axis::{self, Crossing, DyadAxis, is_paper};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 
 /// What a criterion is computed for.
@@ -167,8 +168,13 @@ fn bind<'py, const N: usize>(
 
 /// The `method` of a criterion as text, refused by its name where it is something else.
 fn paper(method: Option<&Bound<'_, PyAny>>) -> Result<bool> {
-    let text = method.map(|method| method.extract::<String>().map_err(|_| unknown_method(written(method))));
-    is_paper(text.transpose()?.as_deref())
+    match method {
+        None => Ok(false),
+        Some(method) => {
+            let Ok(method) = method.extract::<Argument<String>>();
+            is_paper(&method)
+        }
+    }
 }
 
 /// The numbers of a criterion that `bind` has found to be there.
@@ -422,7 +428,7 @@ pub fn stability_map<'py>(
 ) -> Outcome<Bound<'py, PyAny>> {
     let (subject, [k, delay]) = bind("stability_map", args, kwargs, ["k", "delay"], 2)?;
     let (k, delay) = (numbers("k", k)?, numbers("delay", delay)?);
-    Ok(axis::stability_map(py, &subject.axes()?, &k, &delay)?.into_any())
+    axis::stability_map(py, &subject.axes()?, &k, &delay)
 }
 
 #[doc = concat!(
@@ -461,7 +467,7 @@ pub fn crossings<'py>(
         .into());
     };
     let k = STIFFNESS.check("k", numbers("k", k)?.single()?)?;
-    let crossings = py.detach(|| criteria::crossings(&axis, k))?;
+    let crossings = apart(py, move || criteria::crossings(&axis, k))??;
     let crossings: Vec<_> = crossings.iter().copied().map(Crossing).collect();
     Ok(crossings.into_bound_py_any(py)?)
 }
@@ -470,7 +476,7 @@ pub fn crossings<'py>(
     "All constant one-way delays up to a horizon at which an axis is stable.",
     parameters!("float"),
     stiffness!("float"),
-    "\nhorizon : float\n    The longest delay of interest, s.",
+    "\nhorizon : float\n    The longest delay of interest, s; by default 100 s, the longest delay of any function here.",
     keywords!("float"),
     "\n\nReturns\n-------\nlist of (float, float)\n    Half-open intervals [start, end), s, ascending. For a dyad those in \
      which all its axes are stable.",
@@ -485,17 +491,23 @@ pub fn crossings<'py>(
 /// [(0.0, 0.8508), (1.7738, 2.1128)]
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, k, horizon, *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, k, horizon=100.0, *, kh1=0.0, kh2=0.0, c=0.0)")]
 pub fn stable_delays<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Vec<(f64, f64)>> {
-    let (subject, [k, horizon]) = bind("stable_delays", args, kwargs, ["k", "horizon"], 2)?;
+    let (subject, [k, horizon]) = bind("stable_delays", args, kwargs, ["k", "horizon"], 1)?;
     let axes = subject.axes()?;
-    let (k, horizon) = (numbers("k", k)?.single()?, numbers("horizon", horizon)?.single()?);
+    let (k, horizon) = (
+        numbers("k", k)?.single()?,
+        match horizon {
+            Some(horizon) => Numbers::read("horizon", &horizon)?.single()?,
+            None => DELAY.maximum(),
+        },
+    );
     STIFFNESS.check("k", k)?;
-    in_all(py, &axes, |axis| criteria::stable_delays(axis, k, horizon))
+    in_all(py, axes, move |axis| criteria::stable_delays(axis, k, horizon))
 }
 
 #[doc = concat!(
@@ -529,21 +541,21 @@ pub fn decay_stiffness<'py>(
     let axes = subject.axes()?;
     let (delay, rate) = (numbers("delay", delay)?.single()?, numbers("decay_rate", rate)?.single()?);
     DELAY.check("delay", delay)?;
-    in_all(py, &axes, |axis| criteria::decay_stiffness(axis, delay, rate))
+    in_all(py, axes, move |axis| criteria::decay_stiffness(axis, delay, rate))
 }
 
 /// The intervals of a criterion that every axis has.
 fn in_all(
     py: Python<'_>,
-    axes: &[telespring::DyadAxis],
-    compute: impl Fn(&telespring::DyadAxis) -> Result<Vec<(f64, f64)>> + Sync,
+    axes: Vec<telespring::DyadAxis>,
+    compute: impl Fn(&telespring::DyadAxis) -> Result<Vec<(f64, f64)>> + Send + 'static,
 ) -> Outcome<Vec<(f64, f64)>> {
-    let common = py.detach(|| -> Result<_> {
+    let common = apart(py, move || -> Result<_> {
         let mut common = vec![(0.0, f64::INFINITY)];
-        for axis in axes {
+        for axis in &axes {
             common = criteria::intersection(&common, &compute(axis)?);
         }
         Ok(common)
-    })?;
+    })??;
     Ok(common)
 }

@@ -11,6 +11,7 @@ use telespring::dde::adaptive::{DelayKind, Discontinuity, Options, Solution, Sta
 use crate::arguments::PerAxis;
 use crate::arrays::as_numbers;
 use crate::errors::{Failure, Outcome};
+use crate::interrupt::Watch;
 
 /// A delay as Python passes it: a number, or a function and whether it takes the state.
 #[derive(FromPyObject)]
@@ -129,8 +130,10 @@ pub fn solve_dde(
     let options = Options::from(options);
     let rows = delays.len();
     let mut solution = py.detach(|| {
+        let mut watch = Watch::start();
         let slope = |t: f64, y: &[f64], delayed: telespring::dde::adaptive::Delayed<'_>, out: &mut [f64]| {
             Python::attach(|py| {
+                watch.look_and_yield(py)?;
                 let delayed = PyArray1::from_slice(py, delayed.as_slice()).reshape([rows, dimension])?;
                 let returned = rhs.bind(py).call1((t, PyArray1::from_slice(py, y), delayed))?;
                 read_into(&returned, "rhs(t, y, delayed)", out)
@@ -145,10 +148,18 @@ pub fn solve_dde(
     if let Some(raised) = solution.failure.take() {
         return Err(raised.into());
     }
-    let (t, dimension) = (solution.knots(), solution.dimension());
-    let y = solution.sample(t)?.into_pyarray(py).reshape([t.len(), dimension])?.unbind();
-    Ok(DelaySolution { t: PyArray1::from_slice(py, t).unbind(), y, solution })
+    DelaySolution::of(py, solution)
 }
+
+/// What a solution is pickled as: status, counts, break points, knots, coefficients and initial state.
+type State<'py> = (
+    (String, f64, usize, f64),
+    [usize; 3],
+    Vec<(f64, u32)>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
 
 #[pymethods]
 impl DelaySolution {
@@ -237,11 +248,57 @@ impl DelaySolution {
     /// y' at one or many times, one order less accurate than y.
     fn derivative<'py>(&self, times: &Bound<'py, PyAny>) -> Outcome<Bound<'py, PyAny>> {
         self.at(times, |times, values| {
-            for (&t, row) in times.iter().zip(values.chunks_exact_mut(self.solution.dimension())) {
-                self.solution.derivative(t, row)?;
-            }
-            Ok(())
+            times
+                .iter()
+                .zip(values.chunks_exact_mut(self.solution.dimension()))
+                .try_for_each(|(&t, row)| self.solution.derivative(t, row))
         })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, State<'py>)> {
+        let (at, delay, value) = match self.solution.status {
+            Status::StepTooSmall { at } | Status::TooManySteps { at } | Status::NonFinite { at } => {
+                (at, 0, 0.0)
+            }
+            Status::InvalidDelay { at, delay, value } => (at, delay, value),
+            _ => (0.0, 0, 0.0),
+        };
+        let Solution { steps, rejected, evaluations, .. } = self.solution;
+        let state = (
+            (self.status().to_owned(), at, delay, value),
+            [steps, rejected, evaluations],
+            self.discontinuities(),
+            self.t(py),
+            PyArray1::from_slice(py, self.solution.coefficients()),
+            PyArray1::from_slice(py, self.solution.initial()),
+        );
+        Ok((py.get_type::<Self>().getattr("_restore")?, state))
+    }
+
+    /// The solution that `__reduce__` took apart.
+    #[staticmethod]
+    fn _restore(
+        py: Python<'_>,
+        ended: (String, f64, usize, f64),
+        counts: [usize; 3],
+        discontinuities: Vec<(f64, u32)>,
+        knots: PyReadonlyArray1<'_, f64>,
+        coefficients: PyReadonlyArray1<'_, f64>,
+        initial: PyReadonlyArray1<'_, f64>,
+    ) -> Outcome<Self> {
+        let (word, at, delay, value) = ended;
+        let status = match word.as_str() {
+            "completed" => Status::Completed,
+            "step too small" => Status::StepTooSmall { at },
+            "too many steps" => Status::TooManySteps { at },
+            "not finite" => Status::NonFinite { at },
+            _ => Status::InvalidDelay { at, delay, value },
+        };
+        let points = discontinuities.into_iter().map(|(time, order)| Discontinuity { time, order });
+        let values = |array: PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
+        let (knots, coefficients, initial) = (values(knots), values(coefficients), values(initial));
+        let solution = Solution::restore(status, counts, points.collect(), knots, coefficients, initial)?;
+        Self::of(py, solution)
     }
 
     fn __repr__(&self) -> String {
@@ -256,20 +313,40 @@ impl DelaySolution {
 }
 
 impl DelaySolution {
+    /// The solution of the core as Python reads it.
+    fn of(py: Python<'_>, solution: Solution<PyErr>) -> Outcome<Self> {
+        let (t, dimension) = (solution.knots(), solution.dimension());
+        let y = solution.sample(t)?.into_pyarray(py).reshape([t.len(), dimension])?.unbind();
+        Ok(Self { t: PyArray1::from_slice(py, t).unbind(), y, solution })
+    }
+
     /// One row of values per time, in the shape of the times.
     fn at<'py>(
         &self,
         times: &Bound<'py, PyAny>,
         evaluate: impl Fn(&[f64], &mut [f64]) -> telespring::Result<()> + Sync,
     ) -> Outcome<Bound<'py, PyAny>> {
+        // evaluated between two looks for signals
+        const CHUNK: usize = 1 << 14;
         let py = times.py();
         let times: PyReadonlyArrayDyn<'py, f64> = as_numbers("times", times)?.extract()?;
         let mut shape = times.shape().to_vec();
         let times: Vec<f64> = times.as_array().iter().copied().collect();
-        shape.push(self.solution.dimension());
-        let values = py.detach(|| -> telespring::Result<_> {
-            let mut values = vec![0.0; times.len() * self.solution.dimension()];
-            evaluate(&times, &mut values)?;
+        let (dimension, known) = (self.solution.dimension(), self.solution.start()..=self.solution.end());
+        shape.push(dimension);
+        let values = py.detach(|| -> Outcome<_> {
+            let mut values = vec![0.0; times.len() * dimension];
+            let mut watch = Watch::start();
+            for (part, (times, values)) in
+                times.chunks(CHUNK).zip(values.chunks_mut(CHUNK * dimension)).enumerate()
+            {
+                watch.look()?;
+                evaluate(times, values).map_err(|mut refusal| {
+                    let first = times.iter().position(|time| !known.contains(time)).unwrap_or(0);
+                    refusal.field = format!("times[{}]", part * CHUNK + first);
+                    refusal
+                })?;
+            }
             Ok(values)
         })?;
         Ok(values.into_pyarray(py).reshape(shape)?.into_any())

@@ -6,9 +6,10 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, T
 use pyo3::prelude::*;
 use telespring::InvalidInput;
 
-use crate::arguments::Count;
+use crate::arguments::{Argument, Count, hash};
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::spectrum::{Spectrum, warn};
 
 /// x′(t) = A0 x(t) + Σ Aj x(t - τj): a linear system with several constant delays.
@@ -64,11 +65,24 @@ fn to_python<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py
     matrix.as_slice().to_pyarray(py).reshape([matrix.ncols(), matrix.nrows()])?.transpose()
 }
 
+impl DelaySystem {
+    /// A long computation with the matrices of the delay system, which a signal can interrupt.
+    fn apart<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        compute: impl FnOnce(&telespring::delay_system::DelaySystem) -> T + Send + 'static,
+    ) -> PyResult<T> {
+        let system = self.0.clone();
+        apart(py, move || compute(&system))
+    }
+}
+
 #[pymethods]
 impl DelaySystem {
     #[new]
-    #[pyo3(signature = (a0, delayed=Vec::new()), text_signature = "(a0, delayed=())")]
-    fn new(a0: &Bound<'_, PyAny>, delayed: Vec<(f64, Bound<'_, PyAny>)>) -> Outcome<Self> {
+    #[pyo3(signature = (a0, delayed=Argument::Given(Vec::new())), text_signature = "(a0, delayed=())")]
+    fn new(a0: &Bound<'_, PyAny>, delayed: Argument<Vec<(f64, Bound<'_, PyAny>)>>) -> Outcome<Self> {
+        let delayed = delayed.named("delayed")?;
         let a0 = matrix("a0", a0)?;
         let delayed = delayed
             .iter()
@@ -133,7 +147,7 @@ impl DelaySystem {
         count: Count,
     ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
         let count = count.check()?;
-        let roots = py.detach(|| self.0.characteristic_roots(count))?;
+        let roots = self.apart(py, move |system| system.characteristic_roots(count))??;
         warn(py, "roots'", &roots.certificate)?;
         Ok(roots.roots.into_pyarray(py))
     }
@@ -156,7 +170,7 @@ impl DelaySystem {
     /// >>> ts.DelaySystem([[-2.0]]).spectral_abscissa()
     /// -2.0
     fn spectral_abscissa(&self, py: Python<'_>) -> PyResult<f64> {
-        let abscissa = py.detach(|| self.0.spectral_abscissa());
+        let abscissa = self.apart(py, telespring::delay_system::DelaySystem::spectral_abscissa)?;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -181,7 +195,8 @@ impl DelaySystem {
     /// >>> system.spectral_abscissa(), system.spectral_abscissa_without_zero() < -0.1
     /// (0.0, True)
     fn spectral_abscissa_without_zero(&self, py: Python<'_>) -> PyResult<f64> {
-        let abscissa = py.detach(|| self.0.spectral_abscissa_without_zero());
+        let abscissa =
+            self.apart(py, telespring::delay_system::DelaySystem::spectral_abscissa_without_zero)?;
         warn(py, "abscissa's", &abscissa.certificate)?;
         Ok(abscissa.value)
     }
@@ -219,7 +234,7 @@ impl DelaySystem {
     #[pyo3(signature = (count=Count::Given(8)), text_signature = "($self, count=8)")]
     fn certified_roots(&self, py: Python<'_>, count: Count) -> Outcome<Spectrum> {
         let count = count.check()?;
-        Ok(Spectrum::of(py, py.detach(|| self.0.characteristic_roots(count))?))
+        Ok(Spectrum::of(py, self.apart(py, move |system| system.characteristic_roots(count))??))
     }
 
     fn __repr__(&self) -> String {
@@ -231,6 +246,10 @@ impl DelaySystem {
         let delayed: Vec<String> =
             self.0.delayed().iter().map(|(delay, term)| format!("({delay:?}, {})", rows(term))).collect();
         format!("DelaySystem({}, [{}])", rows(self.0.instantaneous()), delayed.join(", "))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__(py)?.into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Matrix<'py>, Vec<(f64, Matrix<'py>)>)> {

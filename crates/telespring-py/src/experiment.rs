@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use telespring::rig::{Protocol, Schedule};
 
+use crate::arguments::hash;
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
 use crate::records::record;
@@ -217,6 +218,12 @@ impl Experiment {
     fn __repr__(&self) -> String {
         let Protocol { conditions, trials, duration, .. } = &self.protocol;
         format!("<Experiment of {} conditions, {trials} trials each, {duration:?} s long>", conditions.len())
+    }
+
+    // of what every experiment has: equal ones have it alike
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let Protocol { trials, duration, seed, .. } = self.protocol;
+        hash((trials, duration, seed, self.sample_period).into_pyobject(py)?.as_any())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {

@@ -11,6 +11,7 @@ mod dde;
 mod delay_system;
 mod errors;
 mod experiment;
+mod interrupt;
 mod model;
 mod participants;
 mod plant;
@@ -32,6 +33,7 @@ use pyo3::prelude::*;
 /// The compiled core of `telespring`; use the functions of `telespring` itself.
 #[pymodule]
 mod _core {
+    use numpy::PyArrayMethods;
     use pyo3::prelude::*;
 
     /// Version of the core.
@@ -84,9 +86,13 @@ mod _core {
         StiffnessAllowed, StiffnessMargin, Verdict, Verdicts, verdicts,
     };
 
-    /// The documented functions belong to the package, where their examples are run.
+    /// Prepares the module.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        // An exception, as that of Ctrl-C, in the first use of an array would be a panic: load NumPy's interface now.
+        module.py().import("numpy")?;
+        drop(numpy::PyArray1::<f64>::zeros(module.py(), 0, false).readonly());
+        // the documented functions belong to the package, where their examples are run
         for name in [
             "certified_roots",
             "characteristic_roots",

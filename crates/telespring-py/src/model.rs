@@ -2,13 +2,14 @@
 
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::{PyIterator, PyList, PyTuple};
+use pyo3::types::{PyDict, PyIterator, PyList, PyTuple};
 use telespring::InvalidInput;
 
-use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, PerAxis};
+use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, PerAxis, hash};
 use crate::axis::DyadAxis;
 use crate::delay_system::DelaySystem;
 use crate::errors::Outcome;
+use crate::records::html_table;
 
 /// A robot with independent axes, each a mass with viscous damping.
 ///
@@ -20,6 +21,8 @@ use crate::errors::Outcome;
 ///     Viscous damping, N·s/m, one per axis.
 /// axes : sequence of str, optional
 ///     Names of the axes; x, y, z, axis4, … by default.
+///
+/// A single number applies to every axis.
 ///
 /// Raises
 /// ------
@@ -38,10 +41,15 @@ pub struct Robot(pub telespring::Robot);
 #[pymethods]
 impl Robot {
     #[new]
-    #[pyo3(signature = (mass, damping, axes=None))]
-    fn new(mass: Argument<PerAxis>, damping: Argument<PerAxis>, axes: Option<Vec<String>>) -> Outcome<Self> {
-        let (mass, damping) = (mass.named("mass")?, damping.named("damping")?);
-        Ok(Self(telespring::Robot::new(mass.on(1), damping.on(1), axes)?))
+    #[pyo3(signature = (mass, damping, axes=Argument::Given(None)), text_signature = "(mass, damping, axes=None)")]
+    fn new(
+        mass: Argument<PerAxis>,
+        damping: Argument<PerAxis>,
+        axes: Argument<Option<Vec<String>>>,
+    ) -> Outcome<Self> {
+        let (mass, damping, axes) = (mass.named("mass")?, damping.named("damping")?, axes.named("axes")?);
+        let count = mass.count().or(damping.count()).unwrap_or(1);
+        Ok(Self(telespring::Robot::new(mass.on(count), damping.on(count), axes)?))
     }
 
     /// Mass, kg, one per axis.
@@ -62,6 +70,19 @@ impl Robot {
         self.0.axes().to_vec()
     }
 
+    /// The robot's numbers as a dict that `json.dumps` takes.
+    pub fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        out.set_item("axes", self.axes())?;
+        out.set_item("mass", self.0.mass().to_vec())?;
+        out.set_item("damping", self.0.damping().to_vec())?;
+        Ok(out)
+    }
+
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        html_table("Robot", self.to_dict(py)?.as_any())
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Robot(mass={:?}, damping={:?}, axes={})",
@@ -69,6 +90,10 @@ impl Robot {
             self.0.damping(),
             names(self.0.axes())
         )
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, Vec<String>) {
@@ -199,6 +224,10 @@ impl Operator {
         )
     }
 
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__(py)?.as_any())
+    }
+
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(
             py,
@@ -233,27 +262,26 @@ impl Operator {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dyad(pub telespring::Dyad);
 
-type OperatorPair<'py> = (Option<Bound<'py, Operator>>, Option<Bound<'py, Operator>>);
-
 #[pymethods]
 impl Dyad {
     #[new]
-    #[pyo3(signature = (robot1, robot2, operators=None, coupling_damping=Number::Given(0.0)), text_signature = "(robot1, robot2, operators=None, coupling_damping=0.0)")]
+    #[pyo3(signature = (robot1, robot2, operators=Argument::Given(None), coupling_damping=Number::Given(0.0)), text_signature = "(robot1, robot2, operators=None, coupling_damping=0.0)")]
     fn new(
-        robot1: &Bound<'_, Robot>,
-        robot2: &Bound<'_, Robot>,
-        operators: Option<OperatorPair<'_>>,
+        robot1: Argument<Bound<'_, Robot>>,
+        robot2: Argument<Bound<'_, Robot>>,
+        operators: Argument<Option<[Option<Bound<'_, Operator>>; 2]>>,
         coupling_damping: Number,
     ) -> Outcome<Self> {
         let coupling_damping = coupling_damping.named("coupling_damping")?;
-        let (robot1, robot2) = (robot1.get().0.clone(), robot2.get().0.clone());
+        let robot1 = robot1.named("robot1")?.get().0.clone();
+        let robot2 = robot2.named("robot2")?.get().0.clone();
         let axes = robot1.axes().len();
         let lower = |operator: Option<Bound<'_, Operator>>| match operator {
             Some(operator) => operator.get().on(axes),
             None => Ok(telespring::Operator::free(axes)),
         };
-        let operators = match operators {
-            Some((first, second)) => Some([
+        let operators = match operators.named("operators")? {
+            Some([first, second]) => Some([
                 lower(first).map_err(|refusal| refusal.within("operators[0]"))?,
                 lower(second).map_err(|refusal| refusal.within("operators[1]"))?,
             ]),
@@ -336,6 +364,10 @@ impl Dyad {
         )
     }
 
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
+    }
+
     fn __getnewargs__(&self) -> (Robot, Robot, (Operator, Operator), f64) {
         let (robot1, robot2) = self.robots();
         (robot1, robot2, self.operators(), self.coupling_damping())
@@ -379,8 +411,34 @@ impl Dyad {
         self.0.axis_names().len()
     }
 
-    fn __contains__(&self, name: &str) -> bool {
-        self.0.axis_names().iter().any(|known| known == name)
+    fn __contains__(&self, name: Argument<String>) -> bool {
+        matches!(name, Argument::Given(name) if self.0.axis_names().contains(&name))
+    }
+
+    /// The dyad's numbers as a dict that `json.dumps` takes.
+    pub fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        let axes = (0..self.0.axis_names().len()).map(|index| -> PyResult<_> {
+            let axis = PyDict::new(py);
+            axis.set_item("axis", &self.0.axis_names()[index])?;
+            for (number, robot) in self.0.robots().iter().enumerate() {
+                axis.set_item(format!("mass{}", number + 1), robot.mass()[index])?;
+                axis.set_item(format!("damping{}", number + 1), robot.damping()[index])?;
+            }
+            for (number, operator) in self.0.operators().iter().enumerate() {
+                axis.set_item(format!("operator_mass{}", number + 1), operator.mass()[index])?;
+                axis.set_item(format!("operator_damping{}", number + 1), operator.damping()[index])?;
+                axis.set_item(format!("operator_stiffness{}", number + 1), operator.stiffness()[index])?;
+            }
+            Ok(axis)
+        });
+        out.set_item("axes", axes.collect::<PyResult<Vec<_>>>()?)?;
+        out.set_item("coupling_damping", self.0.coupling_damping())?;
+        Ok(out)
+    }
+
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        html_table("Dyad", self.to_dict(py)?.as_any())
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyIterator>> {

@@ -10,7 +10,7 @@ use telespring::InvalidInput;
 use telespring::rig::{self, Elbow, Spots, TwoLinkArm, figure_eight_positions};
 use telespring::study::{self, AgentChoice, PythonObject, Table};
 
-use crate::arguments::Argument;
+use crate::arguments::{Argument, hash};
 use crate::errors::Outcome;
 use crate::study_values::{option, to_table};
 
@@ -135,6 +135,10 @@ impl Agent {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         written_out("Agent", &self.to_dict(py)?)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.to_dict(py)?.as_any())
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
@@ -310,6 +314,10 @@ impl Arm {
         written_out("Arm", &self.to_dict(py)?)
     }
 
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.to_dict(py)?.as_any())
+    }
+
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
         Ok(((), self.to_dict(py)?))
     }
@@ -474,6 +482,10 @@ impl Task {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         written_out("Task", &self.to_dict(py)?)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.to_dict(py)?.as_any())
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {

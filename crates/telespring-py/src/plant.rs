@@ -10,6 +10,7 @@ use telespring::rig::{self, Handle};
 
 use crate::arguments::{Argument, Number, rows, written};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::participants::Arm;
 use crate::recording::HandleMotion;
 use crate::records::Array;
@@ -104,7 +105,7 @@ pub fn simulate_handle(
         .into());
     }
     let plant = Plant::new(handle, &arm, position0).map_err(|refusal| refusal.within("arm"))?;
-    let record = py.detach(|| run(plant.with_velocity(velocity0), &hand, &robot, period));
+    let record = apart(py, move || run(plant.with_velocity(velocity0), &hand, &robot, period))?;
     let last = period * (record.position.len() - 1) as f64;
     let (status, ended_at) = match record.halt {
         None => ("completed", None),

@@ -6,16 +6,17 @@ use rayon::prelude::*;
 use telespring::poses::{DyadInArms, FrozenSide};
 use telespring::rig::Arm;
 
-use crate::arguments::{DelayChoice, Number, rows};
+use crate::arguments::{Argument, DelayChoice, Number, rows};
 use crate::delay_system::DelaySystem;
 use crate::errors::{Failure, Outcome};
+use crate::interrupt::in_parallel;
 use crate::model::Dyad;
 use crate::plant::arm_of;
 
 type Arms<'py> = [Option<Bound<'py, PyAny>>; 2];
 
 /// The dyad as held in its arms, for the poses.
-fn held(dyad: &Bound<'_, Dyad>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> Outcome<DyadInArms> {
+fn held(dyad: Argument<Bound<'_, Dyad>>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> Outcome<DyadInArms> {
     let arm = |robot: usize| match &arms[robot] {
         None => Ok(Arm::Lumped { mass: [0.0; 2], damping: [0.0; 2] }),
         Some(arm) => arm_of(arm).map_err(|failure| match failure {
@@ -26,7 +27,7 @@ fn held(dyad: &Bound<'_, Dyad>, arms: &Arms<'_>, agent_stiffness: [f64; 2]) -> O
             raised @ Failure::Python(_) => raised,
         }),
     };
-    Ok(DyadInArms::new(&dyad.get().0, [arm(0)?, arm(1)?], agent_stiffness)?)
+    Ok(DyadInArms::new(&dyad.named("dyad")?.get().0, [arm(0)?, arm(1)?], agent_stiffness)?)
 }
 
 /// Both sides of the dyad in every pose.
@@ -50,21 +51,23 @@ type Stability<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, boo
 #[pyfunction]
 pub fn pose_stability<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     arms: Arms<'py>,
     stiffness: Number,
     delay: DelayChoice,
     positions: &Bound<'py, PyAny>,
-    agent_stiffness: [f64; 2],
+    agent_stiffness: Argument<[f64; 2]>,
 ) -> Outcome<Stability<'py>> {
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
-    let (held, positions) = (held(dyad, &arms, agent_stiffness)?, rows("positions", positions)?);
-    let poses = py.detach(|| {
+    let (held, positions) =
+        (held(dyad, &arms, agent_stiffness.named("agent_stiffness")?)?, rows("positions", positions)?);
+    let poses = in_parallel(py, |stop| {
         sides(&held, &positions)?
             .par_iter()
+            .take_any_while(|_| !stop.is_set())
             .map(|sides| held.stability(sides, stiffness, &delay))
             .collect::<telespring::Result<Vec<_>>>()
-    })?;
+    })??;
     let complete = poses.iter().all(|pose| pose.is_complete);
     let values = |value: fn(&telespring::poses::PoseStability) -> f64| {
         poses.iter().map(value).collect::<Vec<_>>().into_pyarray(py)
@@ -76,7 +79,7 @@ pub fn pose_stability<'py>(
 #[pyfunction]
 pub fn cross_inertia<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     arms: Arms<'py>,
     positions: &Bound<'py, PyAny>,
 ) -> Outcome<Bound<'py, PyArray2<f64>>> {
@@ -89,15 +92,15 @@ pub fn cross_inertia<'py>(
 /// One frozen pose as a linear system with delays.
 #[pyfunction]
 pub fn pose_system(
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     arms: Arms<'_>,
     stiffness: Number,
     delay: DelayChoice,
     position: [f64; 2],
-    agent_stiffness: [f64; 2],
+    agent_stiffness: Argument<[f64; 2]>,
 ) -> Outcome<DelaySystem> {
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
-    let held = held(dyad, &arms, agent_stiffness)?;
+    let held = held(dyad, &arms, agent_stiffness.named("agent_stiffness")?)?;
     let [sides] = sides(&held, &[position])?.try_into().expect("one pose for one position");
     Ok(DelaySystem(held.system(&sides, stiffness, &delay)?))
 }

@@ -6,6 +6,10 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyList, PyTuple};
+use telespring::InvalidInput;
+
+use crate::arguments::written;
+use crate::errors::Failure;
 
 /// A value that a record holds, on its way to Python and back.
 pub trait Value: Sized {
@@ -129,13 +133,39 @@ impl<T: Element, D: numpy::ndarray::Dimension> Value for Array<T, D> {
     }
 }
 
+/// The value of a record's attribute, or a refusal with its name.
+pub fn read<T: Value>(field: &str, value: &Bound<'_, PyAny>) -> PyResult<T> {
+    T::from_python(value).map_err(|error| {
+        let py = value.py();
+        // a value in it that was refused already says what it must be
+        let why = match error.value(py).getattr("allowed") {
+            Ok(allowed) => allowed.to_string(),
+            Err(_) => format!("a value of another type is required ({})", error.value(py)),
+        };
+        let remedy = "Results are computed by functions; pickle and copy rebuild them.";
+        Failure::from(InvalidInput::new(field, written(value), why, remedy)).into()
+    })
+}
+
 /// A record's attribute as `repr` shows it: whole where it is short, else its type.
 pub fn short(value: &Bound<'_, PyAny>) -> PyResult<String> {
     let text = value.repr()?.to_string();
     if text.chars().count() <= 40 && !text.contains('\n') {
         return Ok(text);
     }
+    if let Ok(items) = value.cast::<PyTuple>()
+        && items.len() <= 4
+    {
+        let items: Vec<_> = items.iter().map(|item| short(&item)).collect::<PyResult<_>>()?;
+        return Ok(format!("({})", items.join(", ")));
+    }
     Ok(format!("<{}>", value.get_type().name()?))
+}
+
+/// The attributes of an object as a table for notebooks.
+pub fn html_table<'py>(title: &str, attributes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    static TABLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    TABLE.import(attributes.py(), "telespring._html", "table")?.call1((title, attributes))
 }
 
 /// A status of the core as the word that Python reads.
@@ -208,7 +238,7 @@ macro_rules! record {
         }
 
         $crate::records::record! { @tuple $class [$($tuple)?]
-            { type Core = $core; Self(Core { $($field: $crate::records::Value::from_python($field)?),* }) }
+            { type Core = $core; Self(Core { $($field: $crate::records::read(stringify!($field), $field)?),* }) }
             { $($($method)*)? }
             $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
     };
@@ -222,7 +252,7 @@ macro_rules! record {
         pub struct $class { $($(#[$about])* pub $field: $type,)* }
 
         $crate::records::record! { @tuple $class [$($tuple)?]
-            { Self { $($field: $crate::records::Value::from_python($field)?),* } }
+            { Self { $($field: $crate::records::read(stringify!($field), $field)?),* } }
             { $($($method)*)? }
             $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
     };
@@ -293,6 +323,10 @@ macro_rules! record {
                     $(format!("{}={}", stringify!($field), $crate::records::short(&self.$field(py)?)?)),*
                 ];
                 Ok(format!("{}({})", stringify!($class), fields.join(", ")))
+            }
+
+            fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                $crate::records::html_table(stringify!($class), self.to_dict(py)?.as_any())
             }
 
             fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -3,29 +3,38 @@
 use num_complex::Complex64;
 use numpy::{IntoPyArray, Ix1, Ix3, PyArray3, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
+use std::convert::Infallible;
 use telespring::response::{self, Convention, GridStatus, Margin, NyquistStatus};
 use telespring::{Delay, DyadAxis, InvalidInput};
 
-use crate::arguments::{AxisChoice, DelayChoice, Number, written};
+use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, written};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 use crate::records::{Array, record};
 
 type Matrices<'py> = Bound<'py, PyArray3<Complex64>>;
 
 /// The convention for the diagonal, by its name.
-#[derive(FromPyObject)]
-pub struct ConventionName(String);
+pub struct ConventionName(Argument<String>);
+
+impl FromPyObject<'_, '_> for ConventionName {
+    type Error = Infallible;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> Result<Self, Infallible> {
+        Argument::extract(value).map(Self)
+    }
+}
 
 impl ConventionName {
     /// The convention of a frequency response by its Python name, checked.
     fn check(&self) -> telespring::Result<Convention> {
-        match self.0.as_str() {
-            "exact" => Ok(Convention::Exact),
-            "paper" => Ok(Convention::Paper),
-            other => Err(InvalidInput::new(
+        match &self.0 {
+            Argument::Given(name) if name == "exact" => Ok(Convention::Exact),
+            Argument::Given(name) if name == "paper" => Ok(Convention::Paper),
+            Argument::Given(text) | Argument::Other(text) => Err(InvalidInput::new(
                 "convention",
-                format!("{other:?}"),
+                text,
                 "the conventions are \"exact\" and \"paper\"",
                 "Omit it for \"exact\".",
             )),
@@ -60,12 +69,12 @@ impl Loop<'_> {
 }
 
 /// Matrices of a frequency response as one array.
-fn blocks<'py, T: numpy::Element + Copy>(
+fn blocks<'py, T: numpy::Element>(
     py: Python<'py>,
     values: Vec<[[T; 2]; 2]>,
 ) -> PyResult<Bound<'py, PyArray3<T>>> {
     let shape = [values.len(), 2, 2];
-    values.into_iter().flatten().flatten().collect::<Vec<T>>().into_pyarray(py).reshape(shape)
+    values.into_flattened().into_flattened().into_pyarray(py).reshape(shape)
 }
 
 /// Evaluates a transfer or mobility matrix at each complex s, 1/s.
@@ -73,11 +82,13 @@ fn matrices<'py>(
     py: Python<'py>,
     of: Loop<'py>,
     s: &PyReadonlyArray1<'py, Complex64>,
-    compute: impl Fn(&DyadAxis, f64, &Delay, Complex64) -> telespring::Result<[[Complex64; 2]; 2]> + Sync,
+    compute: impl Fn(&DyadAxis, f64, &Delay, Complex64) -> telespring::Result<[[Complex64; 2]; 2]>
+    + Send
+    + 'static,
 ) -> Outcome<Matrices<'py>> {
     let (axis, stiffness, delay) = of.check()?;
     let points = s.as_array().to_vec();
-    let found = py.detach(|| -> telespring::Result<Vec<_>> {
+    let found = apart(py, move || -> telespring::Result<Vec<_>> {
         let one = |(i, &s): (usize, &Complex64)| {
             compute(&axis, stiffness, &delay, s).map_err(|mut refusal| {
                 if refusal.field == "s" && points.len() > 1 {
@@ -87,7 +98,7 @@ fn matrices<'py>(
             })
         };
         points.iter().enumerate().map(one).collect()
-    })?;
+    })??;
     Ok(blocks(py, found)?)
 }
 
@@ -100,7 +111,7 @@ pub fn transfer_matrix<'py>(
     convention: ConventionName,
 ) -> Outcome<Matrices<'py>> {
     let convention = convention.check()?;
-    matrices(py, of, &s, |axis, stiffness, delay, s| {
+    matrices(py, of, &s, move |axis, stiffness, delay, s| {
         response::transfer_matrix(axis, stiffness, delay, s, convention)
     })
 }
@@ -219,7 +230,7 @@ pub fn frequency_response<'py>(
     let ((axis, stiffness, delay), convention) = (of.check()?, convention.check()?);
     let frequency = frequency.as_array().to_vec();
     let response =
-        py.detach(|| response::frequency_response(&axis, stiffness, &delay, &frequency, convention))?;
+        apart(py, move || response::frequency_response(&axis, stiffness, &delay, &frequency, convention))??;
     Ok(FrequencyResponse {
         frequency: response.frequency.into_pyarray(py).into(),
         value: blocks(py, response.value)?.into(),
@@ -250,7 +261,7 @@ pub fn open_loop<'py>(
 ) -> Outcome<ResponseCurve> {
     let (axis, stiffness, delay) = of.check()?;
     let frequency = frequency.as_array().to_vec();
-    let curve = py.detach(|| response::open_loop(&axis, stiffness, &delay, &frequency))?;
+    let curve = apart(py, move || response::open_loop(&axis, stiffness, &delay, &frequency))??;
     Ok(ResponseCurve::of(py, curve))
 }
 
@@ -259,12 +270,13 @@ pub fn open_loop<'py>(
 pub fn partner_response<'py>(
     py: Python<'py>,
     of: Loop<'py>,
-    robot: usize,
+    robot: Argument<usize>,
     frequency: PyReadonlyArray1<'py, f64>,
 ) -> Outcome<ResponseCurve> {
     let (axis, stiffness, delay) = of.check()?;
+    let robot = robot.named("robot")?;
     let frequency = frequency.as_array().to_vec();
-    let curve = py.detach(|| response::partner_response(&axis, stiffness, &delay, robot, &frequency))?;
+    let curve = apart(py, move || response::partner_response(&axis, stiffness, &delay, robot, &frequency))??;
     Ok(ResponseCurve::of(py, curve))
 }
 
@@ -282,14 +294,16 @@ fn grid_status(status: GridStatus) -> (String, Vec<f64>) {
 pub fn frequency_grid(
     py: Python<'_>,
     of: Loop<'_>,
-    low: f64,
-    high: f64,
-    resolution: f64,
-    limit: usize,
+    low: Number,
+    high: Number,
+    resolution: Number,
+    limit: Argument<usize>,
 ) -> Outcome<FrequencyGrid> {
     let (axis, stiffness, delay) = of.check()?;
+    let (low, high) = (low.named("low")?, high.named("high")?);
+    let (resolution, limit) = (resolution.named("resolution")?, limit.named("limit")?);
     let grid =
-        py.detach(|| response::frequency_grid(&axis, stiffness, &delay, low, high, resolution, limit))?;
+        apart(py, move || response::frequency_grid(&axis, stiffness, &delay, low, high, resolution, limit))??;
     let (status, poles_on_axis) = grid_status(grid.status);
     Ok(FrequencyGrid { frequency: grid.frequency.into_pyarray(py).into(), status, poles_on_axis })
 }
@@ -298,7 +312,7 @@ pub fn frequency_grid(
 #[pyfunction]
 pub fn nyquist(py: Python<'_>, of: Loop<'_>) -> Outcome<Nyquist> {
     let (axis, stiffness, delay) = of.check()?;
-    let nyquist = py.detach(|| response::nyquist(&axis, stiffness, &delay))?;
+    let nyquist = apart(py, move || response::nyquist(&axis, stiffness, &delay))??;
     let stable = nyquist.is_stable();
     let (status, root_on_axis) = match nyquist.status {
         NyquistStatus::Counted => ("counted", None),

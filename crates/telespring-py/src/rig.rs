@@ -4,16 +4,14 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
 use telespring::rig::{
     self, Agent, ConnectedMode, Observation, Record, Row, Schedule, Status, Target, Trial, TrialOutcome,
 };
 use telespring::{Delay, InvalidInput, quantity};
 
-use crate::arguments::{Argument, DelayChoice, Number, rows, written};
+use crate::arguments::{Argument, DelayChoice, Number, hash, rows, written};
 use crate::errors::{Failure, Outcome};
+use crate::interrupt::in_parallel;
 use crate::recording::{Recording, Recordings};
 
 /// A virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
@@ -66,6 +64,10 @@ impl Laboratory {
 
     fn __eq__(&self, other: &Self) -> bool {
         self.inner == other.inner
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.inner.controller.sample_period.into_pyobject(py)?.as_any())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
@@ -298,11 +300,11 @@ impl Laboratory {
             .collect::<Outcome<Vec<_>>>()?;
         let rows = schedule.rows();
         check_rows(rows, trials)?;
-        let mut targets = vec![[f64::NAN; 2]; trials * rows];
-        let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
-        let outcomes = unless_interrupted(py, |interrupted| -> Outcome<Vec<TrialOutcome>> {
+        let (targets, blocks, outcomes) = in_parallel(py, |stop| -> telespring::Result<_> {
             laboratory.check()?;
-            let looked = || match interrupted.load(Ordering::Relaxed) {
+            let mut targets = vec![[f64::NAN; 2]; trials * rows];
+            let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
+            let looked = || match stop.is_set() {
                 // never seen: the exception of the signal is raised instead
                 true => Err(InvalidInput::new("run_many", "a signal", "it was interrupted", "Run it again.")),
                 false => Ok(()),
@@ -325,7 +327,7 @@ impl Laboratory {
                     job.run_interruptible::<InvalidInput>([None, None], &mut record, &mut { looked })
                 })
                 .collect();
-            outcomes
+            let outcomes = outcomes
                 .into_iter()
                 .enumerate()
                 .map(|(index, outcome)| {
@@ -334,8 +336,8 @@ impl Laboratory {
                         refusal
                     })
                 })
-                .collect::<telespring::Result<_>>()
-                .map_err(Failure::from)
+                .collect::<telespring::Result<Vec<TrialOutcome>>>()?;
+            Ok((targets, blocks, outcomes))
         })??;
         let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
@@ -382,33 +384,6 @@ impl Laboratory {
 #[pyfunction]
 pub fn trial_seed(seed: Argument<u64>, condition: Argument<u64>, trial: Argument<u64>) -> Outcome<u64> {
     Ok(rig::trial_seed(seed.named("seed")?, condition.named("condition")?, trial.named("trial")?))
-}
-
-/// Does the work on another thread while this one checks for signals such as Ctrl-C. A signal sets the flag
-/// that the work receives, and its outcome is dropped.
-fn unless_interrupted<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
-    let interrupted = AtomicBool::new(false);
-    py.detach(|| {
-        std::thread::scope(|scope| {
-            let (done, wait) = channel();
-            let interrupted = &interrupted;
-            let worker = scope.spawn(move || {
-                let outcome = work(interrupted);
-                // nobody receives it after a signal
-                let _ = done.send(());
-                outcome
-            });
-            let mut signal = Ok(());
-            while signal.is_ok()
-                && wait.recv_timeout(Duration::from_millis(100)) == Err(RecvTimeoutError::Timeout)
-            {
-                signal = Python::attach(|py| py.check_signals());
-            }
-            interrupted.store(signal.is_err(), Ordering::Relaxed);
-            let outcome = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            signal.map(|()| outcome)
-        })
-    })
 }
 
 /// The coupling in the trials of a laboratory; none if unconnected.

@@ -5,19 +5,20 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use telespring::{Delay, DyadAxis, spectrum};
 
-use crate::arguments::{AxisChoice, Count, DelayChoice, Number};
+use crate::arguments::{Argument, AxisChoice, Count, DelayChoice, Number};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 use crate::spectrum::{Spectrum, warn};
 
 /// The arguments of the functions on a dyad's roots, checked.
 fn check(
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: &DelayChoice,
     axis: &AxisChoice,
 ) -> Outcome<(DyadAxis, f64, Delay)> {
-    Ok((axis.of(&dyad.get().0)?, stiffness.named("stiffness")?, delay.check()?))
+    Ok((axis.of(&dyad.named("dyad")?.get().0)?, stiffness.named("stiffness")?, delay.check()?))
 }
 
 /// Rightmost characteristic roots together with their certificate.
@@ -56,7 +57,7 @@ fn check(
        text_signature = "(dyad, stiffness, delay, count=8, axis=0)")]
 pub fn certified_roots(
     py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     count: Count,
@@ -64,7 +65,7 @@ pub fn certified_roots(
 ) -> Outcome<Spectrum> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
     let count = count.check()?;
-    let roots = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
+    let roots = apart(py, move || spectrum::characteristic_roots(&axis, stiffness, &delay, count))??;
     Ok(Spectrum::of(py, roots))
 }
 
@@ -118,7 +119,7 @@ pub fn certified_roots(
        text_signature = "(dyad, stiffness, delay, count=8, axis=0)")]
 pub fn characteristic_roots<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     count: Count,
@@ -126,7 +127,7 @@ pub fn characteristic_roots<'py>(
 ) -> Outcome<Bound<'py, PyArray1<Complex64>>> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
     let count = count.check()?;
-    let roots = py.detach(|| spectrum::characteristic_roots(&axis, stiffness, &delay, count))?;
+    let roots = apart(py, move || spectrum::characteristic_roots(&axis, stiffness, &delay, count))??;
     warn(py, "roots'", &roots.certificate)?;
     Ok(roots.roots.into_pyarray(py))
 }
@@ -169,13 +170,13 @@ pub fn characteristic_roots<'py>(
        text_signature = "(dyad, stiffness, delay, axis=0)")]
 pub fn spectral_abscissa(
     py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
     axis: AxisChoice,
 ) -> Outcome<f64> {
     let (axis, stiffness, delay) = check(dyad, stiffness, &delay, &axis)?;
-    let abscissa = py.detach(|| spectrum::spectral_abscissa(&axis, stiffness, &delay))?;
+    let abscissa = apart(py, move || spectrum::spectral_abscissa(&axis, stiffness, &delay))??;
     warn(py, "abscissa's", &abscissa.certificate)?;
     Ok(abscissa.value)
 }

@@ -7,8 +7,9 @@ use telespring::dde::linear::{
 };
 use telespring::{Delay, InvalidInput};
 
-use crate::arguments::{DelayChoice, Number};
+use crate::arguments::{Argument, DelayChoice, Number};
 use crate::errors::Outcome;
+use crate::interrupt::{Watch, apart};
 use crate::model::Dyad;
 
 /// One sine as Python passes it.
@@ -79,12 +80,13 @@ fn sampled_function<T>(
     function: &Py<PyAny>,
     lower: impl FnOnce(&mut dyn FnMut(f64) -> f64) -> telespring::Result<T>,
 ) -> Outcome<T> {
-    let mut raised = None;
+    let (mut raised, mut watch) = (None, Watch::start());
     let lowered = lower(&mut |t| {
         if raised.is_some() {
             return f64::NAN;
         }
-        function.call1(py, (t,)).and_then(|value| value.extract::<f64>(py)).unwrap_or_else(|error| {
+        let value = watch.look_and_yield(py).and_then(|()| function.call1(py, (t,))?.extract::<f64>(py));
+        value.unwrap_or_else(|error| {
             raised = Some(error);
             f64::NAN
         })
@@ -149,11 +151,16 @@ impl HistoryValue {
     }
 }
 
+/// The forms of a force and of a history in `simulate`.
+const FORCES: &str = "a number, a Sine or a list of them, a Sampled, a Signal, or a function of time";
+const PASTS: &str = "a number, a pair (position, velocity), a Signal, or a function of time";
+
 /// Converts the values of both robots in `simulate`, axis by axis; a refusal names robot and axis.
 fn lowered<V, T>(
     name: &str,
     axes: usize,
-    values: &[Vec<V>],
+    values: Vec<Vec<Argument<V>>>,
+    form: &str,
     lower: impl Fn(&V) -> Outcome<T>,
 ) -> Outcome<Vec<[T; 2]>> {
     let shape_is_right = values.len() == 2 && values.iter().all(|robot| robot.len() == axes);
@@ -168,40 +175,62 @@ fn lowered<V, T>(
         .into());
     }
     let one = |robot: usize, axis: usize| {
-        lower(&values[robot][axis]).map_err(|failure| failure.within(&format!("{name}[{robot}][{axis}]")))
+        let field = format!("{name}[{robot}][{axis}]");
+        match &values[robot][axis] {
+            Argument::Given(value) => lower(value).map_err(|failure| failure.within(&field)),
+            Argument::Other(text) => {
+                let remedy = "Write it in one of these forms.";
+                Err(InvalidInput::new(field, text, format!("{form} is required"), remedy).into())
+            }
+        }
     };
     (0..axes).map(|axis| Ok([one(0, axis)?, one(1, axis)?])).collect()
 }
 
 type Block<'py> = Bound<'py, PyArray3<f64>>;
-type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Vec<[f64; 2]>, Vec<[f64; 2]>);
+/// Per axis the approximation error for each robot, and whether all are small.
+type Fits = (Vec<[f64; 2]>, bool);
+type Simulated<'py> = (Block<'py>, Option<Block<'py>>, Vec<Option<f64>>, Fits, Fits);
 
 /// Simulates a dyad: positions and velocities as blocks (robot, axis, time), and per axis the time of divergence
-/// and the error of approximated functions.
+/// and how well functions are approximated.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the Python function beside it names them")]
 pub fn simulate<'py>(
     py: Python<'py>,
-    dyad: &Bound<'py, Dyad>,
+    dyad: Argument<Bound<'py, Dyad>>,
     stiffness: Number,
     delay: DelayChoice,
-    forces: Vec<Vec<ForceValue>>,
+    forces: Vec<Vec<Argument<ForceValue>>>,
     duration: Number,
     rate: Number,
-    history: Option<Vec<Vec<HistoryValue>>>,
-    velocities: bool,
+    history: Option<Vec<Vec<Argument<HistoryValue>>>>,
+    velocities: Argument<bool>,
 ) -> Outcome<Simulated<'py>> {
-    let axes: Vec<_> = dyad.get().0.axes().collect();
+    let axes: Vec<_> = dyad.named("dyad")?.get().0.axes().collect();
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);
     let (duration, rate) = (duration.named("duration")?, rate.named("rate")?);
+    let velocities = velocities.named("velocities")?;
     let count = output_count(duration, rate)?;
-    let forces = lowered("forces", axes.len(), &forces, |force| force.lower(py, duration))?;
+    let forces =
+        lowered("forces", axes.len(), forces, FORCES, |force: &ForceValue| force.lower(py, duration))?;
     let histories = match history {
         None => axes.iter().map(|_| Default::default()).collect(),
-        Some(history) => lowered("history", axes.len(), &history, |past| past.lower(py, &delay))?,
+        Some(history) => {
+            lowered("history", axes.len(), history, PASTS, |past: &HistoryValue| past.lower(py, &delay))?
+        }
     };
     let block = 2 * axes.len() * count;
-    let (position, velocity, diverged) = py.detach(|| -> telespring::Result<_> {
+    let force_fits = (
+        forces.iter().map(|pair| pair.each_ref().map(Force::error)).collect(),
+        forces.iter().flatten().all(Force::is_resolved),
+    );
+    let history_fits = (
+        histories.iter().map(|pair| pair.each_ref().map(History::error)).collect(),
+        histories.iter().flatten().all(History::is_resolved),
+    );
+    let shape = [2, axes.len(), count];
+    let (position, velocity, diverged) = apart(py, move || -> telespring::Result<_> {
         let mut position = vec![0.0; block];
         let mut velocity = vec![0.0; if velocities { block } else { 0 }];
         let mut diverged = Vec::with_capacity(axes.len());
@@ -226,16 +255,9 @@ pub fn simulate<'py>(
             });
         }
         Ok((position, velocity, diverged))
-    })?;
-    let shape = [2, axes.len(), count];
+    })??;
     let velocity = if velocities { Some(velocity.into_pyarray(py).reshape(shape)?) } else { None };
-    Ok((
-        position.into_pyarray(py).reshape(shape)?,
-        velocity,
-        diverged,
-        forces.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
-        histories.iter().map(|pair| [pair[0].error(), pair[1].error()]).collect(),
-    ))
+    Ok((position.into_pyarray(py).reshape(shape)?, velocity, diverged, force_fits, history_fits))
 }
 
 /// Adds the axis to a refusal of the core, which works on one axis: `forces[robot]` becomes `forces[robot][axis]`.

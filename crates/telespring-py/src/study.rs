@@ -7,11 +7,11 @@ use telespring::study::RobotFile;
 use telespring::verdicts;
 use telespring::{InvalidInput, quantity};
 
-use crate::arguments::{DelayChoice, Number, written};
+use crate::arguments::{Argument, DelayChoice, Number, hash, written};
 use crate::errors::Outcome;
 use crate::experiment::Experiment;
 use crate::model::{Dyad, Operator};
-use crate::records::record;
+use crate::records::{html_table, record};
 use crate::study_values::replacements;
 
 /// The coupling of the robots: a virtual spring and a damper in parallel with it.
@@ -35,7 +35,7 @@ use crate::study_values::replacements;
 /// Coupling(stiffness=71.2, damping=0.0)
 #[pyclass(frozen, eq, module = "telespring")]
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coupling(telespring::study::Coupling);
+pub struct Coupling(pub telespring::study::Coupling);
 
 #[pymethods]
 impl Coupling {
@@ -63,6 +63,10 @@ impl Coupling {
 
     fn __repr__(&self) -> String {
         format!("Coupling(stiffness={:?}, damping={:?})", self.0.stiffness, self.0.damping)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__(&self) -> (f64, f64) {
@@ -177,6 +181,21 @@ impl Network {
         self.0.buffered().into()
     }
 
+    /// The network's numbers as a dict that `json.dumps` takes.
+    pub fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        out.set_item("delay", vec![self.0.delay().forward(), self.0.delay().backward()])?;
+        out.set_item("jitter", self.jitter())?;
+        out.set_item("max_gap", self.max_gap())?;
+        out.set_item("sample_period", self.sample_period())?;
+        out.set_item("computing_time", self.computing_time())?;
+        Ok(out)
+    }
+
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        html_table("Network", self.to_dict(py)?.as_any())
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Network({:?}, jitter={:?}, max_gap={:?}, sample_period={:?}, computing_time={:?})",
@@ -186,6 +205,10 @@ impl Network {
             self.sample_period(),
             self.computing_time()
         )
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__(&self) -> ((f64, f64), f64, f64, f64, f64) {
@@ -236,8 +259,9 @@ impl From<&verdicts::OperatorRange> for OperatorRange {
 #[pymethods]
 impl OperatorRange {
     #[new]
-    fn new(low: &Bound<'_, Operator>, high: &Bound<'_, Operator>) -> Outcome<Self> {
-        let range = Self { low: low.get().clone(), high: high.get().clone() };
+    fn new(low: Argument<Bound<'_, Operator>>, high: Argument<Bound<'_, Operator>>) -> Outcome<Self> {
+        let (low, high) = (low.named("low")?.get().clone(), high.named("high")?.get().clone());
+        let range = Self { low, high };
         range.on(range.low.count().max(range.high.count()))?;
         Ok(range)
     }
@@ -256,6 +280,10 @@ impl OperatorRange {
 
     fn __repr__(&self) -> String {
         format!("OperatorRange({}, {})", self.low.__repr__(), self.high.__repr__())
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__(&self) -> (Operator, Operator) {
@@ -287,8 +315,16 @@ pub struct Uncertainty(pub telespring::study::Uncertainty);
 #[pymethods]
 impl Uncertainty {
     #[new]
-    fn new(mass_sd: Vec<f64>, damping_sd: Vec<f64>, correlation: Vec<f64>) -> Self {
-        Self(telespring::study::Uncertainty { mass_sd, damping_sd, correlation })
+    fn new(
+        mass_sd: Argument<Vec<f64>>,
+        damping_sd: Argument<Vec<f64>>,
+        correlation: Argument<Vec<f64>>,
+    ) -> Outcome<Self> {
+        Ok(Self(telespring::study::Uncertainty {
+            mass_sd: mass_sd.named("mass_sd")?,
+            damping_sd: damping_sd.named("damping_sd")?,
+            correlation: correlation.named("correlation")?,
+        }))
     }
 
     /// Standard deviation of the mass per axis, kg.
@@ -312,6 +348,10 @@ impl Uncertainty {
     fn __repr__(&self) -> String {
         let telespring::study::Uncertainty { mass_sd, damping_sd, correlation } = &self.0;
         format!("Uncertainty(mass_sd={mass_sd:?}, damping_sd={damping_sd:?}, correlation={correlation:?})")
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
     fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -398,16 +438,17 @@ impl Study {
     )]
     fn from_toml(
         py: Python<'_>,
-        text: &str,
+        text: Argument<String>,
         robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
         sections: Option<&Bound<'_, PyDict>>,
     ) -> Outcome<Self> {
+        let text = text.named("text")?;
         let [one, other] = [robots.0, robots.1].map(|file| file.as_ref().map(read_robot_file).transpose());
         let (one, other) = (one?, other?);
         let sections = sections.map_or_else(|| Ok(Default::default()), replacements)?;
         py.detach(|| {
             let robots = [one.as_ref(), other.as_ref()];
-            Ok(Self(telespring::study::Study::from_changed_toml(text, robots, &sections)?))
+            Ok(Self(telespring::study::Study::from_changed_toml(&text, robots, &sections)?))
         })
     }
 
@@ -448,7 +489,7 @@ impl Study {
         robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
         sections: Option<&Bound<'_, PyDict>>,
     ) -> Outcome<Self> {
-        Self::from_toml(path.py(), &read_text(path, "a study file")?, robots, sections)
+        Self::from_toml(path.py(), Argument::Given(read_text(path, "a study file")?), robots, sections)
     }
 
     /// The study with some values replaced.
@@ -460,8 +501,10 @@ impl Study {
     ///     mappings or numpy arrays. None removes a key, which restores its default; None instead of a section
     ///     removes the section. Keys that are not named keep their values, with two exceptions: a new `kind`
     ///     restarts its section, and the `conditions` of a protocol exclude its lists of `stiffness` and
-    ///     `delay`. An `Agent`, `Arm`, `Task` or `LaboratorySettings` may replace its section; `name` is
-    ///     the study's name, and `allow_unusual=True` accepts values that no laboratory has.
+    ///     `delay`. An `Agent`, `Arm`, `Task`, `LaboratorySettings`, `Coupling`, `Operator` or `Robot` may
+    ///     replace its section, a robot with all that was known of the old one, such as its friction; a
+    ///     `Network` replaces network and controller; `name` is the study's name, and
+    ///     `allow_unusual=True` accepts values that no laboratory has.
     ///
     /// Returns
     /// -------
@@ -653,7 +696,31 @@ impl Study {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Study {:?}>", self.0.name())
+        let given = |name: &str, value: Option<String>| value.map_or(String::new(), |value| format!(" {name}={value}"));
+        format!(
+            "<Study {:?}{}{} axes={:?}>",
+            self.0.name(),
+            given("stiffness", self.stiffness().ok().map(|stiffness| format!("{stiffness:?}"))),
+            given("delay", self.delay().ok().map(|delay| format!("{delay:?}"))),
+            self.0.dyad().axis_names()
+        )
+    }
+
+    // of what a study has in any case: equal studies have it alike
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let (coupling, network) = (self.coupling().ok(), self.network().ok());
+        hash((self.name(), self.dyad(), coupling, network).into_pyobject(py)?.as_any())
+    }
+
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let out = PyDict::new(py);
+        out.set_item("name", self.name())?;
+        out.set_item("robots", self.robot_names())?;
+        out.set_item("stiffness", self.stiffness().ok())?;
+        out.set_item("coupling_damping", self.0.dyad().coupling_damping())?;
+        out.set_item("network", self.network().ok().map(|network| network.to_dict(py)).transpose()?)?;
+        out.set_item("axes", self.dyad().to_dict(py)?.get_item("axes")?)?;
+        html_table("Study", out.as_any())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -719,7 +786,12 @@ fn read_robot_file(path_or_text: &Bound<'_, PyAny>) -> Outcome<RobotFile> {
 /// The text of a study or robot file in UTF-8; `kind` names it in a refusal.
 fn read_text(path: &Bound<'_, PyAny>, kind: &str) -> Outcome<String> {
     // Python's own reading raises OSError with the file's name
-    let bytes = path.py().import("pathlib")?.getattr("Path")?.call1((path,))?.call_method0("read_bytes")?;
+    let path_of = path.py().import("pathlib")?.getattr("Path")?;
+    let Ok(file) = path_of.call1((path,)) else {
+        let allowed = "the path of a file is required";
+        return Err(InvalidInput::new("path", written(path), allowed, "Give a str or a pathlib.Path.").into());
+    };
+    let bytes = file.call_method0("read_bytes")?;
     let bytes: Vec<u8> = bytes.extract()?;
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];

@@ -9,6 +9,8 @@ use telespring::study::{OptionValue, Replacement, Table, Value};
 
 use crate::arguments::written;
 use crate::errors::Outcome;
+use crate::model::{Operator, Robot};
+use crate::study::{Coupling, Network};
 
 /// The value as a study file holds it; `field` names it in a refusal.
 pub fn to_value(field: &str, value: &Bound<'_, PyAny>) -> Outcome<Value> {
@@ -70,6 +72,21 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
         if section.is_none() {
             return Ok(Replacement::Default);
         }
+        if let Ok(robot) = section.cast::<Robot>() {
+            return Ok(Replacement::Keys(robot_keys(&robot.get().0)));
+        }
+        if let Ok(operator) = section.cast::<Operator>() {
+            let keys = ["mass", "damping", "stiffness"].map(|key| {
+                let values = operator.getattr(key)?;
+                Ok((key.to_owned(), Some(to_value(&format!("{name}.{key}"), &values)?)))
+            });
+            return Ok(Replacement::Keys(keys.into_iter().collect::<Outcome<_>>()?));
+        }
+        if let Ok(coupling) = section.cast::<Coupling>() {
+            let coupling = coupling.get().0;
+            let keys = [("stiffness", coupling.stiffness), ("damping", coupling.damping)];
+            return Ok(Replacement::Keys(numbers(&keys)));
+        }
         let section = match section.getattr("to_dict") {
             Ok(convert) => convert.call0()?,
             Err(_) => section.clone(),
@@ -85,14 +102,45 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
         });
         Ok(Replacement::Keys(keys.collect::<Outcome<_>>()?))
     };
-    sections
-        .iter()
-        .map(|(name, section)| {
-            let name = name.str()?.to_string();
-            let replacement = replacement(&name, &section)?;
-            Ok((name, replacement))
-        })
-        .collect()
+    let mut out = BTreeMap::new();
+    for (name, section) in sections.iter() {
+        let name = name.str()?.to_string();
+        match section.cast::<Network>() {
+            Ok(network) if name == "network" => {
+                let network = network.get().0;
+                let (delay, computing) = (network.delay(), network.computing_time());
+                let mut keys = numbers(&[("jitter", network.jitter()), ("max_gap", network.max_gap())]);
+                let ways = [("forward", delay.forward()), ("backward", delay.backward())];
+                let ways = ways.map(|(way, delay)| (way.to_owned(), Value::Float(delay)));
+                keys.insert("delay".to_owned(), Some(Value::Table(ways.into_iter().collect())));
+                out.insert(name, Replacement::Keys(keys));
+                let controller =
+                    numbers(&[("sample_period", network.sample_period()), ("computing_time", computing)]);
+                out.entry("controller".to_owned()).or_insert(Replacement::Keys(controller));
+            }
+            _ => {
+                let replacement = replacement(&name, &section)?;
+                out.insert(name, replacement);
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// The keys of a section of numbers in a study.
+fn numbers(values: &[(&str, f64)]) -> BTreeMap<String, Option<Value>> {
+    values.iter().map(|(key, value)| ((*key).to_owned(), Some(Value::Float(*value)))).collect()
+}
+
+/// The keys of a robot's section in a study: what was measured on the robot that it replaces is dropped.
+fn robot_keys(robot: &telespring::Robot) -> BTreeMap<String, Option<Value>> {
+    let row = |values: &[f64]| Some(Value::Array(values.iter().copied().map(Value::Float).collect()));
+    let axes = robot.axes().iter().cloned().map(Value::String).collect();
+    let kept =
+        [("mass", row(robot.mass())), ("damping", row(robot.damping())), ("axes", Some(Value::Array(axes)))];
+    let dropped = ["name", "coulomb", "mass_sd", "damping_sd", "mass_damping_correlation"];
+    let dropped = dropped.into_iter().map(|key| (key, None));
+    kept.into_iter().chain(dropped).map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// The value of an option in a study, for an agent or a target written in Python, as Python holds it.

@@ -2,12 +2,12 @@
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use telespring::verdicts as core;
 use telespring::verdicts::{Assumption, SampledCertificate, Tier, Unavailable};
 
-use crate::arguments::Number;
+use crate::arguments::{Argument, Number};
 use crate::errors::Outcome;
+use crate::interrupt::apart;
 use crate::model::Dyad;
 use crate::records::{Value, record, words};
 use crate::study::{Network, OperatorRange};
@@ -72,13 +72,7 @@ impl Value for core::Network {
     }
 
     fn to_json<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let out = PyDict::new(py);
-        out.set_item("delay", vec![self.delay().forward(), self.delay().backward()])?;
-        out.set_item("jitter", self.jitter())?;
-        out.set_item("max_gap", self.max_gap())?;
-        out.set_item("sample_period", self.sample_period())?;
-        out.set_item("computing_time", self.computing_time())?;
-        Ok(out.into_any())
+        Ok(Network(*self).to_dict(py)?.into_any())
     }
 }
 
@@ -328,17 +322,27 @@ pub enum Ranges<'py> {
     Each(Bound<'py, OperatorRange>, Bound<'py, OperatorRange>),
 }
 
+impl<'py> Argument<Option<Ranges<'py>>> {
+    /// The ranges of the verdicts or `None`, or a refusal with this field.
+    fn named(self, field: &str) -> Outcome<Option<Ranges<'py>>> {
+        let allowed = "an OperatorRange, a pair of them, or None is required";
+        Ok(self.or_refuse(field, allowed, "Pass OperatorRange(low, high), two operators.")?)
+    }
+}
+
 /// The four `Verdicts` on a dyad over a network.
 #[pyfunction]
 pub fn verdicts(
     py: Python<'_>,
-    dyad: &Bound<'_, Dyad>,
+    dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
     network: &Bound<'_, Network>,
-    operator_range: Option<Ranges<'_>>,
+    operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<Verdicts> {
+    let dyad = dyad.named("dyad")?;
+    let operator_range = operator_range.named("operator_range")?;
     let stiffness = stiffness.named("stiffness")?;
-    let (dyad, network) = (&dyad.get().0, &network.get().0);
+    let (dyad, network) = (dyad.get().0.clone(), network.get().0);
     let axes = dyad.axis_names().len();
     let ranges = match &operator_range {
         None => None,
@@ -351,5 +355,6 @@ pub fn verdicts(
             second.get().on(axes).map_err(|refusal| refusal.within("operator_range[1]"))?,
         ]),
     };
-    py.detach(|| Ok(Verdicts(core::verdicts(dyad, ranges.as_ref(), stiffness, network)?)))
+    let verdicts = apart(py, move || core::verdicts(&dyad, ranges.as_ref(), stiffness, &network))??;
+    Ok(Verdicts(verdicts))
 }

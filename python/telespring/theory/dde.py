@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeAlias
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_number, as_numbers, quoted_value
+from telespring._arrays import as_number, as_numbers, as_vector, as_whole_number, quoted_value
 from telespring._core import DelaySolution
 from telespring._errors import InvalidInput
 from telespring._types import DelayValue, FloatArray, OptionValues
@@ -48,7 +49,7 @@ def _dde_delays(delays: Delay | Sequence[Delay]) -> list[DelayValue]:
         if callable(delay):
             out.append((delay, _delay_takes_state(delay, f"delays[{i}]")))
         else:
-            out.append(float(as_numbers(f"delays[{i}]", delay)))
+            out.append(as_number(f"delays[{i}]", delay))
     return out
 
 
@@ -130,12 +131,16 @@ def solve_dde(
     [0.5, -0.5]
     """
     start, end = _dde_span(t_span)
+    if not callable(rhs):
+        raise InvalidInput(
+            "rhs", quoted_value(rhs), "a function of t, y and delayed is required", "Pass a callable."
+        )
     if callable(history):
         past = history
         first = past(start) if initial is None else initial
-        dimension = np.atleast_1d(as_numbers("history(t)" if initial is None else "initial", first)).size
+        dimension = as_vector("history(t)" if initial is None else "initial", first).size
     else:
-        constant = np.atleast_1d(as_numbers("history", history))
+        constant = as_vector("history", history)
         dimension = constant.size
 
         def past(_: float) -> FloatArray:
@@ -144,12 +149,12 @@ def solve_dde(
     options: OptionValues = {
         "rtol": _dde_tolerance("rtol", rtol),
         "atol": _dde_tolerance("atol", atol),
-        "max_steps": max_steps,
-        "initial_step": initial_step,
-        "max_step": max_step,
-        "breakpoints": [point if isinstance(point, tuple) else (float(point), 1) for point in breakpoints],
+        "max_steps": as_whole_number("max_steps", max_steps),
+        "initial_step": None if initial_step is None else as_number("initial_step", initial_step),
+        "max_step": None if max_step is None else as_number("max_step", max_step),
+        "breakpoints": _dde_breakpoints(breakpoints),
     }
-    beginning = None if initial is None else np.atleast_1d(as_numbers("initial", initial)).tolist()
+    beginning = None if initial is None else as_vector("initial", initial).tolist()
     try:
         return core.solve_dde(rhs, _dde_delays(delays), past, dimension, beginning, (start, end), options)
     except InvalidInput as refused:
@@ -172,5 +177,21 @@ def _dde_span(t_span: Any) -> tuple[float, float]:
 
 
 def _dde_tolerance(name: str, value: ArrayLike) -> float | list[float]:
-    numbers = as_numbers(name, value)
-    return float(numbers) if numbers.ndim == 0 else numbers.tolist()
+    if as_numbers(name, value).ndim == 0:
+        return as_number(name, value)
+    components: list[float] = as_vector(name, value).tolist()
+    return components
+
+
+def _dde_breakpoints(breakpoints: Iterable[float | tuple[float, int]]) -> list[tuple[float, int]]:
+    try:
+        points = [(*point,) if isinstance(point, tuple) else (point, 1) for point in breakpoints]
+        orders = [operator.index(order) for _, order in points]
+        return [(as_number("", time), order) for (time, _), order in zip(points, orders, strict=True)]
+    except (TypeError, ValueError):
+        raise InvalidInput(
+            "breakpoints",
+            quoted_value(breakpoints),
+            "times, or pairs of a time and the order of the derivative that may jump, are required",
+            "Write them such as [1.0, (2.0, 0)].",
+        ) from None

@@ -8,7 +8,7 @@ from ω → 0, for any choice of frequencies.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ import telespring._core as core
 from telespring._arrays import as_vector, unmasked
 from telespring._core import FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve
 from telespring._errors import InvalidInput
+from telespring._labelled import is_labelled
 from telespring._types import ComplexArray, Delay
 
 if TYPE_CHECKING:
@@ -53,8 +54,16 @@ def _evaluate_over_s_plane(s: ArrayLike, compute: Callable[[ComplexArray], Compl
             "a complex number or an array of them is required",
             "Convert it, for instance with numpy.asarray(..., dtype=complex).",
         ) from None
-    matrices = compute(np.ascontiguousarray(points).reshape(-1))
-    return matrices.reshape((*points.shape, 2, 2))
+    flat = compute(np.ascontiguousarray(points).reshape(-1))
+    matrices: ComplexArray = flat.reshape((*points.shape, 2, 2))
+    if not is_labelled(s):
+        return matrices
+    import xarray as xr
+
+    labelled: Any = s.to_xarray() if hasattr(s, "to_xarray") else s
+    robots = {"output": [1, 2], "input": [1, 2]}
+    coords, dims = {**labelled.coords, **robots}, (*labelled.dims, "output", "input")
+    return cast("ComplexArray", xr.DataArray(matrices, coords=coords, dims=dims))
 
 
 def transfer_matrix(
@@ -161,7 +170,7 @@ def frequency_response(
     dyad: Dyad,
     stiffness: float,
     delay: Delay,
-    frequency: ArrayLike,
+    frequency: ArrayLike | None = None,
     axis: int | str = 0,
     convention: Convention = "exact",
 ) -> FrequencyResponse:
@@ -175,8 +184,9 @@ def frequency_response(
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
         One-way delay, s, or the pair (forward, backward).
-    frequency : array_like, (n,)
-        Angular frequencies, rad/s, in any order.
+    frequency : array_like, (n,), optional
+        Angular frequencies, rad/s, in any order. By default a `frequency_grid` from a tenth of the slowest
+        to ten times the fastest of the rates b/m, √((k + kh)/m) and 1/T of both sides.
     axis : int or str
         The axis by its index or its name.
     convention : {"exact", "paper"}
@@ -205,14 +215,27 @@ def frequency_response(
     ((2, 2, 2), -1.5708)
     """
     of = (dyad, stiffness, delay, axis)
+    if frequency is None:
+        frequency = _default_grid(dyad, stiffness, delay, axis).frequency
     return core.frequency_response(of, as_vector("frequency", frequency), convention)
+
+
+def _default_grid(dyad: Dyad, stiffness: float, delay: Delay, axis: int | str) -> FrequencyGrid:
+    core.frequency_response((dyad, stiffness, delay, axis), np.ones(1), "exact")  # refuses what is wrong
+    side = dyad.axis(axis)
+    masses, dampings, ground = (np.array(v) for v in (side.masses, side.dampings, side.ground_stiffness))
+    round_trip = float(np.broadcast_to(delay, 2).sum())
+    rates = np.array([*(dampings / masses), *np.sqrt((stiffness + ground) / masses), round_trip])
+    rates[-1] = 1.0 / round_trip if round_trip else 0.0
+    rates = rates[rates > 0.0]
+    return frequency_grid(dyad, stiffness, delay, 0.1 * rates.min(), 10.0 * rates.max(), axis)
 
 
 def open_loop(
     dyad: Dyad,
     stiffness: float,
     delay: Delay,
-    frequency: ArrayLike,
+    frequency: ArrayLike | None = None,
     axis: int | str = 0,
 ) -> ResponseCurve:
     """Open loop L = -(k + c s)² exp(-T s)/(P1 P2) over angular frequencies.
@@ -228,8 +251,8 @@ def open_loop(
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
         One-way delay, s, or the pair (forward, backward).
-    frequency : array_like, (n,)
-        Angular frequencies, rad/s.
+    frequency : array_like, (n,), optional
+        Angular frequencies, rad/s; by default those of `frequency_response`.
     axis : int or str
         The axis by its index or its name.
 
@@ -254,6 +277,8 @@ def open_loop(
     >>> float(ts.open_loop(ts.hman(), 71.2, 0.167, 0.0).value[0].real)  # free handles
     -1.0
     """
+    if frequency is None:
+        frequency = _default_grid(dyad, stiffness, delay, axis).frequency
     return core.open_loop((dyad, stiffness, delay, axis), as_vector("frequency", frequency))
 
 
@@ -261,7 +286,7 @@ def partner_response(
     dyad: Dyad,
     stiffness: float,
     delay: Delay,
-    frequency: ArrayLike,
+    frequency: ArrayLike | None = None,
     axis: int | str = 0,
     robot: int = 0,
 ) -> ResponseCurve:
@@ -278,8 +303,8 @@ def partner_response(
         Stiffness of the virtual spring, N/m.
     delay : float or (float, float)
         One-way delay, s, or the pair (forward, backward).
-    frequency : array_like, (n,)
-        Angular frequencies, rad/s.
+    frequency : array_like, (n,), optional
+        Angular frequencies, rad/s; by default those of `frequency_response`.
     axis : int or str
         The axis by its index or its name.
     robot : int
@@ -309,6 +334,8 @@ def partner_response(
     (1.0, True)
     """
     of = (dyad, stiffness, delay, axis)
+    if frequency is None:
+        frequency = _default_grid(dyad, stiffness, delay, axis).frequency
     return core.partner_response(of, robot, as_vector("frequency", frequency))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
@@ -10,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import telespring._core as core
-from telespring._arrays import as_numbers
-from telespring._errors import InvalidInput
-from telespring._types import Delay, FloatArray
+from telespring._arrays import as_number, as_numbers, as_vector, quoted_value
+from telespring._errors import ApproximationWarning, InvalidInput
+from telespring._types import Delay, FloatArray, SimulationStatus
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,6 +41,10 @@ class Sine:
     angular_frequency: float
     phase: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "angular_frequency", "phase"):
+            object.__setattr__(self, name, as_number(name, getattr(self, name)))
+
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
@@ -62,7 +67,7 @@ class Sampled:
 
     def __init__(self, values: ArrayLike, rate: float, hold: Literal["linear", "zero"] = "linear") -> None:
         object.__setattr__(self, "values", np.ascontiguousarray(as_numbers("values", values)).reshape(-1))
-        object.__setattr__(self, "rate", rate)
+        object.__setattr__(self, "rate", as_number("rate", rate))
         object.__setattr__(self, "hold", hold)
 
 
@@ -82,8 +87,14 @@ class Signal:
     breakpoints: tuple[float, ...] = ()
 
     def __init__(self, function: Callable[[float], float], breakpoints: Iterable[float] = ()) -> None:
+        if not callable(function):
+            raise InvalidInput(
+                "function", quoted_value(function), "a function of time is required", "Pass a callable."
+            )
         object.__setattr__(self, "function", function)
-        object.__setattr__(self, "breakpoints", tuple(breakpoints))
+        given: Any = breakpoints
+        times = list(given) if isinstance(given, Iterable) else given
+        object.__setattr__(self, "breakpoints", tuple(as_vector("breakpoints", times).tolist()))
 
 
 Force: TypeAlias = float | Sine | Sequence[Sine] | Sampled | Signal | Callable[[float], float]
@@ -103,7 +114,10 @@ class Trajectory(NamedTuple):
         Per axis the time, s, at which a position exceeded 1e12 m, or None. All arrays end before the first
         of these.
     force_error, history_error : ndarray
-        Approximation error of functions of time, N and m, (robot, axis); 0 for all others.
+        Approximation error of functions of time, N and m, (robot, axis): the largest average over 10 ms of
+        the distance from the function; 0 for all others.
+    status : str
+        "completed", "diverged", or "not resolved" if such an error exceeds 1e-9 of the largest value.
     """
 
     time: FloatArray
@@ -112,6 +126,7 @@ class Trajectory(NamedTuple):
     diverged_at: tuple[float | None, ...]
     force_error: FloatArray
     history_error: FloatArray
+    status: SimulationStatus
 
 
 def simulate_array(
@@ -163,7 +178,7 @@ def simulate_array(
     >>> ts.simulate_array(ts.hman(), 71.2, 0.167, push, 10.0).position.shape
     (10001, 2, 2)
     """
-    position, velocity, diverged, force_error, history_error = core.simulate(
+    position, velocity, diverged, force_fit, history_fit = core.simulate(
         dyad,
         stiffness,
         delay,
@@ -183,9 +198,25 @@ def simulate_array(
         position.transpose(2, 0, 1)[kept],
         None if velocity is None else velocity.transpose(2, 0, 1)[kept],
         tuple(diverged),
-        np.array(force_error).T,
-        np.array(history_error).T,
+        np.array(force_fit[0]).T,
+        np.array(history_fit[0]).T,
+        _status(divergences, {"force": force_fit, "history": history_fit}),
     )
+
+
+def _status(
+    divergences: list[float], fits: dict[Literal["force", "history"], tuple[list[list[float]], bool]]
+) -> SimulationStatus:
+    unresolved = [signal for signal, (_, is_resolved) in fits.items() if not is_resolved]
+    for signal in unresolved:
+        errors, _ = fits[signal]
+        warnings.warn(
+            f"a {signal} is approximated only to {np.max(errors):.1e} {'N' if signal == 'force' else 'm'} "
+            f"({signal}_error): give a Signal with the times at which it is not smooth, or a Sampled signal",
+            ApproximationWarning,
+            stacklevel=4,
+        )
+    return "diverged" if divergences else "not resolved" if unresolved else "completed"
 
 
 def _forces_or_history_by_robot(name: str, values: Sequence[Sequence[Any]]) -> list[list[Any]]:
@@ -222,7 +253,9 @@ def simulate(
     forces : nested sequence
         ``forces[robot][axis]``, N: a number (a step at t = 0), a `Sine` or a list of them (their
         sum), a `Sampled` signal, or a function of time, as `Signal` if it jumps or bends.
-        Functions are approximated by polynomials; how far is in ``force_error``.
+        Functions are approximated by polynomials; how far is in ``force_error``. Jumps and kinks are
+        found, if slowly; a feature shorter than 1 ms (a millionth of a duration above 1000 s) can be missed
+        unless a breakpoint is beside it.
     duration : float
         s.
     rate : float
@@ -235,18 +268,24 @@ def simulate(
     -------
     xarray.Dataset
         ``position`` (m) and ``velocity`` (m/s) over (time, robot, axis), ``force_error`` (N),
-        ``history_error`` (m) over (robot, axis). ``attrs["status"]`` is "completed" or "diverged";
-        then ``attrs["diverged_at"]`` is the time, s, and the outputs end before it.
+        ``history_error`` (m) over (robot, axis). ``attrs["status"]`` is "completed", "diverged" (then
+        ``attrs["diverged_at"]`` is the time, s, and the outputs end before it) or "not resolved" (an
+        error of a function exceeds 1e-9 of its largest value).
 
     Raises
     ------
     InvalidInput
-        If a value is out of its range.
+        If a value is out of its range, or a function returns another value when called again.
+
+    Warns
+    -----
+    ApproximationWarning
+        If the status would be "not resolved".
 
     Notes
     -----
     Taylor series on steps that divide the delay: relative error below 1e-11 for steps, sines and
-    sampled signals.
+    sampled signals. A function is followed to 1e-13 of its largest value, or to its own rounding.
 
     Examples
     --------
@@ -266,14 +305,14 @@ def simulate(
     signal, pair = ("time", "robot", "axis"), ("robot", "axis")
     forward, backward = np.broadcast_to(delay, 2).tolist()
     attributes: dict[str, Any] = {
-        "status": "completed",
+        "status": trajectory.status,
         "stiffness": stiffness,
         "delay_forward": forward,
         "delay_backward": backward,
     }
     divergences = [at for at in trajectory.diverged_at if at is not None]
     if divergences:
-        attributes |= {"status": "diverged", "diverged_at": min(divergences)}
+        attributes["diverged_at"] = min(divergences)
     return xr.Dataset(
         {
             "position": (signal, trajectory.position, {"units": "m"}),

@@ -92,12 +92,6 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
     low
 }
 
-/// The gain of one sampled side: the l¹ norm of the map from partner position to own position. Infinite if the
-/// loop is unstable or alternates from sample to sample.
-pub(super) fn sampled_gain(side: &SampledPlant, stiffness: f64) -> f64 {
-    log_gain(side, stiffness).exp()
-}
-
 /// The poles of the sampled local loop: a pair, w² + `linear` w + `constant` with w = z − 1, and with a computing
 /// time a third one, z = `third`.
 struct LoopPoles {

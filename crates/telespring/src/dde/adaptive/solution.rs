@@ -164,6 +164,45 @@ impl<E> Solution<E> {
         &self.mesh.knots
     }
 
+    /// The polynomials of all steps of the solution, one step after the other.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.mesh.coefficients
+    }
+
+    /// The state at the start of the solution.
+    pub fn initial(&self) -> &[f64] {
+        &self.initial
+    }
+
+    /// The same solution again from its status, its numbers of steps, rejected steps and evaluations, and its
+    /// [`discontinuities`](Self::discontinuities), [`knots`](Self::knots),
+    /// [`coefficients`](Self::coefficients) and [`initial`](Self::initial) state.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if the numbers of knots, coefficients and components do not belong together.
+    pub fn restore(
+        status: Status,
+        [steps, rejected, evaluations]: [usize; 3],
+        discontinuities: Vec<Discontinuity>,
+        knots: Vec<f64>,
+        coefficients: Vec<f64>,
+        initial: Vec<f64>,
+    ) -> Result<Self> {
+        let dimension = initial.len();
+        let expected = knots.len().saturating_sub(1) * dimension * COEFFICIENTS;
+        if knots.is_empty() || dimension == 0 || coefficients.len() != expected {
+            return Err(InvalidInput::new(
+                "coefficients",
+                format!("{} value(s)", coefficients.len()),
+                format!("{expected} values are required, {COEFFICIENTS} per component and step"),
+                "Pass what the accessors of a solution returned.",
+            ));
+        }
+        let mesh = Mesh { dimension, knots, coefficients };
+        Ok(Self { status, failure: None, steps, rejected, evaluations, discontinuities, mesh, initial })
+    }
+
     /// Checks that a time lies within the solution and an output array has the right length.
     fn check(&self, t: f64, length: usize, expected: usize) -> Result<()> {
         if !(self.start()..=self.end()).contains(&t) {

@@ -143,6 +143,14 @@ impl Force {
         }
     }
 
+    /// Whether that error is small; see [`PiecewisePolynomial::is_resolved`].
+    pub fn is_resolved(&self) -> bool {
+        match self {
+            Self::Polynomial(pieces) => pieces.is_resolved(),
+            _ => true,
+        }
+    }
+
     /// Checks the amplitudes, frequencies and phases of a force.
     pub(super) fn check(&self, field: &str) -> Result<()> {
         match self {

@@ -100,6 +100,11 @@ impl History {
         self.pieces().map_or(0.0, PiecewisePolynomial::error)
     }
 
+    /// Whether that error is small; see [`PiecewisePolynomial::is_resolved`].
+    pub fn is_resolved(&self) -> bool {
+        self.pieces().is_none_or(PiecewisePolynomial::is_resolved)
+    }
+
     /// Position and velocity of the robot at the end of its history, t = 0.
     pub(super) fn start(&self) -> State {
         let x = match &self.position {

@@ -19,7 +19,9 @@
 //! | `smooth` | steps longer than the delay, for short or zero delays |
 //! | `series` | recurrences, re-expansion, evaluation |
 //! | `force`, `history`, `piecewise` | forces, and positions before the start |
+//! | `fit` | polynomials through a function of time |
 
+mod fit;
 mod force;
 mod grid;
 mod history;

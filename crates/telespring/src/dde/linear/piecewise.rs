@@ -5,14 +5,6 @@ use crate::error::{InvalidInput, Result};
 
 /// The highest degree of a piece.
 const MAX_PIECE_DEGREE: usize = 24;
-/// The degree of the pieces fitted to a function.
-const FIT_DEGREE: usize = 12;
-/// The maximum number of pieces fitted to a function.
-const MAX_PIECES: usize = 100_000;
-/// The target error of a fit, relative to the largest value.
-const FIT_TOLERANCE: f64 = 1e-14;
-/// The maximum number of halvings of a piece before its error is accepted and reported.
-const MAX_HALVINGS: u32 = 30;
 
 /// A piecewise polynomial of time; beyond its pieces the nearest end value is held.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +15,7 @@ pub struct PiecewisePolynomial {
     /// False if an edge lies within a smooth function.
     breaks: Vec<bool>,
     error: f64,
+    is_resolved: bool,
 }
 
 impl PiecewisePolynomial {
@@ -74,16 +67,17 @@ impl PiecewisePolynomial {
             pieces.push(centred[..list.len()].to_vec());
         }
         let breaks = vec![true; edges.len()];
-        Ok(Self { edges, pieces, breaks, error: 0.0 })
+        Ok(Self { edges, pieces, breaks, error: 0.0, is_resolved: true })
     }
 
     /// Approximates `function` piece by piece from `start` to `end` (s) between its `breakpoints`, where it
-    /// may jump or have kinks, by Chebyshev interpolation on pieces that are halved until the error is
-    /// negligible.
+    /// may jump or have kinks, by Chebyshev interpolation on pieces that are halved, the worst first, until
+    /// their errors are negligible or as small as the rounding of the function allows.
     ///
     /// [`PiecewisePolynomial::error`] gives the error. It is measured between the nodes of every piece and
-    /// thus an estimate, reliable for functions that are smooth between the breakpoints. The function is
-    /// never evaluated at a breakpoint.
+    /// every millisecond (every millionth of a span above 1000 s), and thus an estimate: a shorter feature
+    /// can be missed unless a breakpoint is beside it. Jumps and kinks at other times are located by halving. The
+    /// function is never evaluated at a breakpoint.
     ///
     /// # Errors
     ///
@@ -106,20 +100,30 @@ impl PiecewisePolynomial {
         edges.sort_by(f64::total_cmp);
         edges.dedup();
         check_edges("span", &edges)?;
-        let mut fit =
-            Fit { function, scale: 0.0, edges: vec![start], pieces: vec![], breaks: vec![true], error: 0.0 };
-        for pair in edges.windows(2) {
-            fit.fit_piece(pair[0], pair[1], 0)?;
-            if let Some(last) = fit.breaks.last_mut() {
-                *last = true;
-            }
-        }
-        Ok(Self { edges: fit.edges, pieces: fit.pieces, breaks: fit.breaks, error: fit.error })
+        super::fit::fit(function, &edges)
     }
 
-    /// The largest estimated approximation error, in the unit of the values; 0 for given polynomials.
+    /// The result of a fit, already checked.
+    pub(super) fn fitted(
+        edges: Vec<f64>,
+        pieces: Vec<Vec<f64>>,
+        breaks: Vec<bool>,
+        error: f64,
+        is_resolved: bool,
+    ) -> Self {
+        Self { edges, pieces, breaks, error, is_resolved }
+    }
+
+    /// The estimated approximation error in the unit of the values: the largest average over 10 ms of the distance
+    /// from the function; 0 for given polynomials.
     pub fn error(&self) -> f64 {
         self.error
+    }
+
+    /// Whether that error is at most 1e-9 of the largest value of the function. It is not for noise, or for
+    /// more oscillations or kinks than 200,000 pieces can follow.
+    pub fn is_resolved(&self) -> bool {
+        self.is_resolved
     }
 
     /// The value of the piecewise polynomial at `time` (s).
@@ -167,97 +171,6 @@ impl PiecewisePolynomial {
         reexpand(&self.pieces[piece], shift, length / half, into);
         self.pieces[piece].len()
     }
-}
-
-struct Fit<'a> {
-    function: &'a mut dyn FnMut(f64) -> f64,
-    scale: f64,
-    edges: Vec<f64>,
-    pieces: Vec<Vec<f64>>,
-    breaks: Vec<bool>,
-    error: f64,
-}
-
-impl Fit<'_> {
-    /// Evaluates the function that a piecewise polynomial fits.
-    fn evaluate_function(&mut self, time: f64) -> Result<f64> {
-        let value = (self.function)(time);
-        if value.is_nan() || value.abs() > super::MAGNITUDE_LIMIT {
-            return Err(InvalidInput::new(
-                format!("function({time})"),
-                value,
-                format!("a function of time must return finite numbers up to {:e}", super::MAGNITUDE_LIMIT),
-                "Check the function near this time.",
-            ));
-        }
-        self.scale = self.scale.max(value.abs());
-        Ok(value)
-    }
-
-    /// Fits a polynomial piece to the function from `start` to `end`, halving the interval where needed.
-    fn fit_piece(&mut self, start: f64, end: f64, halvings: u32) -> Result<()> {
-        const NODES: usize = FIT_DEGREE + 1;
-        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
-        let mut values = [0.0; NODES];
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = self.evaluate_function(middle + half * chebyshev_node(i, NODES))?;
-        }
-        let centred = chebyshev_interpolant(&values);
-        let mut error = 0.0_f64;
-        // Checked at the nodes of the next degree but one, which lie between those of the fit.
-        for i in 0..NODES + 1 {
-            let w = chebyshev_node(i, NODES + 1);
-            let exact = self.evaluate_function(middle + half * w)?;
-            error = error.max((centred.iter().rev().fold(0.0, |v, c| v * w + c) - exact).abs());
-        }
-        let splits = halvings < MAX_HALVINGS
-            && self.pieces.len() < MAX_PIECES
-            && middle > start
-            && middle < end
-            && half > 1e-13 * start.abs().max(end.abs());
-        if error > FIT_TOLERANCE * self.scale && splits {
-            self.fit_piece(start, middle, halvings + 1)?;
-            return self.fit_piece(middle, end, halvings + 1);
-        }
-        self.error = self.error.max(error);
-        self.edges.push(end);
-        self.pieces.push(centred.to_vec());
-        self.breaks.push(false);
-        Ok(())
-    }
-}
-
-/// The i-th Chebyshev node of the first kind on a polynomial piece, never an end of the interval.
-fn chebyshev_node(i: usize, count: usize) -> f64 {
-    ((2 * i + 1) as f64 * std::f64::consts::PI / (2 * count) as f64).cos()
-}
-
-/// The power coefficients on [−1, 1] of the piece through the values at the Chebyshev nodes.
-fn chebyshev_interpolant<const N: usize>(values: &[f64; N]) -> [f64; N] {
-    let mut powers = [0.0; N];
-    // T₀, T₁, … in powers, by their recurrence.
-    let (mut previous, mut current) = ([0.0; N], [0.0; N]);
-    previous[0] = 1.0;
-    current[1] = 1.0;
-    for k in 0..N {
-        let sum: f64 = (0..N)
-            .map(|i| {
-                let angle = (k * (2 * i + 1)) as f64 * std::f64::consts::PI / (2 * N) as f64;
-                values[i] * angle.cos()
-            })
-            .sum();
-        let weight = if k == 0 { 1.0 } else { 2.0 } * sum / N as f64;
-        for (power, t) in powers.iter_mut().zip(&previous) {
-            *power += weight * t;
-        }
-        let mut next = [0.0; N];
-        for n in 0..N {
-            next[n] = if n > 0 { 2.0 * current[n - 1] } else { 0.0 } - previous[n];
-        }
-        previous = current;
-        current = next;
-    }
-    powers
 }
 
 /// Checks that a number of a piecewise polynomial is finite and not too large.
