@@ -175,6 +175,8 @@ def identify_logs(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from telespring.identification import identify_logs, paper_excitation
     >>> movement = paper_excitation()
     >>> t = np.arange(10000) / 1000.0
     >>> def record(mass, seed):
