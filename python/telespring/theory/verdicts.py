@@ -90,9 +90,9 @@ def verdicts(
         and the sampled dyad a search excludes roots on the imaginary axis for all operators at once, and ends
         within 1 % of the truth. `proven` is False where it was cut off, and for tier 1 of sampled controllers
         with a coupling damper, or with a computing time and weakly grounded handles: the verdict is then
-        never `satisfied` unless a proof for this stiffness was found. `least_found` is the smallest bound of one
-        pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may be
-        more than 5 % low, at sample periods near the motion's own.
+        never `satisfied` unless a proof for this stiffness was found. `least_found` is the smallest bound of
+        one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may
+        be more than 5 % low, at sample periods near the motion's own.
 
     Returns
     -------
