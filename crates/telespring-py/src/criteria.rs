@@ -15,6 +15,7 @@ use crate::interrupt::apart;
 use crate::model::Dyad;
 
 /// What a criterion is computed for.
+#[expect(clippy::large_enum_variant, reason = "one lives for one call")]
 enum Subject<'py> {
     /// m1, b1, m2, b2, kh1, kh2, c: numbers or arrays.
     Numbers([Numbers<'py>; 7]),
