@@ -60,8 +60,8 @@ class ClosedForm:
     >>> import telespring as ts
     >>> form = ClosedForm(ts.Study.paper(), [(None, 0.0), (36.0, 0.167)])
     >>> print((1e3 * form.errors(Setting(agent_stiffness=120.0, spot_lifetime=0.2))[0]).round(1))
-    [[22.  24.3]
-     [30.1 32.8]]
+    [[22.  24. ]
+     [29.4 30.1]]
     """
 
     def __init__(self, study: Study, conditions: Sequence[tuple[float | None, float]]) -> None:

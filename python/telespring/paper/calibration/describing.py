@@ -28,8 +28,8 @@ def saturation_gains(amplitude: FloatArray, deviation: FloatArray) -> tuple[Floa
 
     Examples
     --------
-    >>> [round(float(gain[0]), 3) for gain in saturation_gains(np.array([2.0]), np.array([0.0]))]
-    [0.609, 0.333]
+    >>> [round(float(gain[0]), 3) for gain in saturation_gains(np.array([0.0]), np.array([1.0]))]
+    [0.683, 0.683]
     """
     from scipy.special import ndtr
 
@@ -57,8 +57,8 @@ def friction_gains(
 
     Examples
     --------
-    >>> float(round(friction_gains(np.array([0.5]), np.array([0.0]), 1.0)[0][0], 3))  # 4/(π 0.5)
-    2.546
+    >>> round(float(friction_gains(np.array([0.0]), np.array([0.5]), 1.0)[1][0]), 3)  # √(2/π)/0.5
+    1.596
     """
     from scipy.special import erf
 
