@@ -603,7 +603,7 @@ def test_law_study_writes_whole_files_and_tells_the_answer(paper_study: PaperStu
     for name in written:
         assert str(out / name) in found.stdout.replace("\n", "")
     text = (out / "study.json").read_text(encoding="utf-8")
-    assert json.loads(text)["schema"] == "telespring study 1"
+    assert json.loads(text)["schema"] == "telespring study 2"
 
 
 def test_law_the_earlier_name_of_reproduce_works_and_names_the_new_one(tmp_path: Path) -> None:

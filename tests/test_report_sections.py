@@ -40,7 +40,7 @@ def findings(paper: ts.Study, analysis: Analysis) -> dict[str, Findings]:
         for section in PARTS
         if section.find is not None and section.name != "calibration"
     }
-    drawings = dict.fromkeys(("calibration", "profiles", "pairs"), "<svg></svg>")
+    drawings = {"calibration": "<svg></svg>"}
     results["calibration"] = Findings({"calibration": analysis.numbers["calibration"]}, drawings)
     return results
 

@@ -94,7 +94,7 @@ def analyse(
     if progress is not None:
         progress(STEPS[-1])
     described = scene.describe_study()
-    numbers: dict[str, Any] = {"schema": "telespring study 1", "study": described}
+    numbers: dict[str, Any] = {"schema": "telespring study 2", "study": described}
     for results in findings.values():
         numbers |= results.numbers
     return Analysis(numbers=numbers, html=render(described, findings, date))

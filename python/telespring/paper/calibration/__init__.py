@@ -1,31 +1,44 @@
-"""Calibration: fit unknowns of the real arms and robots to a part of Table I, and predict the rest."""
+"""Calibration: which departure from the printed laboratory explains the published Table I."""
 
-from telespring.paper.calibration.comparison import Prediction, Score, null_prediction, predict, score
-from telespring.paper.calibration.drawing import draw_cells, draw_pairs, draw_profiles
-from telespring.paper.calibration.fit import Fit, PairMap, Profile
-from telespring.paper.calibration.least_squares import LeastSquares
-from telespring.paper.calibration.run import Calibration, calibrate
-from telespring.paper.calibration.unknowns import UNKNOWNS, VARIANTS, Unknown
+from telespring.paper.calibration.closed_form import ClosedForm
+from telespring.paper.calibration.comparison import (
+    Prediction,
+    Score,
+    agreeing_arrows,
+    predict,
+    published_arrows,
+    score,
+)
+from telespring.paper.calibration.explain import Explanation
+from telespring.paper.calibration.fit import Profile
+from telespring.paper.calibration.hypotheses import COMMON, HYPOTHESES, NULL, Hypothesis, Parameter
+from telespring.paper.calibration.run import Calibration, Confirmation, calibrate
+from telespring.paper.calibration.setting import Setting
+from telespring.paper.calibration.verdict import EVIDENCE, PREDICTION, Criteria
 from telespring.paper.published import TABLE_I, PublishedRow
 
 __all__ = [
+    "COMMON",
+    "EVIDENCE",
+    "HYPOTHESES",
+    "NULL",
+    "PREDICTION",
     "TABLE_I",
-    "UNKNOWNS",
-    "VARIANTS",
     "Calibration",
-    "Fit",
-    "LeastSquares",
-    "PairMap",
+    "ClosedForm",
+    "Confirmation",
+    "Criteria",
+    "Explanation",
+    "Hypothesis",
+    "Parameter",
     "Prediction",
     "Profile",
     "PublishedRow",
     "Score",
-    "Unknown",
+    "Setting",
+    "agreeing_arrows",
     "calibrate",
-    "draw_cells",
-    "draw_pairs",
-    "draw_profiles",
-    "null_prediction",
     "predict",
+    "published_arrows",
     "score",
 ]

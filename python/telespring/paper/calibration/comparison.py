@@ -1,4 +1,4 @@
-"""Comparison of simulated with published tracking errors, cell by cell, and scores of their agreement."""
+"""Comparison of computed with published tracking errors, cell by cell."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ import numpy as np
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.analysis import compare_pairs
-from telespring.paper.published import PublishedRow
+from telespring.paper.published import TRIALS, PublishedRow
 
-__all__ = ["Prediction", "Score", "null_prediction", "predict", "score"]
+__all__ = ["Prediction", "Score", "agreeing_arrows", "predict", "published_arrows", "score"]
+
+_LEVEL = 0.05
 
 
 @dataclass(frozen=True)
@@ -26,11 +28,11 @@ class Score:
     cells
         Number of cells.
     rms_error
-        m; NaN if a cell has no simulated value.
+        m; infinite or NaN if a cell has no computed value.
     mean_error
-        Simulated less published, m.
+        Computed less published, m.
     rank_correlation, p_value
-        Spearman's, between simulated and published; None if all simulated values are equal.
+        Spearman's, between computed and published; None if all computed values are equal.
     """
 
     cells: int
@@ -40,7 +42,7 @@ class Score:
     p_value: float | None
 
     def numbers(self) -> dict[str, Any]:
-        """Agreement of simulated with published cells for JSON, errors in mm."""
+        """Agreement of computed with published cells for JSON, errors in mm."""
         return {
             "cells": self.cells,
             "rms_error": finite_or_none(1e3 * self.rms_error),
@@ -61,20 +63,13 @@ class Prediction:
     ended_early
         Number of trials of each condition that ended early.
     arrow
-        (condition, robot), against TE2 in the unconnected mode, as in the paper.
+        (condition, robot), from the trials, against TE2 in the unconnected mode, as in the paper.
     """
 
     mean: FloatArray
     standard_deviation: FloatArray
     ended_early: tuple[int, ...]
     arrow: tuple[tuple[str, str], ...]
-
-    def arrows_agreeing(self, published: Sequence[PublishedRow]) -> list[tuple[bool | None, bool | None]]:
-        """Whether each arrow is the published one; None for the baseline itself, which has none."""
-        return [
-            (arrow[0] == row.arrow[0], None if row.stiffness is None else arrow[1] == row.arrow[1])
-            for arrow, row in zip(self.arrow, published, strict=True)
-        ]
 
 
 def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction:
@@ -109,8 +104,44 @@ def predict(errors: FloatArray, published: Sequence[PublishedRow]) -> Prediction
     )
 
 
-def score(simulated: FloatArray, published: FloatArray) -> Score:
-    """Score simulated against published cells of any shape, m.
+def published_arrows(
+    errors: FloatArray, published: Sequence[PublishedRow], trials: int = TRIALS
+) -> tuple[tuple[str, str], ...]:
+    """Return the arrows of these mean errors (condition, robot), m, if they spread as the published ones do.
+
+    A computed mean has no spread of its own, so Welch's test takes the published standard deviations and
+    number of trials, against the computed TE2 of the unconnected mode at p < 0.05. That makes all
+    hypotheses, and the null, comparable.
+    """
+    from scipy.stats import ttest_ind_from_stats
+
+    baseline = next(i for i, row in enumerate(published) if row.stiffness is None)
+    reference = errors[baseline, 1], published[baseline].standard_deviation[1]
+
+    def arrow(i: int, robot: int) -> str:
+        value, deviation = errors[i, robot], published[i].standard_deviation[robot]
+        if (i, robot) == (baseline, 1) or not (np.isfinite(value) and np.isfinite(reference[0])):
+            return "↑" if np.isinf(value) and np.isfinite(reference[0]) else ""
+        p = ttest_ind_from_stats(value, deviation, trials, *reference, trials, equal_var=False).pvalue
+        if p >= _LEVEL:
+            return ""
+        return "↑" if value > reference[0] else "↓"
+
+    return tuple((arrow(i, 0), arrow(i, 1)) for i in range(len(published)))
+
+
+def agreeing_arrows(
+    arrows: Sequence[tuple[str, str]], published: Sequence[PublishedRow]
+) -> list[tuple[bool | None, bool | None]]:
+    """Whether each arrow is the published one; None for the baseline itself, which has none."""
+    return [
+        (ours[0] == row.arrow[0], None if row.stiffness is None else ours[1] == row.arrow[1])
+        for ours, row in zip(arrows, published, strict=True)
+    ]
+
+
+def score(computed: FloatArray, published: FloatArray) -> Score:
+    """Score computed against published cells of any shape, m.
 
     Examples
     --------
@@ -120,7 +151,7 @@ def score(simulated: FloatArray, published: FloatArray) -> Score:
     """
     from scipy.stats import spearmanr
 
-    ours, theirs = np.ravel(simulated), np.ravel(published)
+    ours, theirs = np.ravel(computed), np.ravel(published)
     correlation = p_value = None
     if np.isfinite(ours).all() and np.ptp(ours) > 0 and np.ptp(theirs) > 0:
         result = spearmanr(ours, theirs)
@@ -134,9 +165,3 @@ def score(simulated: FloatArray, published: FloatArray) -> Score:
         rank_correlation=correlation,
         p_value=p_value,
     )
-
-
-def null_prediction(published: Sequence[PublishedRow], rows: Sequence[int]) -> FloatArray:
-    """Predict the published errors of the unconnected mode for every one of these rows, (row, robot), m."""
-    baseline = next(row for row in published if row.stiffness is None)
-    return np.tile(baseline.mean, (len(rows), 1))

@@ -1,253 +1,245 @@
-"""Maximum-likelihood fit of the unknowns to the fitted cells, with profiles, intervals and correlations."""
+"""Least-squares fits of a hypothesis to cells of the table, with profiles."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.paper.calibration.likelihood import Likelihood, threshold
-from telespring.paper.calibration.minimise import minimise
-from telespring.paper.calibration.surrogate import Surrogate
-from telespring.paper.calibration.unknowns import HIGH, NAMES, UNKNOWNS, Variant, free_unknowns
+from telespring.paper.calibration.hypotheses import Hypothesis
 
-__all__ = ["Fit", "PairMap", "Profile", "fit", "optimum"]
+__all__ = ["Fit", "Profile", "Search", "interval_threshold"]
 
-#: The laboratory's own mean errors (condition, robot), m, at a point in units of the upper bounds.
-Confirm = Callable[[FloatArray], FloatArray]
+#: Mean errors (point, condition, robot), m, for values of a hypothesis's parameters at several points.
+Model = Callable[[FloatArray], FloatArray]
 
-_PROFILE_POINTS = 25
-_PAIR_POINTS = 15
-#: How often the surrogate is corrected by the laboratory's own errors at its optimum, at most.
-_CONFIRMATIONS = 4
+#: Larger errors, m, count as this: an unstable dyad has no bound, and one that is stable must always fit
+#: better.
+_CAP = 1.0
+
+#: Points spread over the searched ranges, and how many of the best among them are improved.
+_SPREAD = 128
+_STARTS = 3
+#: Step of the derivatives and tolerance of the search, in shares of a parameter's range.
+_STEP = 1e-3
+_TOLERANCE = 1e-4
+#: A profile's first step, in shares of the range; how near the end of an interval its last step comes, in
+#: shares of the threshold's root; and its most steps to either side.
+_FIRST_STEP = 0.02
+_NEAR = 0.05
+_WALK = 8
+_ROUNDS = 30
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Rise of the deviance above its minimum along one unknown, the others free."""
+    """Sum of squares along one parameter, the others free, as a rise of the deviance.
 
-    name: str
+    Attributes
+    ----------
+    values
+        Of the parameter, SI units.
+    rise
+        n log(S/S₀), S the least sum of squares there and S₀ the overall one, up to the end of the interval.
+    interval
+        Where the rise stays below the threshold of 95 %, within the searched range.
+    open_below, open_above
+        Whether the interval reaches an end of that range.
+    """
+
     values: FloatArray
     rise: FloatArray
     interval: tuple[float, float]
     open_below: bool
     open_above: bool
 
-    def numbers(self) -> dict[str, Any]:
-        """Profile of one unknown for JSON."""
-        return {
-            "values": self.values.tolist(),
-            "deviance_rise": self.rise.tolist(),
-            "interval": list(self.interval),
-            "open_below": self.open_below,
-            "open_above": self.open_above,
-        }
-
 
 @dataclass(frozen=True)
-class PairMap:
-    """Rise of the deviance over two unknowns, the others free; `rise` is (second, first)."""
+class _Walk:
+    """Places visited on one side of an optimum, roots of the rise there, and where the interval ends."""
 
-    names: tuple[str, str]
-    first: FloatArray
-    second: FloatArray
-    rise: FloatArray
+    places: list[float]
+    roots: list[float]
+    end: float
+    open: bool
 
 
 @dataclass(frozen=True)
 class Fit:
-    """One variant fitted to the cells.
+    """The best values of a hypothesis's parameters, SI units, and the errors there, (condition, robot), m."""
 
-    Attributes
+    values: FloatArray
+    errors: FloatArray
+
+
+def interval_threshold(cells: int, parameters: int, level: float = 0.95) -> float:
+    """Rise of n log(sum of squares) up to which a value lies inside its profile interval.
+
+    With one unknown variance the likelihood ratio of one parameter of a linear model is a function of
+    Student's t, and n log(1 + t²/ν) with ν = n less the number of parameters is exact.
+
+    Examples
+    --------
+    >>> round(interval_threshold(34, 4), 2), round(interval_threshold(10_000, 4), 2)
+    (4.43, 3.84)
+    """
+    from scipy.stats import t
+
+    freedom = cells - parameters
+    return float(cells * math.log1p(float(t.ppf(0.5 + level / 2, freedom)) ** 2 / freedom))
+
+
+class Search:
+    """Fits one hypothesis to any cells of the table; the same input gives the same output.
+
+    Parameters
     ----------
-    variant
-        Whether the arm's inertia is inside Table III or on top of it.
-    values
-        The unknowns at the optimum, SI units, without the arm's mass if the motion does not depend on it.
-    point
-        All four in units of their upper bounds, as simulated.
-    profiles, pairs
-        Along each unknown and each pair of unknowns.
-    threshold
-        Rise of the deviance up to which a value is inside the interval.
-    correlation
-        Of the unknowns, from the Gauss-Newton Hessian at the optimum, in the order of `values`.
-    deviance
-        At the optimum.
-    misfit
-        Root-mean-square residual of a condition's mean error, and of half the difference of both, m.
-    correction
-        Largest correction, m, of the surrogate by the last run of the laboratory at the optimum.
+    hypothesis
+        Its parameters and their ranges.
+    model
+        The errors of the whole table.
+    measured
+        The published errors (condition, robot), m.
     """
 
-    variant: Variant
-    values: dict[str, float]
-    point: FloatArray
-    profiles: dict[str, Profile]
-    pairs: tuple[PairMap, ...]
-    threshold: float
-    correlation: FloatArray
-    deviance: float
-    misfit: tuple[float, float]
-    correction: float
+    def __init__(self, hypothesis: Hypothesis, model: Model, measured: FloatArray) -> None:
+        from scipy.stats import qmc
 
-    def numbers(self) -> dict[str, Any]:
-        """Fitted unknowns, their profiles and correlations for JSON, SI units."""
-        unknowns = {unknown.name: unknown for unknown in UNKNOWNS}
+        self._hypothesis, self._model, self._measured = hypothesis, model, measured
+        self._low, self._span = hypothesis.low, hypothesis.high - hypothesis.low
+        count = len(hypothesis.parameters)
+        self._spread = qmc.Sobol(count, seed=1).random_base2((_SPREAD - 1).bit_length())
+        self._found = self._predict(self._spread)
+
+    def fit(self, rows: Sequence[int], near: Sequence[FloatArray] = (), starts: int = _STARTS) -> Fit:
+        """Fit to these conditions only, from the best points of the spread and from these values."""
+        rows = list(rows)
+        squares = np.sum((self._found[:, rows] - self._measured[rows]) ** 2, axis=(1, 2))
+        first = [(values - self._low) / self._span for values in near]
+        first += [self._spread[i] for i in np.argsort(squares, kind="stable")[:starts]]
+        free = list(range(len(self._low)))
+        found = [self._improve(start, free, rows) for start in first]
+        point, _ = min(found, key=lambda each: each[1])
+        values = self._low + point * self._span
+        return Fit(values, self._model(values[None])[0])
+
+    def profiles(
+        self, fit: Fit, rows: Sequence[int], names: Sequence[str] | None = None
+    ) -> dict[str, Profile]:
+        """Return the profiles around a fit to these conditions, of all parameters or those named."""
+        best = (fit.values - self._low) / self._span
         return {
-            "variant": self.variant,
-            "unknowns": {
-                name: {
-                    "value": value,
-                    "unit": unknowns[name].unit,
-                    "upper_bound": unknowns[name].high,
-                    **self.profiles[name].numbers(),
-                }
-                for name, value in self.values.items()
-            },
-            "without_effect": [name for name in NAMES if name not in self.values],
-            "interval_threshold": self.threshold,
-            "correlation": {"unknowns": list(self.values), "matrix": self.correlation.tolist()},
-            "deviance": self.deviance,
-            "misfit_of_mean": self.misfit[0],
-            "misfit_of_half_difference": self.misfit[1],
-            "surrogate_correction_at_optimum": self.correction,
+            parameter.name: self._profile(i, best, list(rows))
+            for i, parameter in enumerate(self._hypothesis.parameters)
+            if names is None or parameter.name in names
         }
 
-
-def optimum(surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...]) -> tuple[FloatArray, float]:
-    """Compute the most likely unknowns, in units of their upper bounds, and their deviance."""
-    points, values = minimise(
-        lambda points: likelihood.deviance(surrogate(points)),
-        np.zeros((1, len(NAMES))),
-        free,
-        first=4096,
-        further=512,
-        rounds=11,
-    )
-    return points[0], float(values[0])
-
-
-def fit(surrogate: Surrogate, likelihood: Likelihood, variant: Variant, confirm: Confirm) -> Fit:
-    """Fit one variant's unknowns on the surrogate; `confirm`, a laboratory run, corrects the optimum."""
-    free = free_unknowns(variant)
-    point, value = optimum(surrogate, likelihood, free)
-    correction = float("nan")
-    for _ in range(_CONFIRMATIONS):
-        simulated = confirm(point)
-        correction = float(
-            np.max(np.abs(np.where(np.isfinite(simulated), simulated, np.inf) - surrogate(point)))
+    def _profile(self, i: int, best: FloatArray, rows: list[int]) -> Profile:
+        cells = 2 * len(rows)
+        least, limit = self._sum_of_squares(best, rows), interval_threshold(cells, len(best))
+        below, above = (self._walk(i, best, rows, sign, least, math.sqrt(limit)) for sign in (-1.0, 1.0))
+        places = [*reversed(below.places), best[i], *above.places]
+        return Profile(
+            values=self._low[i] + np.array(places) * self._span[i],
+            rise=np.square([*reversed(below.roots), 0.0, *above.roots]),
+            interval=(
+                float(self._low[i] + below.end * self._span[i]),
+                float(self._low[i] + above.end * self._span[i]),
+            ),
+            open_below=below.open,
+            open_above=above.open,
         )
-        surrogate = surrogate.through(point, simulated)
-        before = point
-        point, value = optimum(surrogate, likelihood, free)
-        if np.max(np.abs(point - before)) < 0.005:
-            break
-    limit = threshold(len(likelihood.mean), len(free))
-    profiles = _profile_likelihoods(surrogate, likelihood, free, point, value, limit)
-    return Fit(
-        variant=variant,
-        values={NAMES[i]: float(point[i] * HIGH[i]) for i in free},
-        point=point,
-        profiles=profiles,
-        pairs=_pair_deviance_maps(surrogate, likelihood, free, point, value),
-        threshold=limit,
-        correlation=_correlation_of_unknowns(surrogate, likelihood, free, point),
-        deviance=value,
-        misfit=_misfit_of_cells(likelihood, surrogate(point)),
-        correction=correction,
-    )
 
+    def _walk(
+        self, i: int, best: FloatArray, rows: list[int], sign: float, least: float, goal: float
+    ) -> _Walk:
+        """Go from the optimum to where the root of the rise reaches the goal, or to the end of the range.
 
-def _misfit_of_cells(likelihood: Likelihood, simulated: FloatArray) -> tuple[float, float]:
-    common, difference = likelihood.components(simulated)
-    return float(np.sqrt(np.mean(common**2))), float(np.sqrt(np.mean(difference**2)))
-
-
-def _profile_likelihoods(
-    surrogate: Surrogate,
-    likelihood: Likelihood,
-    free: tuple[int, ...],
-    point: FloatArray,
-    value: float,
-    limit: float,
-) -> dict[str, Profile]:
-    profiles = {}
-    for i in free:
-        grid = np.unique(np.append(np.linspace(0.0, 1.0, _PROFILE_POINTS), point[i]))
-        start = np.repeat(point[None], len(grid), axis=0)
-        start[:, i] = grid
-        _, deviance = minimise(
-            lambda points: likelihood.deviance(surrogate(points)),
-            start,
-            [j for j in free if j != i],
-            first=256,
-            further=64,
-            rounds=8,
+        The root is linear where the sum of squares is a parabola; that gives the next step.
+        """
+        others = [j for j in range(len(best)) if j != i]
+        bound = 1.0 if sign > 0 else 0.0
+        room = abs(bound - best[i])
+        inside, outside = (0.0, 0.0), None
+        found: dict[float, float] = {}
+        point, step = best, min(_FIRST_STEP, room)
+        for _ in range(_WALK):
+            if step <= 0.0:
+                break
+            point = point.copy()
+            point[i] = best[i] + sign * step
+            point, squares = self._improve(point, others, rows)
+            root = math.sqrt(max(2 * len(rows) * math.log(squares / least), 0.0))
+            found[step] = root
+            if root <= goal:
+                inside = (step, root)
+            else:
+                outside = (step, root)
+            if abs(root - goal) < _NEAR * goal:
+                # near enough for the same line to be the way to the end
+                outside = (step * goal / root, goal)
+                break
+            if root <= goal and step >= room:
+                break
+            if outside is None:
+                step = min(room, step * min(max(1.05 * goal / max(root, 1e-9), 1.3), 8.0))
+            else:
+                step = _between(inside, outside, goal)
+        steps = sorted(found)
+        end = room if outside is None else min(_between(inside, outside, goal), room)
+        return _Walk(
+            places=[float(best[i] + sign * each) for each in steps],
+            roots=[found[each] for each in steps],
+            end=float(best[i] + sign * end),
+            open=outside is None,
         )
-        rise = np.maximum(deviance - value, 0.0)
-        low, high = _profile_interval(grid, rise, float(point[i]), limit)
-        profiles[NAMES[i]] = Profile(
-            name=NAMES[i],
-            values=grid * HIGH[i],
-            rise=rise,
-            interval=(float(low * HIGH[i]), float(high * HIGH[i])),
-            open_below=bool(rise[0] <= limit),
-            open_above=bool(rise[-1] <= limit),
+
+    def _improve(self, start: FloatArray, free: list[int], rows: list[int]) -> tuple[FloatArray, float]:
+        """Find the least sum of squares over the free parameters, in shares of their ranges."""
+        from scipy.optimize import least_squares
+
+        point = np.array(start, dtype=float)
+
+        def whole(part: FloatArray) -> FloatArray:
+            moved = point.copy()
+            moved[free] = part
+            return moved
+
+        def residuals(part: FloatArray) -> FloatArray:
+            return (1e3 * (self._predict(whole(part)[None])[0, rows] - self._measured[rows])).ravel()
+
+        def slopes(part: FloatArray) -> FloatArray:
+            steps = np.where(part + _STEP <= 1.0, _STEP, -_STEP)
+            moved = np.repeat(point[None], len(part) + 1, axis=0)
+            moved[:, free] = part
+            moved[1:, free] += np.diag(steps)
+            errors = 1e3 * self._predict(moved)[:, rows].reshape(len(moved), -1)
+            return np.asarray(((errors[1:] - errors[0]) / steps[:, None]).T)
+
+        result = least_squares(
+            residuals,
+            np.clip(point[free], 0.0, 1.0),
+            jac=slopes,
+            bounds=(0.0, 1.0),
+            method="dogbox",
+            xtol=_TOLERANCE,
+            ftol=1e-6,
+            gtol=1e-10,
+            max_nfev=_ROUNDS,
         )
-    return profiles
+        return whole(result.x), 2.0 * float(result.cost)
+
+    def _predict(self, points: FloatArray) -> FloatArray:
+        return np.minimum(self._model(self._low + points * self._span), _CAP)
+
+    def _sum_of_squares(self, point: FloatArray, rows: list[int]) -> float:
+        return float(np.sum((1e3 * (self._predict(point[None])[0, rows] - self._measured[rows])) ** 2))
 
 
-def _profile_interval(grid: FloatArray, rise: FloatArray, best: float, limit: float) -> tuple[float, float]:
-    """Outermost values inside the limit, by linear interpolation between points of the grid."""
-    inside = np.flatnonzero(rise <= limit)
-    first, last = int(inside[0]), int(inside[-1])
-    low, high = min(float(grid[first]), best), max(float(grid[last]), best)
-    if first > 0:
-        low = float(np.interp(-limit, -rise[first - 1 : first + 1], grid[first - 1 : first + 1]))
-    if last + 1 < len(grid):
-        high = float(np.interp(limit, rise[last : last + 2], grid[last : last + 2]))
-    return low, high
-
-
-def _pair_deviance_maps(
-    surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray, value: float
-) -> tuple[PairMap, ...]:
-    grid = np.linspace(0.0, 1.0, _PAIR_POINTS)
-    maps = []
-    for i, j in combinations(free, 2):
-        one, two = np.meshgrid(grid, grid)
-        start = np.repeat(point[None], one.size, axis=0)
-        start[:, i], start[:, j] = one.ravel(), two.ravel()
-        _, deviance = minimise(
-            lambda points: likelihood.deviance(surrogate(points)),
-            start,
-            [k for k in free if k not in (i, j)],
-            first=64,
-            further=16,
-            rounds=5,
-        )
-        rise = np.maximum(deviance - value, 0.0).reshape(one.shape)
-        maps.append(PairMap((NAMES[i], NAMES[j]), grid * HIGH[i], grid * HIGH[j], rise))
-    return tuple(maps)
-
-
-def _correlation_of_unknowns(
-    surrogate: Surrogate, likelihood: Likelihood, free: tuple[int, ...], point: FloatArray
-) -> FloatArray:
-    """Correlation from the inverse of J' V⁻¹ J, with J by central differences, one-sided at a bound."""
-    step, rows = 0.02, []
-    for i in free:
-        low, high = point.copy(), point.copy()
-        low[i], high[i] = max(point[i] - step, 0.0), min(point[i] + step, 1.0)
-        change = (surrogate(high) - surrogate(low)) / (high[i] - low[i])
-        rows.append([(change[:, 0] + change[:, 1]) / 2, (change[:, 1] - change[:, 0]) / 2])
-    variance = np.array(likelihood.variances(surrogate(point)))
-    jacobian = (np.array(rows) / np.sqrt(variance)[None, :, None]).reshape(len(free), -1)
-    covariance = np.linalg.pinv(jacobian @ jacobian.T, hermitian=True)
-    deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    return np.asarray(np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0))
+def _between(inside: tuple[float, float], outside: tuple[float, float], goal: float) -> float:
+    """Step at which the root of the rise is the goal, on a line between two steps with their roots."""
+    share = (goal - inside[1]) / max(outside[1] - inside[1], 1e-12)
+    return inside[0] + share * (outside[0] - inside[0])

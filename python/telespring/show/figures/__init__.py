@@ -5,15 +5,7 @@ results. `to_svg` turns a figure into text for the report.
 """
 
 from telespring.show.figures.arms import ArmsPanel, arms_figure
-from telespring.show.figures.calibration import (
-    CellSeries,
-    PairPanel,
-    ProfileCurve,
-    ProfilePanel,
-    cells_figure,
-    pairs_figure,
-    profiles_figure,
-)
+from telespring.show.figures.calibration import CellSeries, cells_figure
 from telespring.show.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
 from telespring.show.figures.maps import MapAxis, MapColumn, StudyMark, region_map, tier_map
 from telespring.show.figures.nyquist import NyquistPanel, nyquist_figure
@@ -34,10 +26,7 @@ __all__ = [
     "MapAxis",
     "MapColumn",
     "NyquistPanel",
-    "PairPanel",
     "PoseRange",
-    "ProfileCurve",
-    "ProfilePanel",
     "ResponsePanel",
     "StudyMark",
     "TrialPanel",
@@ -49,9 +38,7 @@ __all__ = [
     "laboratory_schematic",
     "loop_schematic",
     "nyquist_figure",
-    "pairs_figure",
     "poses_figure",
-    "profiles_figure",
     "region_map",
     "response_figure",
     "tier_map",

@@ -1,4 +1,4 @@
-"""Estimates of the paper's real arms from five rows of its Table I, and prediction of the other rows."""
+"""What explains the published Table I: named hypotheses beside the printed values and the null."""
 
 from __future__ import annotations
 
@@ -10,33 +10,31 @@ __all__ = ["SECTION", "find_calibration"]
 
 
 def find_calibration(scene: Scene) -> Findings:
-    """Fit and predict, for the paper's own experiment only: no table of another is published."""
-    from telespring.paper.calibration import calibrate, draw_cells, draw_pairs, draw_profiles
+    """Fit and judge, for the paper's own experiment only: no table of another is published."""
+    from telespring.paper.calibration import calibrate
+    from telespring.paper.sections.calibration.drawing import draw_cells
+    from telespring.paper.sections.calibration.numbers import calibration_numbers
     from telespring.paper.sections.calibration.statements import calibration_statements
 
     if scene.study.experiment is None or not scene.of_the_papers_experiment:
         return Findings()
     calibration = calibrate(scene.study)
+    statements, questions = calibration_statements(calibration)
     return Findings(
-        numbers={"calibration": {**calibration.numbers(), "statements": calibration_statements(calibration)}},
+        numbers={
+            "calibration": {
+                **calibration_numbers(calibration),
+                "statements": statements,
+                "questions": questions,
+            }
+        },
         drawings={
             "calibration": figures.to_svg(
                 draw_cells(calibration),
                 "calibration",
-                "Simulated and published tracking error, every cell of Table I",
-                "Fitted conditions are separate from predicted ones.",
-            ),
-            "profiles": figures.to_svg(
-                draw_profiles(calibration),
-                "profiles",
-                "Profile likelihood of each unknown",
-                "One panel per unknown: rise of the deviance with the other unknowns refitted.",
-            ),
-            "pairs": figures.to_svg(
-                draw_pairs(calibration),
-                "pairs",
-                "Likelihood of pairs of unknowns",
-                "A panel per pair: where the fit is nearly as good as at the optimum.",
+                "Published and computed tracking error of every condition of Table I",
+                "One panel per robot: published means with standard deviations, and what each hypothesis "
+                "gives.",
             ),
         },
     )
@@ -45,7 +43,7 @@ def find_calibration(scene: Scene) -> Findings:
 SECTION = Section(
     name="calibration",
     anchor="calibration",
-    title="Estimating the real arms from Table I",
-    step="fit of the real arms",
+    title="What explains the published Table I",
+    step="hypotheses on Table I",
     find=find_calibration,
 )
