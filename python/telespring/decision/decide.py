@@ -194,7 +194,7 @@ class Decision:
 
     @property
     def is_instability_proven(self) -> bool:
-        """Whether some operator is unstable, or without ranges the dyad is; otherwise the search was cut off."""
+        """Whether some operator in question is unstable; if not, a search over ranges was cut off."""
         constant = self.verdicts.tier("constant delay")
         sampled = (axis.verdict.sampled for axis in self.axes)
         return (not constant.satisfied and constant.proven) or any(

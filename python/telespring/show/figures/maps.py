@@ -66,7 +66,12 @@ def draw_study_mark(axes: Axes, mark: StudyMark, label: str = "this study") -> L
     style: dict[str, Any] = {"color": COLOURS["black"], "zorder": 7, "clip_on": False}
     if mark.longest_delay > mark.delay:
         axes.plot([mark.stiffness] * 2, [1e3 * mark.delay, 1e3 * mark.longest_delay], linewidth=1.4, **style)
-    face: dict[str, Any] = {"markerfacecolor": "white", "markersize": 10.0, "markeredgewidth": 1.1, "linestyle": "none"}
+    face: dict[str, Any] = {
+        "markerfacecolor": "white",
+        "markersize": 10.0,
+        "markeredgewidth": 1.1,
+        "linestyle": "none",
+    }
     axes.plot([mark.stiffness], [1e3 * mark.delay], "*", **style, **face)
     return Line2D([], [], color=COLOURS["black"], marker="*", label=label, **face)
 
