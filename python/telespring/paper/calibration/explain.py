@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,7 @@ from telespring.paper.calibration.closed_form import ClosedForm
 from telespring.paper.calibration.comparison import Score, published_arrows, score
 from telespring.paper.calibration.fit import Fit, Profile, Search
 from telespring.paper.calibration.hypotheses import COMMON, NULL, Hypothesis
+from telespring.paper.calibration.processes import map_in_processes
 from telespring.paper.calibration.setting import Setting
 from telespring.paper.calibration.verdict import Criteria, Verdict, aicc, judge
 from telespring.paper.published import PublishedRow
@@ -123,45 +125,55 @@ def explain(
 ) -> tuple[Explanation, ...]:
     """Fit, score and judge the hypotheses; the null comes first."""
     null = explain_null(table)
-    found: list[tuple[Search, Explanation]] = []
-    known: tuple[Mapping[str, float], ...] = ()
-    for hypothesis in hypotheses:
-        progress(hypothesis.name)
-        search = _search(form, printed, table, hypothesis)
-        starts = [hypothesis.values_at(printed, values) for values in known]
-        explanation, split = _explain_one(search, printed, table, hypothesis, starts)
-        if not found:
-            known = explanation.values, dict(zip(explanation.values, split.values.tolist(), strict=True))
-        found.append((search, explanation))
-    best = min(each.aicc for _, each in found)
-    judged = []
-    for search, each in found:
-        explanation = replace(each, criteria=_criteria(each, null, best))
-        if explanation.verdict != "excluded":
-            fit = Fit(np.array(list(each.values.values())), each.errors)
-            common = search.profiles(fit, range(len(table)), [parameter.name for parameter in COMMON])
-            explanation = replace(explanation, profiles=each.profiles | common)
-        judged.append(explanation)
+    tasks = [_Task(form, printed, tuple(table), hypothesis) for hypothesis in hypotheses]
+    explained: list[tuple[Explanation, Fit]] = []
+    if tasks:
+        progress(tasks[0].hypothesis.name)
+        first, split = _explain_one(tasks[0])
+        explained.append((first, split))
+        # The others start from the first one's common parameters, too.
+        known = (first.values, dict(zip(first.values, split.values.tolist(), strict=True)))
+        tasks = [tasks[0], *(replace(task, known=known) for task in tasks[1:])]
+        for task, result in zip(tasks[1:], map_in_processes(_explain_one, tasks[1:]), strict=True):
+            progress(task.hypothesis.name)
+            explained.append(result)
+    best = min((each.aicc for each, _ in explained), default=math.inf)
+    judged = [replace(each, criteria=_criteria(each, null, best)) for each, _ in explained]
+    kept = [i for i, each in enumerate(judged) if each.verdict != "excluded"]
+    for i, common in zip(
+        kept, map_in_processes(_profile_common, [(tasks[i], judged[i]) for i in kept]), strict=True
+    ):
+        judged[i] = replace(judged[i], profiles=judged[i].profiles | common)
     return null, *judged
 
 
-def _search(
-    form: ClosedForm, printed: Setting, table: Sequence[PublishedRow], hypothesis: Hypothesis
-) -> Search:
-    def model(values: FloatArray) -> FloatArray:
-        return form.errors(*(hypothesis.setting(printed, point) for point in values))
+@dataclass(frozen=True)
+class _Task:
+    """One hypothesis to fit to the table, and values of common parameters to start from besides."""
 
-    return Search(hypothesis, model, np.array([row.mean for row in table]))
+    form: ClosedForm
+    printed: Setting
+    table: tuple[PublishedRow, ...]
+    hypothesis: Hypothesis
+    known: tuple[Mapping[str, float], ...] = ()
+
+    def search(self) -> Search:
+        def model(values: FloatArray) -> FloatArray:
+            return self.form.errors(*(self.hypothesis.setting(self.printed, point) for point in values))
+
+        return Search(self.hypothesis, model, np.array([row.mean for row in self.table]))
 
 
-def _explain_one(
-    search: Search,
-    printed: Setting,
-    table: Sequence[PublishedRow],
-    hypothesis: Hypothesis,
-    starts: Sequence[FloatArray],
-) -> tuple[Explanation, Fit]:
-    """Explain one hypothesis, and return its fit to the split; the fits start from these values too."""
+def _profile_common(given: tuple[_Task, Explanation]) -> dict[str, Profile]:
+    task, explanation = given
+    fit = Fit(np.array(list(explanation.values.values())), explanation.errors)
+    return task.search().profiles(fit, range(len(task.table)), [parameter.name for parameter in COMMON])
+
+
+def _explain_one(task: _Task) -> tuple[Explanation, Fit]:
+    """Explain one hypothesis, and return its fit to the split."""
+    search, printed, table, hypothesis = task.search(), task.printed, task.table, task.hypothesis
+    starts = [hypothesis.values_at(printed, values) for values in task.known]
     measured = np.array([row.mean for row in table])
     everything = range(len(table))
     best = search.fit(everything, starts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -112,7 +113,11 @@ class Search:
         self._low, self._span = hypothesis.low, hypothesis.high - hypothesis.low
         count = len(hypothesis.parameters)
         self._spread = qmc.Sobol(count, seed=1).random_base2((_SPREAD - 1).bit_length())
-        self._found = self._predict(self._spread)
+
+    @cached_property
+    def _found(self) -> FloatArray:
+        """The errors at the points of the spread."""
+        return self._predict(self._spread)
 
     def fit(self, rows: Sequence[int], near: Sequence[FloatArray] = (), starts: int = _STARTS) -> Fit:
         """Fit to these conditions only, from the best points of the spread and from these values."""
@@ -208,16 +213,22 @@ class Search:
             moved[free] = part
             return moved
 
+        last: dict[bytes, FloatArray] = {}
+
         def residuals(part: FloatArray) -> FloatArray:
-            return (1e3 * (self._predict(whole(part)[None])[0, rows] - self._measured[rows])).ravel()
+            last.clear()
+            last[part.tobytes()] = 1e3 * self._predict(whole(part)[None])[0, rows].ravel()
+            return last[part.tobytes()] - 1e3 * self._measured[rows].ravel()
 
         def slopes(part: FloatArray) -> FloatArray:
+            # asked for where the residuals were computed last
+            if part.tobytes() not in last:
+                residuals(part)
             steps = np.where(part + _STEP <= 1.0, _STEP, -_STEP)
-            moved = np.repeat(point[None], len(part) + 1, axis=0)
-            moved[:, free] = part
-            moved[1:, free] += np.diag(steps)
+            moved = np.repeat(point[None], len(part), axis=0)
+            moved[:, free] = part + np.diag(steps)
             errors = 1e3 * self._predict(moved)[:, rows].reshape(len(moved), -1)
-            return np.asarray(((errors[1:] - errors[0]) / steps[:, None]).T)
+            return np.asarray(((errors - last[part.tobytes()]) / steps[:, None]).T)
 
         result = least_squares(
             residuals,

@@ -189,10 +189,12 @@ class Loop:
         The characteristic function, of degree 4, over its leading coefficient and (s + a)⁴ tends to 1.
         Along the positive imaginary axis its argument falls by π for every root in the right half-plane.
         """
-        ratio = determinant[..., 1:] / (self.mass * (self.s[:, 1:] + _TURNING) ** 4)
-        phase = np.unwrap(np.angle(ratio), axis=-1)
-        stable = np.all(np.abs(phase[..., -1] - phase[..., 0]) < np.pi / 2, axis=-1)
-        sharp = np.max(np.abs(np.diff(phase, axis=-1)), axis=(1, 2)) > _LONGEST_STEP
+        # the factors one by one: a complex power takes ten times as long
+        leading = np.square(np.square(self.s[:, 1:] + _TURNING))
+        ratio = determinant[..., 1:] / (self.mass * leading)
+        turns = np.angle(ratio[..., 1:] * ratio[..., :-1].conj())
+        stable = np.all(np.abs(turns.sum(axis=-1)) < np.pi / 2, axis=-1)
+        sharp = np.max(np.abs(turns), axis=(1, 2)) > _LONGEST_STEP
         return np.asarray(stable), np.asarray(sharp)
 
 
