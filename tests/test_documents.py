@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -84,3 +85,38 @@ def test_ref_the_paper_is_transcribed_whole(du2025: dict[str, Any]) -> None:
     assert len({misprint["id"] for misprint in misprints}) == len(misprints)
     for misprint in misprints:
         assert {"id", "where", "printed", "correct", "kind"} <= set(misprint)
+
+
+def readme_commands(root: Path) -> list[str]:
+    text = (root / "README.md").read_text(encoding="utf-8")
+    return re.findall(r"^    (telespring .*)$", text, re.MULTILINE)
+
+
+def test_law_every_command_of_the_readme_runs_as_pasted(root: Path, tmp_path: Path) -> None:
+    commands = readme_commands(root)
+    assert len(commands) > 8
+    (tmp_path / "examples").symlink_to(root / "examples")
+    for command in commands:
+        if command.startswith("telespring reproduce"):
+            continue  # minutes; other tests run it
+        done = subprocess.run(
+            [sys.executable, "-m", *shlex.split(command)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            timeout=100,
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        assert done.stderr == "", command
+
+
+def test_law_the_readme_shows_what_the_command_prints(root: Path) -> None:
+    text = (root / "README.md").read_text(encoding="utf-8")
+    [command, shown] = re.findall(r"^    \$ (.*)\n((?:    .*\n)+)", text, re.MULTILINE)[0]
+    done = subprocess.run(
+        [sys.executable, "-m", *shlex.split(command)], capture_output=True, text=True, check=True, timeout=60
+    )
+    printed = " ".join(done.stdout.split())
+    for line in shown.splitlines():
+        assert line.strip() in printed

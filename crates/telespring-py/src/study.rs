@@ -696,7 +696,9 @@ impl Study {
     }
 
     fn __repr__(&self) -> String {
-        let given = |name: &str, value: Option<String>| value.map_or(String::new(), |value| format!(" {name}={value}"));
+        let given = |name: &str, value: Option<String>| {
+            value.map_or(String::new(), |value| format!(" {name}={value}"))
+        };
         format!(
             "<Study {:?}{}{} axes={:?}>",
             self.0.name(),
