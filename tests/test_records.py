@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import pickle
+import re
 from typing import Any
 
 import numpy as np
@@ -124,3 +125,23 @@ def test_ref_a_missing_value_is_reported_as_missing() -> None:
     with pytest.raises(ts.InvalidInput) as refused:
         ts.Dyad(ts.Robot(-1.0, 1.0), ts.Robot(1.0, 1.0))
     assert str(refused.value) == f"{refused.value.statement} {refused.value.remedy}"
+
+
+def test_law_a_decision_and_an_identification_show_their_answer() -> None:
+    from telespring.decision.decide import decide
+    from telespring.identification import identify, paper_excitation
+
+    decision = decide(ts.hman(), 71.2, 0.1)
+    assert repr(decision).startswith(
+        "<Decision status='stable' stiffness=71.2 delay=(0.1, 0.1) stiffness_limit=99.7"
+    )
+    assert "<caption>Decision</caption>" in decision._repr_html_()
+    assert "stable" in decision._repr_html_()
+
+    movement = paper_excitation()
+    time = np.arange(15000) / 1000.0
+    force = 0.8 * movement.acceleration(time) + 7.7 * movement.velocity(time)
+    noise = np.random.default_rng(1).normal(0.0, 0.05, time.size)
+    robot = identify(time, movement.position(time), force + noise)
+    assert re.fullmatch(r"<Identification x: 0\.8\d* kg, 7\.\d+ N·s/m; 0 warnings>", repr(robot))
+    assert "mass" in robot._repr_html_()

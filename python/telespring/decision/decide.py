@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from telespring._html import table
 from telespring.decision.question import (
     Question,
     constant_delay,
@@ -117,7 +118,7 @@ class AxisDecision:
         return math.nan if bound is None else bound
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Decision:
     """The answer for one dyad, stiffness and network.
 
@@ -175,6 +176,31 @@ class Decision:
     robot_records: tuple[RobotRecord | None, RobotRecord | None] = (None, None)
     free: Decision | None = None
     arms: ArmStability | None = None
+
+    def __repr__(self) -> str:
+        values = " ".join(f"{name}={value!r}" for name, value in self._in_short().items())
+        return f"<Decision {values}>"
+
+    def _repr_html_(self) -> str:
+        margins = [
+            {
+                "axis": axis.name,
+                "critical_stiffness": axis.critical_stiffness,
+                "maximum_stiffness": axis.maximum_stiffness,
+                "maximum_delay": axis.maximum_delay,
+            }
+            for axis in self.axes
+        ]
+        return table("Decision", {**self._in_short(), "axes": margins})
+
+    def _in_short(self) -> dict[str, object]:
+        return {
+            "status": self.status,
+            "stiffness": self.stiffness,
+            "delay": self.constant_delay,
+            "stiffness_limit": self.stiffness_limit,
+            "delay_limit": self.delay_limit,
+        }
 
     @property
     def status(self) -> Status:

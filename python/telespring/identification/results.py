@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._html import table
 from telespring._types import FloatArray
 from telespring.identification.filtering import Signals
 from telespring.identification.regression import Fit
@@ -210,7 +211,7 @@ class AxisIdentification:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification:
     """A robot identified from one log or several.
 
@@ -260,6 +261,25 @@ class Identification:
     def outside_intervals(self) -> str:
         """What the intervals do not include, as a sentence."""
         return outside_intervals(self.method, self.log_count)
+
+    def __repr__(self) -> str:
+        axes = ", ".join(
+            f"{axis.axis}: {axis.mass.value:.4g} kg, {axis.damping.value:.4g} N·s/m" for axis in self.axes
+        )
+        return f"<Identification {axes}; {len(self.diagnostics)} warnings>"
+
+    def _repr_html_(self) -> str:
+        axes = [
+            {
+                "axis": axis.axis,
+                **{
+                    name: f"{each.value:.5g} ± {axis.half_width(name):.2g}"
+                    for name, each in axis.estimates.items()
+                },
+            }
+            for axis in self.axes
+        ]
+        return table("Identification", {"axes": axes, "warnings": list(self.warnings)})
 
     @property
     def warnings(self) -> tuple[str, ...]:
