@@ -598,7 +598,7 @@ def test_law_study_writes_whole_files_and_tells_the_answer(paper_study: PaperStu
     assert found.exit_code == 0, found.stderr
     written = sorted(each.name for each in out.iterdir() if not each.name.startswith("."))
     assert written == ["rehearsal.nc", "report.html", "study.json"]
-    assert "Over 100 ms each way" in found.stdout
+    assert "Over 167 ms each way" in found.stdout
     assert "any constant delay" in found.stdout
     for name in written:
         assert str(out / name) in found.stdout.replace("\n", "")

@@ -429,20 +429,33 @@ def test_law_the_robot_file_is_read_by_decide_with_its_uncertainty(tmp_path: Pat
     assert robot_record(robot).logs == 1
     np.testing.assert_array_equal(known.mass_sd, written_robot["robot"]["mass_sd"])
     found = CliRunner().invoke(
-        cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.1", "--json"]
+        cli.app,
+        [
+            "decide",
+            "--robot1",
+            str(robot),
+            "--robot2",
+            "hman2",
+            "--stiffness",
+            "71.2",
+            "--delay",
+            "0.1",
+            "--json",
+        ],
     )
     answer = json.loads(found.stdout)
     assert answer["uncertainty"]["stable_probability"]["value"] == 1.0
     low, high = answer["uncertainty"]["axes"][0]["critical_stiffness_interval"]
     assert low < answer["axes"][0]["critical_stiffness"] < high
     text = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(
-        cli.app, ["decide", "--robot1", str(robot), "--stiffness", "71.2", "--delay", "0.15"]
+        cli.app,
+        ["decide", "--robot1", str(robot), "--robot2", "hman2", "--stiffness", "71.2", "--delay", "0.15"],
     )
     assert "stable at this constant delay with probability above 99.995 % (20000 draws)" in " ".join(
         text.stdout.split()
     )
     # certain robots: nothing is said
-    certain = CliRunner().invoke(cli.app, ["decide", "--json"])
+    certain = CliRunner().invoke(cli.app, ["decide", "--stiffness", "71.2", "--delay", "0.1", "--json"])
     assert json.loads(certain.stdout)["uncertainty"] is None
 
 
@@ -477,7 +490,7 @@ def coupled(table: pd.DataFrame) -> pd.DataFrame:
 def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
     assert run(written(coupled(frame()), tmp_path / "log.csv"), "--out", robot).exit_code == 0
-    asked = ["decide", "--robot1", str(robot), "--stiffness", "20", "--delay", "0.1"]
+    asked = ["decide", "--robot1", str(robot), "--robot2", "hman2", "--stiffness", "20", "--delay", "0.1"]
     answer = json.loads(CliRunner().invoke(cli.app, [*asked, "--json"]).stdout)
     assert answer["axes_independent"] is False
     assert answer["uncertainty"] is None
@@ -505,7 +518,18 @@ def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_p
         "position_y",
     ]
     assert run(written(table, tmp_path / "log.csv"), *options, "--out", robot).exit_code == 0
-    asked = ["decide", "--robot2", str(robot), "--stiffness", "20", "--delay", "0.1", "--json"]
+    asked = [
+        "decide",
+        "--robot1",
+        "hman1",
+        "--robot2",
+        str(robot),
+        "--stiffness",
+        "20",
+        "--delay",
+        "0.1",
+        "--json",
+    ]
     answer = json.loads(CliRunner().invoke(cli.app, asked).stdout)
     assert answer["axes_independent"] is None
     [identified, exact] = answer["warnings"]

@@ -37,7 +37,7 @@ dyad = ts.hman()
 numbers = (0.8334, 7.7257, 0.7776, 7.4208)
 loop = (dyad, 71.2, 0.1, 0)
 steps = [[1.0, 0.0], [0.0, 0.0]]
-noise = [[rng.normal, 0.0], [0.0, 0.0]]
+noise = [[lambda t: np.sin(1e8 * t * t), 0.0], [0.0, 0.0]]
 options = dict(rtol=1e-9, atol=1e-9, max_steps=10**9, initial_step=None, max_step=1e-3, breakpoints=[])
 arm = ts.Arm(kind="two-link", base=[0.0, -0.45], elbow="right", link_length=0.325, link_mass=[0.88, 0.40],
              link_centre=[0.25, 0.16], link_inertia=[0.010, 0.004])

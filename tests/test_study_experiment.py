@@ -304,22 +304,33 @@ def test_ref_the_command_line_takes_robot_files(tmp_path: Path) -> None:
     # two alike with ten times the paper's damping: K is B²/(2M)
     path.write_text("[robot]\nmass = [0.8, 1.1]\ndamping = [77.0, 100.0]", encoding="utf-8")
     runner = CliRunner()
-    paper = runner.invoke(app, ["decide", "--json", "--delay", "0.2"])
+    paper = runner.invoke(app, ["decide", "--json", "--stiffness", "71.2", "--delay", "0.2"])
     robots = ["--robot1", str(path), "--robot2", str(path)]
-    stiff = runner.invoke(app, ["decide", "--json", "--delay", "0.2", *robots])
+    stiff = runner.invoke(app, ["decide", "--json", "--stiffness", "71.2", "--delay", "0.2", *robots])
     assert paper.exit_code == stiff.exit_code == 0, stiff.output
     assert json.loads(paper.output)["stable"] is False
     answer = json.loads(stiff.output)
     assert answer["stable"] is True
     assert answer["axes"][0]["critical_stiffness"] == pytest.approx(77.0**2 / 1.6, rel=1e-12)
     written = runner.invoke(
-        app, ["simulate", "--duration", "0.1", "--out", str(tmp_path / "s.csv"), "--robot1", str(path)]
+        app,
+        [
+            "simulate",
+            "--duration",
+            "0.1",
+            "--out",
+            str(tmp_path / "s.csv"),
+            "--robot1",
+            str(path),
+            "--robot2",
+            "hman2",
+        ],
     )
     assert written.exit_code == 0, written.output
-    missing = runner.invoke(app, ["decide", "--robot2", str(tmp_path / "none.toml")])
+    missing = runner.invoke(app, ["decide", "--robot1", "hman1", "--robot2", str(tmp_path / "none.toml")])
     assert missing.exit_code == 2
     path.write_text("[robot]\nmass = [0.8, 1.1]", encoding="utf-8")
-    refused = runner.invoke(app, ["decide", "--robot2", str(path)])
+    refused = runner.invoke(app, ["decide", "--robot1", "hman1", "--robot2", str(path)])
     assert refused.exit_code == 2
     assert "robot2.damping" in refused.output
 

@@ -3,7 +3,6 @@
 Everything public is listed here. All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from telespring._core import __version__
@@ -149,11 +148,8 @@ if TYPE_CHECKING:
     from telespring import plot as plot
 else:
     # Hidden from type checkers, which would accept every name.
-    _old_name = old_names(__name__)
-
-    def __getattr__(name):
-        # Importing matplotlib takes long, so this waits until somebody draws.
-        return import_module("telespring.plot") if name == "plot" else _old_name(name)
+    # Importing matplotlib takes long, so `plot` waits until somebody draws.
+    __getattr__ = old_names(__name__, submodules=("plot",))
 
 
 def __dir__() -> list[str]:

@@ -41,8 +41,10 @@ def serve_moved_modules() -> None:
     sys.meta_path.insert(0, _MovedModules())
 
 
-def old_names(module: str) -> Callable[[str], Any]:
+def old_names(module: str, submodules: Sequence[str] = ()) -> Callable[[str], Any]:
     """Return a `__getattr__` for a module some of whose names or submodules have moved.
+
+    `submodules` are imported when they are first used.
 
     Examples
     --------
@@ -54,6 +56,8 @@ def old_names(module: str) -> Callable[[str], Any]:
 
     def get_old_name(name: str) -> Any:
         old = f"{module}.{name}"
+        if name in submodules:
+            return import_module(old)
         if old in RENAMED:
             home, _, path = RENAMED[old].partition(":")
             _warn_of_old_path(old, f"{home}.{path}")

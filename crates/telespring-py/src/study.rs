@@ -381,6 +381,9 @@ impl Uncertainty {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study(pub telespring::study::Study);
 
+/// Robot files, by path or text, that replace the study's robots.
+type RobotFiles<'py> = (Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
+
 #[pymethods]
 impl Study {
     /// The two H-MANs of Du, Kulkarni, Kager and Campolo at their condition 2K (71 N/m) and Δ (167 ms).
@@ -433,17 +436,22 @@ impl Study {
     /// robot1.damping
     #[staticmethod]
     #[pyo3(
-        signature = (text, robots=(None, None), **sections),
+        signature = (text, robots=Argument::Given((None, None)), **sections),
         text_signature = "(text, robots=(None, None), **sections)"
     )]
     fn from_toml(
         py: Python<'_>,
         text: Argument<String>,
-        robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
+        robots: Argument<RobotFiles<'_>>,
         sections: Option<&Bound<'_, PyDict>>,
     ) -> Outcome<Self> {
         let text = text.named("text")?;
-        let [one, other] = [robots.0, robots.1].map(|file| file.as_ref().map(read_robot_file).transpose());
+        let (one, other) = robots.or_refuse(
+            "robots",
+            "a pair of robot files is required, None for a robot that is not replaced",
+            "Give (path, None), or texts instead of paths.",
+        )?;
+        let [one, other] = [one, other].map(|file| file.as_ref().map(read_robot_file).transpose());
         let (one, other) = (one?, other?);
         let sections = sections.map_or_else(|| Ok(Default::default()), replacements)?;
         py.detach(|| {
@@ -481,12 +489,12 @@ impl Study {
     /// FileNotFoundError: [Errno 2] No such file or directory: 'missing.toml'
     #[staticmethod]
     #[pyo3(
-        signature = (path, robots=(None, None), **sections),
+        signature = (path, robots=Argument::Given((None, None)), **sections),
         text_signature = "(path, robots=(None, None), **sections)"
     )]
     fn read(
         path: &Bound<'_, PyAny>,
-        robots: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyAny>>),
+        robots: Argument<RobotFiles<'_>>,
         sections: Option<&Bound<'_, PyDict>>,
     ) -> Outcome<Self> {
         Self::from_toml(path.py(), Argument::Given(read_text(path, "a study file")?), robots, sections)

@@ -1,6 +1,8 @@
 //! Almost zero is zero in the limit, and the whole allowed domain of values ends.
 
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use telespring::criteria::*;
 use telespring::spectrum::spectral_abscissa;
 use telespring::verdicts::{Network, Tier, verdicts};
@@ -219,5 +221,29 @@ proptest! {
     #[ignore = "minutes; make verify"]
     fn law_the_whole_domain_ends_2000((axis, k, delay) in any_allowed()) {
         ends(&axis, k, delay);
+    }
+}
+
+#[test]
+fn law_a_dyad_at_its_limit_has_verdicts_and_needs_hardly_any_damping() {
+    // A root pair on the imaginary axis lies at no added damping, up to rounding.
+    let mut random = ChaCha8Rng::seed_from_u64(41);
+    for _ in 0..300 {
+        let [m1, m2] = [0, 1].map(|_| random.random_range(0.5..3.0));
+        let [b1, b2] = [0, 1].map(|_| random.random_range(2.0..20.0));
+        let axis = DyadAxis::new(m1, b1, m2, b2).unwrap();
+        let k = 2.0 * critical_stiffness(&axis);
+        let delay = maximum_delay(&axis, k).unwrap();
+        let added = minimum_damping(&axis, k, delay).unwrap();
+        assert!(added < 1e-6, "{added} N·s/m at {axis:?}, {k} N/m, {delay} s");
+        let more = DyadAxis::new(m1, b1 + added + 1e-6, m2, b2 + added + 1e-6).unwrap();
+        assert!(maximum_delay(&more, k).unwrap() > delay);
+        let robots = [(m1, b1), (m2, b2)].map(|(m, b)| Robot::new(vec![m], vec![b], None).unwrap());
+        let [one, other] = robots;
+        let dyad = Dyad::new(one, other, None, 0.0).unwrap();
+        for factor in [1.0 - 1e-15, 1.0, 1.0 + 1e-15] {
+            let network = Network::constant(Delay::each_way(factor * delay).unwrap());
+            assert!(verdicts(&dyad, None, k, &network).is_ok());
+        }
     }
 }

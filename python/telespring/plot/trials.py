@@ -49,9 +49,12 @@ def trials(
 
     Examples
     --------
+    >>> import tempfile
     >>> import telespring as ts
     >>> study = ts.Study.paper().replace(protocol={"trials": 2, "stiffness": [71.2], "delay": [0.1]})
-    >>> len(ts.plot.trials(ts.rehearse(study)))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     axes = ts.plot.trials(ts.rehearse(study, folder))
+    >>> len(axes)
     4
     """
     drawn = figure if figure is not None else plt.figure()
@@ -90,9 +93,11 @@ def tracking_error(
 
     Examples
     --------
+    >>> import tempfile
     >>> import telespring as ts
     >>> study = ts.Study.paper().replace(protocol={"trials": 4, "stiffness": [71.2], "delay": [0.1]})
-    >>> [ax] = ts.plot.tracking_error(ts.rehearse(study))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [ax] = ts.plot.tracking_error(ts.rehearse(study, folder))
     >>> ax.get_ylabel()
     'Tracking error, mm'
     """

@@ -4,7 +4,7 @@ use super::branch_and_bound::{Region, Wanted, crossing_parameters};
 use super::critical::critical_stiffness;
 use super::crossing_search::{finished, stiffness_crossings};
 use super::crossings::all_crossings;
-use super::intervals::{is_stable_without_delay, unstable_roots};
+use super::intervals::{is_in_any, is_stable_without_delay, stable_delays, unstable_roots};
 use super::lines::DampingLine;
 use super::undamped_resonance::{crossing_free_stiffness, undamped_resonances};
 use crate::error::Result;
@@ -129,11 +129,16 @@ pub fn minimum_damping(axis: &DyadAxis, stiffness: f64, delay: f64) -> Result<f6
         return Ok(0.0);
     }
     let line = DampingLine::new(axis, 2.0 * delay, stiffness);
+    // At its limit a dyad has a crossing at no added damping, which rounding would move to either side of 0.
+    let least = 1e-9 * enough;
     let region = Region {
         frequency: (0.0, crossing_frequency_bound(axis, stiffness)),
-        parameter: (0.0, enough * (1.0 + 1e-9)),
+        parameter: (least, enough * (1.0 + 1e-9)),
     };
-    Ok(finished(axis, crossing_parameters(&line, region, Wanted::Greatest))?.first().copied().unwrap_or(0.0))
+    if let Some(&last) = finished(axis, crossing_parameters(&line, region, Wanted::Greatest))?.first() {
+        return Ok(last);
+    }
+    Ok(if is_in_any(&stable_delays(axis, stiffness, 2.0 * delay)?, delay) { 0.0 } else { least })
 }
 
 /// A stiffness (N/m) far below every change of stability of a dyad whose critical stiffness is 0.

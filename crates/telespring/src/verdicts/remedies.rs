@@ -52,10 +52,14 @@ pub(super) fn remedies(
         stiffness = bounds.into_iter().flatten().fold(stiffness, f64::min);
         delay = delay.min(axis.maximum_delay);
         // An axis that is stable now may, with more damping, be so in a later stable interval only.
-        let continuous = stabilising_damping(region, k, network.buffered_mean())?;
+        // A search that does not end leaves the verdicts, and no remedy.
+        let continuous = stabilising_damping(region, k, network.buffered_mean()).ok();
         let held =
             if is_sampled { sampled_range::stabilising_damping(region, network, k) } else { Some(0.0) };
-        damping = damping.zip(held).map(|(most, held)| most.max(continuous).max(held));
+        damping = damping
+            .zip(continuous)
+            .zip(held)
+            .map(|((most, continuous), held)| most.max(continuous).max(held));
     }
     if is_sampled {
         let longest = delay.min(network.buffered_mean());

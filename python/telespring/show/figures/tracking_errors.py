@@ -22,6 +22,7 @@ from telespring.show.figures.style import (
     figure_style,
     legend_line,
     sized_figure,
+    text_colour,
 )
 
 __all__ = ["ErrorGroup", "error_figure"]
@@ -325,7 +326,7 @@ def _draw_arrows(parts: Sequence[Axes], places: Sequence[float], groups: Sequenc
                 textcoords="offset points",
                 ha="center",
                 fontsize=8.0,
-                color=ROBOT_COLOURS[robot],
+                color=text_colour(ROBOT_COLOURS[robot]),
                 fontweight="bold",
             )
 
