@@ -135,9 +135,7 @@ def identify_command(
     name: Annotated[
         str | None, typer.Option(help="Name of the robot.", show_default="name of the log")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write a robot file, for example for decide --robot1.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Write a robot file, for `decide --robot`.")] = None,
     figure: Annotated[
         Path | None, typer.Option(help="Write a figure of the residuals: .svg, .png or .pdf.")
     ] = None,

@@ -42,6 +42,9 @@ _NEGLIGIBLE_FRICTION = 0.005
 #: Where the model explains less of the force, what else the force depends on is a question of its own.
 _EFFECT_R_SQUARED = 0.9
 
+#: A lag that exceeds this many standard errors is reported: a significance level of 0.01.
+_SURE_OF_LAG = 2.576
+
 
 def check_fit(
     found: Identification, fit: LogFit, stretches: Sequence[Stretch], names: Sequence[str]
@@ -83,7 +86,7 @@ def _check_ruled_out(axes: Sequence[AxisIdentification], fit: LogFit) -> list[Di
 def _check_lag(
     axes: Sequence[AxisIdentification], fit: LogFit, cross_inertias: Sequence[CrossInertia]
 ) -> list[Diagnostic]:
-    """Find lags that differ between the axes, that cannot be known, or that coupled axes would look like."""
+    """Find a lag, and lags that differ between axes, that cannot be known, or that coupled axes look like."""
     if fit.options.lag is not None:
         return []
     warnings = [
@@ -91,6 +94,10 @@ def _check_lag(
         for axis in axes
         if axis.time_shift is None
     ]
+    shared = axes[0].time_shift
+    if fit.shared_lag and shared is not None and abs(shared.value) > _SURE_OF_LAG * shared.standard_error:
+        low, high = shared.interval
+        warnings.append(diagnostic("late force", lag=shared.value, low=low, high=high))
     if not fit.shared_lag:
         warnings.append(
             diagnostic(

@@ -118,6 +118,9 @@ _MESSAGES = {
         "Mass and "
         "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
     ),
+    "late force": (
+        "The force is {lag:.2g ms} late ({low:.2g ms} to {high:.2g ms}). The estimates allow for it."
+    ),
     "force lag": (
         "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "
         "--force-delay for a mass of {mass:.4g} kg (now {fitted_mass:.4g} kg) and a damping of {damping:.4g} "

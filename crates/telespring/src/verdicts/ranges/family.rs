@@ -2,7 +2,9 @@
 //!
 //! With Bᵢ = mᵢ s² + bᵢ s + k_h,i and C = k + c s, the characteristic function at s = jω is zero exactly if
 //!
-//!     v₁ v₂ = H² (C/|C|)² e^(−jωT),   vᵢ = H C/|C| + Bᵢ/|C|.
+//! ```text
+//! v₁ v₂ = H² (C/|C|)² e^(−jωT),   vᵢ = H C/|C| + Bᵢ/|C|.
+//! ```
 //!
 //! H = 1 for continuous controllers. Under a zero-order hold of period h, with a computing time τ and the round trip
 //! T = N h, H = sinc(ωh/2) e^(−jω(h/2 + τ)), and the aliases of the hold multiply Bᵢ by 1/(1 + ε) with a bounded
