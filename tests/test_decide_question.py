@@ -183,7 +183,7 @@ def test_law_robot_files_of_one_axis_replace_robots_of_two(tmp_path: Path) -> No
         (["--robot", "1200,6", "--robot", "2,9"], ["--robot", "Did you mean 1200 g? Write 1.2."]),
         (["--delay", "80"], ["--delay = 80 s", "Did you mean 80 ms? Write 0.08.", "--allow-unusual"]),
         (["--jitter", "15", "--delay", "0.08"], ["--jitter = 15 s", "15 ms? Write 0.015."]),
-        (["--ping", "80"], ["--ping = 40 s"]),
+        (["--ping", "80"], ["--ping = 80 s", "80 ms? Write 0.08"]),
         (["--ping", "80ms", "--delay", "0.1"], ["--ping", "Leave out --delay"]),
         (["--sample-period", "1"], ["--sample-period = 1 s", "1 ms? Write 0.001."]),
         (["--stiffness", "0.0712"], ["--stiffness = 0.0712 N/m", "0.0712 N/mm? Write 71.2."]),

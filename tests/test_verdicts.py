@@ -6,6 +6,7 @@ import json
 import math
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 import telespring as ts
@@ -258,3 +259,22 @@ def test_law_an_unknown_tier_is_refused_with_those_that_exist(hman: ts.Dyad) -> 
 def test_law_a_response_of_an_axis_names_the_argument_that_chooses_it(hman: ts.Dyad) -> None:
     with pytest.raises(ts.InvalidInput, match=r"Pass the dyad, and the name of the axis as `axis`\."):
         ts.nyquist(hman["x"], 30.0, 0.1)  # type: ignore[arg-type]
+
+
+def test_law_the_map_over_a_range_shows_what_is_proven_for_every_operator() -> None:
+    import matplotlib.pyplot as plt
+
+    import telespring.plot as plots
+
+    robots = (ts.Robot([1.2], [6.0]), ts.Robot([2.0], [9.0]))
+    grips = [ts.Operator(stiffness=[k]) for k in (50.0, 300.0)]
+    ranges = (ts.OperatorRange(*grips), ts.OperatorRange(*grips))
+    ax = plots.stability_map(ts.Dyad(*robots), operator_range=ranges, stiffness=600.0, delay=0.06)
+    boundary = np.asarray(ax.collections[1].get_paths()[0].vertices)
+    boundary = boundary[np.argsort(boundary[:, 1])]
+    plt.close(ax.figure)  # type: ignore[arg-type]
+    for delay in (0.02, 0.04):
+        bound = ts.verdicts(ts.Dyad(*robots), 1.0, delay, operator_range=ranges).tiers[3].stiffness_bound
+        drawn = np.interp(1e3 * delay, boundary[:, 1], boundary[:, 0])
+        # two steps of the map's grid
+        assert drawn == pytest.approx(bound, abs=ax.get_xlim()[1] / 200)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from telespring._core import check_usual
 from telespring._errors import InvalidInput
 from telespring.cli.common import (
     AllowUnusual,
@@ -143,6 +144,8 @@ def decide_command(
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
         if ping is not None or ping_jitter is not None:
+            if not allow_unusual:
+                _refuse_unusual_ping(ping, ping_jitter)
             delay, jitter = _take_ping(asked, ping, ping_jitter, delay, backward, jitter)
         asked.take_delay(delay, backward)
         if ping is not None:
@@ -183,10 +186,19 @@ def _write_map(study: Study, path: Path) -> None:
     with figure_style():
         drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = drawing.subplots()
-    stability_map(study.dyad, mark=mark, ax=axes)
-    if study.operator_ranges is not None:
-        axes.set_xlabel(f"{axes.get_xlabel()}  (operators in the middle of their ranges)")
+    stability_map(study.dyad, mark=mark, operator_range=study.operator_ranges, ax=axes)
     save_figure(drawing, path)
+
+
+def _refuse_unusual_ping(ping: float | None, ping_jitter: float | None) -> None:
+    """Refuse a ping that no laboratory has as it was written, not the half of it that goes one way."""
+    if ping is not None:
+        try:
+            check_usual("delay", "--ping", 0.5 * ping)
+        except InvalidInput:
+            check_usual("delay", "--ping", ping)
+    if ping_jitter is not None:
+        check_usual("time span", "--ping-jitter", ping_jitter)
 
 
 def _take_ping(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.patches import Patch
 
-from telespring.model import Dyad, DyadAxis
+from telespring.model import Dyad, DyadAxis, OperatorRange
 from telespring.show.figures.maps import STABLE, StudyMark, draw_axis_boundaries, draw_study_mark
 from telespring.show.figures.nyquist import NyquistPanel, draw_nyquist_locus
 from telespring.show.figures.responses import draw_motion, motion_legend
@@ -16,15 +16,20 @@ from telespring.show.figures.style import COLOURS, DASHES, ROBOT_COLOURS, figure
 from telespring.theory.criteria import stability_map as stable_points
 from telespring.theory.response import frequency_response as compute_frequency_response
 from telespring.theory.response import nyquist as compute_nyquist
+from telespring.theory.verdicts import verdicts
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
+
+    from telespring._types import FloatArray
 
 __all__ = ["frequency_response", "nyquist", "response", "stability_map"]
 
 _POINTS = 400
+#: Over ranges of operators a delay takes milliseconds: fewer are judged.
+_RANGE_POINTS = 50
 
 
 def stability_map(
@@ -33,6 +38,7 @@ def stability_map(
     mark: tuple[float, float] | tuple[float, float, float] | None = None,
     stiffness: float | None = None,
     delay: float | None = None,
+    operator_range: tuple[OperatorRange, OperatorRange] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw where a dyad is stable at a constant delay, over stiffness and one-way delay.
@@ -48,6 +54,9 @@ def stability_map(
     stiffness, delay
         Largest stiffness (N/m) and delay (s) of the map. By default 4.6 times the critical stiffness, 2.4
         times the maximum delay at twice that, and room for the mark.
+    operator_range
+        Ranges of both operators instead of the dyad's own: drawn is where every smaller stiffness is stable
+        for every operator, as `telespring.verdicts` proves it.
     ax
         Axes to draw on.
 
@@ -69,13 +78,18 @@ def stability_map(
     ('Stiffness k, N/m', 'One-way delay δ, ms')
     """
     star = None if mark is None else StudyMark(mark[0], mark[1], mark[-1])
-    widest, longest = _map_extent(dyad, star)
+    lightest = None if operator_range is None else (operator_range[0].low, operator_range[1].low)
+    shown = dyad if lightest is None else Dyad(*dyad.robots, lightest, dyad.coupling_damping)
+    widest, longest = _map_extent(shown, star)
     widest = widest if stiffness is None else float(stiffness)
     longest = longest if delay is None else float(delay)
     k = np.linspace(0.0, widest, _POINTS + 1)[1:]
     delays = np.linspace(0.0, longest, _POINTS + 1)
-    boundaries = [(axis.name, stable_points(axis, k, delays)) for axis in dyad]
-    critical = min(axis.critical_stiffness() for axis in dyad)
+    if operator_range is None:
+        boundaries = [(axis.name, stable_points(axis, k, delays)) for axis in dyad]
+        critical = min(axis.critical_stiffness() for axis in dyad)
+    else:
+        boundaries, critical = _bounds_over_range(dyad, operator_range, k, delays)
     with figure_style():
         ax = _given_or_new_axes(ax, (5.2, 3.8))
         handles = draw_axis_boundaries(ax, boundaries, k, delays)
@@ -85,14 +99,30 @@ def stability_map(
                 legend_line("any constant delay: left of this", COLOURS["black"], DASHES[1], linewidth=1.0)
             )
         if star is not None:
-            handles.append(draw_study_mark(ax, star, "mark"))
+            handles.append(draw_study_mark(ax, star, "this condition"))
+        shaded = "stable, continuous controllers" + (", every operator" if operator_range else "")
         ax.legend(
-            handles=[Patch(color=STABLE, label="stable, continuous controllers"), *handles],
+            handles=[Patch(color=STABLE, label=shaded), *handles],
             loc="lower center",
             bbox_to_anchor=(0.5, 1.0),
             ncols=2,
         )
     return ax
+
+
+def _bounds_over_range(
+    dyad: Dyad, ranges: tuple[OperatorRange, OperatorRange], k: FloatArray, delays: FloatArray
+) -> tuple[list[tuple[str, NDArray[np.bool_]]], float]:
+    """Where every operator is stable, by axis, and the stiffness allowed at any constant delay, N/m."""
+    judged = delays[:: _POINTS // _RANGE_POINTS]
+    verdict = [verdicts(dyad, float(k[0]), float(delay), operator_range=ranges) for delay in judged]
+    boundaries = []
+    for i, name in enumerate(dyad.axes):
+        bounds = [each.axes[i].tiers[3].stiffness_bound for each in verdict]
+        limits = [2.0 * k[-1] if bound is None else min(bound, 2.0 * k[-1]) for bound in bounds]
+        boundaries.append((name, k[:, None] < np.interp(delays, judged, limits)[None, :]))
+    critical = verdict[0].tier("any constant delay").stiffness_bound
+    return boundaries, math.inf if critical is None else critical
 
 
 def response(motion: xarray.Dataset, *, ax: Axes | None = None) -> Axes:
