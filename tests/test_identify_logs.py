@@ -575,3 +575,14 @@ def test_law_the_papers_method_gives_a_robot_file_without_deviations() -> None:
     robot = tomllib.loads(robot_toml(found, "mine"))["robot"]
     assert "mass_sd" not in robot
     assert robot["mass"] == [found.axes[0].mass.value]
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_law_the_screen_cuts_no_number(columns: int, root: Path) -> None:
+    log = root / "examples" / "log.csv"
+    shown = CliRunner(env={"COLUMNS": str(columns), "NO_COLOR": "1"}).invoke(cli.app, ["identify", str(log)])
+    found = json.loads(CliRunner().invoke(cli.app, ["identify", str(log), "--json"]).stdout)
+    assert "…" not in shown.stdout
+    assert all(len(line) <= columns for line in shown.stdout.splitlines())
+    for axis in found["axes"]:
+        assert f"{axis['r_squared']:.5f}" in shown.stdout

@@ -11,6 +11,7 @@ from rich.text import Text
 from telespring.identification.cutoff import CUTOFF_RULE
 from telespring.identification.warning_messages import UNITS
 from telespring.show.quantities import format_estimate
+from telespring.show.screens.layout import Fitting
 
 if TYPE_CHECKING:
     from telespring.identification.results import Identification
@@ -48,19 +49,25 @@ def identification_screen(identification: Identification, title: str) -> Rendera
     )
 
 
-def _identified_estimate_table(identification: Identification, title: str) -> Table:
-    table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", title=title)
+def _identified_estimate_table(identification: Identification, title: str) -> Fitting:
+    table = Table(box=None, pad_edge=False)
     table.add_column("axis", no_wrap=True, min_width=4)
     for heading in ("parameter", "estimate", "95 % interval", "condition", "R²"):
         table.add_column(heading, justify="left" if heading == "parameter" else "right", no_wrap=True)
+    lines = []
     for axis in identification.axes:
         quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
-        for key, estimate in axis.estimates.items():
-            name, unit = _PARAMETERS[key], UNITS[key]
+        line = [f"condition {quality[1]}", f"R² {quality[2]}"]
+        for key, estimate in reversed(axis.estimates.items()):
             value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
-            table.add_row(quality[0], name, f"{value} {unit}", interval, *quality[1:])
+            line.insert(0, f"{_PARAMETERS[key]} {value} {UNITS[key]} ({interval})")
+        lines.append(Text(f"{axis.axis}: {'; '.join(line)}"))
+        for key, estimate in axis.estimates.items():
+            value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
+            table.add_row(quality[0], _PARAMETERS[key], f"{value} {UNITS[key]}", interval, *quality[1:])
             quality = "", "", ""
-    return table
+    narrow = Group(Text("In brackets: 95 % intervals."), *lines)
+    return Fitting(Text(title, style="bold"), table, narrow)
 
 
 def _force_lag_statement(identification: Identification) -> list[Text]:
