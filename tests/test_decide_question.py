@@ -344,3 +344,24 @@ def test_law_the_version_is_that_of_the_core() -> None:
 
     assert run("--version").stdout == f"telespring {__version__}\n"
     assert "--install-completion" in run("--help").stdout
+
+
+@pytest.mark.parametrize(
+    ("robots", "grip", "stiffness", "unstable_from"),
+    [
+        # where the continuous dyad is unstable with some hands in the range, by its characteristic roots
+        (((3.2, 17.6), (0.9, 2.6)), "50:300", 95.0, 0.0948),
+        (((1.2, 6.0), (2.0, 9.0)), "50:300", 120.0, 0.0724),
+        # beyond 1 s
+        (((0.79, 5.21), (4.88, 24.81)), None, 59.2, 2.567),
+    ],
+)
+def test_ref_a_limit_of_delay_without_a_delay_in_question_holds(
+    robots: tuple[tuple[float, float], ...], grip: str | None, stiffness: float, unstable_from: float
+) -> None:
+    given = [word for mass, damping in robots for word in ("--robot", f"{mass},{damping}")]
+    held = [] if grip is None else ["--grip", grip]
+    answer = run("decide", *given, *held, "--stiffness", str(stiffness), "--json")
+    limits = json.loads(answer.stdout)["stiffness"]
+    assert limits["delay_limit"] is not None
+    assert 0.9 * unstable_from < limits["delay_limit"] < unstable_from

@@ -21,13 +21,13 @@ __all__ = [
     "stiffness_limit",
 ]
 
+#: The longest one-way delay that can be judged, s.
+_LONGEST_POSSIBLE = 100.0
 #: Sampled controllers are judged up to this one-way delay, or the delay in question, where continuous
 #: ones are stable at any, s.
 LONGEST_DELAY = 1.0
 #: Bisections of a limit that is known to a few periods.
 _HALVINGS = 5
-#: So often a limit that was found for the worst operators is moved until it holds for all.
-_TRIES_OVER_RANGES = 6
 
 
 def is_stable(judged: Verdicts) -> bool:
@@ -135,11 +135,11 @@ class Question:
     def keeps_delay_reserve(self, judged: Verdicts, delay_limit: float) -> bool:
         """Return whether the dyad is stable up to 5 % more delay."""
         forward, backward = constant_delay(judged)
-        mean = 0.5 * (forward + backward)
+        mean, period = 0.5 * (forward + backward), self.network.sample_period
         if mean < delay_limit:
-            if (1.0 + RESERVE) * mean < delay_limit or self.network.sample_period == 0.0:
+            # Sampled controllers round each way up to a whole period, which only a verdict knows.
+            if (1.0 + RESERVE) * mean + 2.0 * period < delay_limit or period == 0.0:
                 return (1.0 + RESERVE) * mean < delay_limit
-            # The limit is known to a part of a period; whether the reserve is kept is judged.
             more = ((1.0 + RESERVE) * forward, (1.0 + RESERVE) * backward)
             return is_stable(self.at_delay(more).judge(judged.stiffness))
         # In a later interval of stable delays a shorter delay may be unstable, too.
@@ -149,47 +149,33 @@ class Question:
         )
 
     def delay_limit(self, judged: Verdicts) -> float:
-        """Return the one-way delay, s, below which every one is stable; infinite if none destabilises."""
-        continuous = min(axis.maximum_delay for axis in judged.axes)
-        if self.network.sample_period == 0.0 or continuous == 0.0:
-            return continuous
-        # The worst case is quick to judge; whether it was the worst at that delay, the ranges decide.
-        worst = replace(self, dyad=self.held_by(judged), operator_ranges=None)
-        limit = worst._sampled_delay_limit(judged)
-        if self.operator_ranges is None:
-            return limit
-        # The ranges are judged near the delay in question only: far from it that takes minutes.
-        mean = 0.5 * sum(constant_delay(judged))
-        candidate = limit if is_stable(judged) else min(limit, 0.95 * mean)
-        if candidate > 2.0 * mean:
-            return limit
-        for _ in range(_TRIES_OVER_RANGES):
-            if is_stable(self.at_delay(candidate).judge(judged.stiffness)):
-                return candidate
-            candidate *= 0.9
-        return 0.0
+        """Return the one-way delay, s, below which every one is stable; infinite if none destabilises.
 
-    def _sampled_delay_limit(self, judged: Verdicts) -> float:
-        """Return the same for sampled controllers and one pair of operators.
-
-        The limit of the dyad that samples to first order is exact for the first change; near it the sampled
-        controllers themselves are judged.
+        Sampling takes damping and adds delay, both to first order in the period: the limit is that of the
+        continuous dyad with this damping less, at every operator. Near it, or twice the longest delay in
+        question, the sampled controllers themselves are judged.
         """
-        k, period = judged.stiffness, self.network.sample_period
+        continuous = min(axis.maximum_delay for axis in judged.axes)
+        period, k = self.network.sample_period, judged.stiffness
+        if period == 0.0 or continuous == 0.0:
+            return continuous
+        slower = damped(self.dyad, -k * self.lag)
+        if slower is None:
+            limit = 0.0
+        else:
+            question = replace(self, dyad=slower, network=Network(0.0))
+            limit = min(axis.maximum_delay for axis in question.judge(k).axes) - self.lag
+        limit = min(limit, continuous)
 
         def stable(delay: float) -> bool:
             return is_stable(self.at_delay(delay).judge(k))
 
-        longest = max(LONGEST_DELAY, *constant_delay(judged))
-        slower = damped(self.dyad, -k * self.lag)
-        about = math.nan
-        if slower is not None:
-            about = min(axis.maximum_delay(k) for axis in slower) - self.lag
-        if about > longest and stable(longest):
-            return math.inf
-        low, high = about - 4.0 * period, about + period
-        if not (low >= 0.0 and high <= longest and stable(low) and not stable(high)):
-            return first_change(stable, longest)
+        longest = min(max(LONGEST_DELAY, 2.0 * max(constant_delay(judged))), _LONGEST_POSSIBLE)
+        if limit > longest:
+            return limit if stable(longest) else first_change(stable, longest)
+        low, high = limit - 4.0 * period, limit + period
+        if not (low >= 0.0 and stable(low) and not stable(high)):
+            return first_change(stable, max(high, period))
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if stable(middle) else (low, middle)

@@ -58,7 +58,7 @@ def _identified_estimate_table(identification: Identification, title: str) -> Fi
     for axis in identification.axes:
         quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
         line = [f"condition {quality[1]}", f"R² {quality[2]}"]
-        for key, estimate in reversed(axis.estimates.items()):
+        for key, estimate in reversed(list(axis.estimates.items())):
             value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
             line.insert(0, f"{_PARAMETERS[key]} {value} {UNITS[key]} ({interval})")
         lines.append(Text(f"{axis.axis}: {'; '.join(line)}"))
