@@ -119,7 +119,8 @@ _MESSAGES = {
         "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
     ),
     "late force": (
-        "The force is {lag:.2g ms} late ({low:.2g ms} to {high:.2g ms}). The estimates allow for it."
+        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}; below 0 the position "
+        "lags). The estimates allow for it."
     ),
     "force lag": (
         "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "
