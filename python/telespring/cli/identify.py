@@ -10,10 +10,11 @@ import typer
 from rich.console import Console
 
 from telespring.cli.common import print_json
+from telespring.cli.figure_file import check_figure_name, save_figure
 from telespring.cli.units import FREQUENCY, TIME, number
 
 if TYPE_CHECKING:
-    from telespring.identification.results import Identification, Method
+    from telespring.identification.results import Method
 
 __all__ = ["identify_command"]
 
@@ -147,6 +148,8 @@ def identify_command(
     from telespring.identification import identify_logs, read_log, write_robot
     from telespring.show.screens.identification import identification_screen
 
+    if figure is not None:
+        check_figure_name(figure)
     recordings = [
         read_log(
             log,
@@ -183,7 +186,9 @@ def identify_command(
     identification = replace(identification, diagnostics=(*doubts.values(), *identification.diagnostics))
     title = ", ".join(log.name for log in logs)
     if figure is not None:
-        _write_residual_figure(identification, figure)
+        from telespring.show.drawings.identification import draw_residuals
+
+        save_figure(draw_residuals(identification), figure)
     if out is not None:
         write_robot(identification, out, name or logs[0].stem, source=title)
     if as_json:
@@ -209,20 +214,3 @@ def _columns(options: list[str] | None) -> list[str]:
         parts = [part.strip() for part in option.split(",")]
         columns += parts if all(part.isdecimal() for part in parts) else [option]
     return columns
-
-
-def _write_residual_figure(identification: Identification, path: Path) -> None:
-    from telespring._errors import InvalidInput
-    from telespring._files import replacing
-    from telespring.show.drawings.identification import draw_residuals
-    from telespring.show.figures.style import figure_style
-
-    if path.suffix.lower() not in {".svg", ".png", ".pdf"}:
-        raise InvalidInput(
-            "figure",
-            str(path),
-            "the file's name must end in .svg, .png or .pdf",
-            "Use one of these endings.",
-        )
-    with figure_style(), replacing(path) as temporary:
-        draw_residuals(identification).savefig(temporary, dpi=200)

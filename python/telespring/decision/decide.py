@@ -110,8 +110,7 @@ class AxisDecision:
     @property
     def stable(self) -> bool:
         """Whether the delay is stable for every operator, under sampled controllers too if they sample."""
-        continuous = next(tier.satisfied for tier in self.verdict.tiers if tier.tier == "constant delay")
-        return continuous and self.verdict.sampled_stable is not False
+        return constant_delay_tier(self.verdict).satisfied and self.verdict.sampled_stable is not False
 
     def _bound(self, name: Tier) -> float:
         bound = next(tier.stiffness_bound for tier in self.verdict.tiers if tier.tier == name)
@@ -134,8 +133,7 @@ class Decision:
         Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
     delay_limit
         Shorter one-way delays are stable, s; 0 if none is, infinite if no delay destabilises. With sampled
-        controllers the first change near that of the dyad that samples to first order; over ranges of
-        operators for the worst case, and judged over the ranges up to twice the delay.
+        controllers from the continuous dyad, to first order in the period, and judged near the limit.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
         stable now, infinite if no damping is known to suffice.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from telespring._core import check_usual
 from telespring.decision.reserve import RESERVE
-from telespring.decision.sampled_limits import damped, first_change
+from telespring.decision.sampled_limits import damped, first_change, last_stable
 from telespring.model import Dyad, Network, Operator, OperatorRange
 from telespring.theory.verdicts import AxisTier, AxisVerdict, Verdicts, verdicts
 
@@ -176,10 +176,7 @@ class Question:
         low, high = limit - 4.0 * period, limit + period
         if not (low >= 0.0 and stable(low) and not stable(high)):
             return first_change(stable, max(high, period))
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if stable(middle) else (low, middle)
-        return low
+        return last_stable(stable, low, high, _HALVINGS)
 
 
 def refuse_unusual(
