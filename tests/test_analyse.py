@@ -332,7 +332,7 @@ def test_law_the_screen_says_what_copies_simulations_and_dyads_mean(made: xr.Dat
     )
     assert "TE1 CM-36-0, TE2 CM-36-0: too few distinct trials for an arrow; p cannot be below 0.222." in words
     [line] = [line for line in lines if line.startswith("CM-36-0 ")]
-    assert line.split()[-2:] == ["8", "1|1"]
+    assert line.split()[-2:] == ["8", "1"]
     assert "All trials count as independent. If several dyads or people took part" in words
     assert "simulated" not in words
     seeds = np.arange(40, dtype=np.uint64).reshape(5, 8)
@@ -342,6 +342,7 @@ def test_law_the_screen_says_what_copies_simulations_and_dyads_mean(made: xr.Dat
     dyads = np.tile([f"D{i}" for i in range(8)], (5, 1))
     _, words = shown(few.assign(dyad=(("condition", "trial"), dyads)), tmp_path)
     assert "8 dyads: every dyad counts once" in words
+    assert "TE: tracking error, mean ± standard deviation over the dyads, each with the mean of its" in words
     assert "Wilcoxon signed-rank test within dyads, p < 0.05" in words
     dyads[:] = "D1"
     _, words = shown(few.assign(dyad=(("condition", "trial"), dyads)), tmp_path)

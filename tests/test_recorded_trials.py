@@ -55,7 +55,7 @@ def test_law_conditions_of_one_name_stay_apart(tmp_path: Path) -> None:
     errors = np.array([[[0.01, 0.01]], [[0.02, 0.02]]])
     write_recorded(offsets(errors, [(35.6, 0.1), (36.2, 0.1)]), tmp_path)
     found = read_recorded(tmp_path)
-    assert found["condition"].values.tolist() == ["CM-35.6-100.0", "CM-36.2-100.0"]
+    assert found["condition"].values.tolist() == ["CM-35.6-100", "CM-36.2-100"]
     assert np.asarray(measure(found)["tracking_error"])[:, 0, 0] == pytest.approx([0.01, 0.02])
 
 

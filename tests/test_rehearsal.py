@@ -402,7 +402,7 @@ def test_law_labels_tell_every_condition_apart() -> None:
     close = [(None, 0.0), (35.6, 0.1671), (35.6, 0.1674)]
     assert condition_labels(close) == ["UM", "CM-35.6-167.1", "CM-35.6-167.4"]
     tiny = [(1e-9, 0.0), (2e-9, 0.0)]
-    assert condition_labels(tiny) == ["CM-0.000000001-0.000000000", "CM-0.000000002-0.000000000"]
+    assert condition_labels(tiny) == ["CM-0.000000001-0", "CM-0.000000002-0"]
     assert condition_labels([(1.0, 0.0), (1.0, 0.0)]) == ["CM-1-0", "CM-1-0 (2)"]
 
 

@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from hypothesis import given
@@ -19,6 +20,7 @@ from made_trials import experiment, figure_eight, offsets
 from telespring.analysis import analyse_trials, compare, kruskal_wallis
 from telespring.analysis.statistics import fewest_values
 from telespring.references import read_reference
+from telespring.show.drawings.trials import draw_errors
 
 UM_AND_CM = [(math.nan, 0.0), (36.0, 0.0)]
 Floats = NDArray[np.float64]
@@ -324,10 +326,54 @@ def test_law_the_analysis_takes_the_dyads_of_the_data() -> None:
     row = found["table1"][1]
     by_hand = stats.wilcoxon(means[1, :, 0], means[0, :, 1], method="exact")
     assert row["te1_p"] == pytest.approx(by_hand.pvalue, rel=1e-12)
-    assert (row["te1_n"], row["te1_dyads"], row["te1_least_p"]) == (12, 4, 0.125)
+    assert (row["te1_n"], row["te1_distinct"], row["te1_dyads"], row["te1_least_p"]) == (4, 12, 4, 0.125)
     one = analyse_trials(made.assign(dyad=(("condition", "trial"), np.full((2, 12), "A"))))
     assert (one["analysed"]["unit"], one["analysed"]["dyads"]) == ("trial", ["A"])
     assert one["table1"][1]["te1_p"] == compare(errors[1, :, 0], errors[0, :, 1]).p_value
+
+
+def test_law_means_deviations_and_figures_are_over_the_dyads() -> None:
+    """Twenty trials of one dyad and two of the others: each dyad has one value, and so have they all."""
+    rng = np.random.default_rng(8)
+    labels = np.array([*(["A"] * 20), "B", "B", "C", "C"])
+    level = {"A": 0.05, "B": 0.02, "C": 0.03}
+    errors = np.array([level[label] for label in labels])[:, None] + 0.001 * rng.normal(size=(2, 24, 2))
+    made = offsets(errors, UM_AND_CM).assign(dyad=(("condition", "trial"), np.tile(labels, (2, 1))))
+    found = analyse_trials(made)
+    frame = pd.DataFrame({"dyad": labels, "UM": errors[0, :, 1], "CM": errors[1, :, 1]})
+    by_dyad = 1e3 * frame.groupby("dyad").mean()
+    for row, name in zip(found["table1"], ("UM", "CM"), strict=True):
+        expected = (by_dyad[name].mean(), by_dyad[name].std(), by_dyad[name].median())
+        assert (row["te2_mean"], row["te2_sd"], row["te2_median"]) == pytest.approx(expected, rel=1e-9)
+        assert (row["te2_n"], row["te2_distinct"], row["trials"]) == (3, 24, 24)
+    assert 1e3 * found["baseline"]["te2_median"] == pytest.approx(by_dyad["UM"].median(), rel=1e-9)
+    measured = found["conditions"][1]["measures"]["tracking_error"]["robot2"]
+    assert 1e3 * measured["mean"] == pytest.approx(by_dyad["CM"].mean(), rel=1e-9)
+    assert {dyad: 1e3 * value for dyad, value in measured["dyad_means"].items()} == pytest.approx(
+        by_dyad["CM"].to_dict(), rel=1e-9
+    )
+    assert len(measured["values"]) == 24
+    # three markers per box, not 24
+    [axes] = [axes for axes in draw_errors(found).axes if axes.get_ylabel()]
+    assert axes.get_ylabel() == "Tracking error, mean of each dyad, mm"
+    markers = [line for line in axes.lines if line.get_marker() in ("o", "^")]
+    assert [len(line.get_xdata()) for line in markers] == [3] * 4
+    one = analyse_trials(made.drop_vars("dyad"))["conditions"][0]["measures"]["tracking_error"]["robot1"]
+    assert one["dyad_means"] is None
+
+
+def test_law_the_least_p_of_random_permutations_is_a_bound() -> None:
+    apart = {name: np.arange(8.0) + 100.0 * i for i, name in enumerate("abc")}
+    found = kruskal_wallis(apart)
+    assert (found.method, found.permutations, found.p_value) == ("permutation", 9999, 1e-4)
+    assert found.is_p_bound
+    # of all arrangements 6 are as extreme
+    assert found.p_value > 6.0 * math.factorial(8) ** 3 / math.factorial(24)
+    rng = np.random.default_rng(1)
+    assert not kruskal_wallis({name: rng.normal(size=8) for name in "abc"}).is_p_bound
+    assert (
+        kruskal_wallis({name: np.arange(3.0) + 10.0 * i for i, name in enumerate("abc")}).permutations is None
+    )
 
 
 def test_law_simulated_trials_are_known() -> None:

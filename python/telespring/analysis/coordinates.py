@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 
@@ -71,13 +72,21 @@ def _correlation(
 
     The axes count alike, however far the target moves along them; one along which it stays does not count.
     """
-    moving = np.ptp(target, axis=0) > 1e-9 * float(np.ptp(target))
-    taken = np.column_stack([sign * path[:, axis] for axis, sign in axes])[:, moving]
-    best = -1.0
     longest = min(round(_LAG / step), len(path) // 2)
-    for lag in range(0, longest + 1, max(1, longest // 30)):
-        late, early = taken[lag:], target[: len(target) - lag, moving]
-        sizes = np.sqrt((late**2).sum(axis=0) * (early**2).sum(axis=0))
-        correlations = (late * early).sum(axis=0) / np.where(sizes > 0.0, sizes, np.inf)
-        best = max(best, float(correlations.mean()))
-    return best
+    lags = np.arange(0, longest + 1, max(1, longest // 30))
+    total, count = np.zeros(len(lags)), 0
+    for (axis, sign), goal in zip(axes, target.T, strict=True):
+        if np.ptp(goal) > 1e-9 * float(np.ptp(target)):
+            total += sign * _correlations_at(np.ascontiguousarray(path[:, axis]), goal.copy(), lags)
+            count += 1
+    return max(-1.0, float(total.max()) / count)
+
+
+def _correlations_at(path: FloatArray, target: FloatArray, lags: NDArray[np.intp]) -> FloatArray:
+    """Correlate a path with a target that is so many samples earlier; 0 where one of both rests at 0."""
+    size = len(path)
+    products = np.array([np.dot(path[lag:], target[: size - lag]) for lag in lags.tolist()])
+    # what is left of both sums of squares where their ends do not overlap
+    late, early = (path**2)[::-1].cumsum()[::-1][lags], (target**2).cumsum()[size - 1 - lags]
+    sizes = np.sqrt(late * early)
+    return np.asarray(products / np.where(sizes > 0.0, sizes, np.inf))

@@ -51,6 +51,9 @@ class GroupTest:
         "exact": all permutations of the ranks, and for two groups the p of `compare`; "permutation": 9999
         random permutations with a fixed seed; "chi-squared", with ten values or more in every group;
         "asymptotic", two large groups; "all equal"; "no values".
+    permutations
+        Number of random permutations; with the smallest p that they can give, 1/(permutations + 1), p is an
+        upper bound. None with another method.
     epsilon_squared
         Effect size H/(n − 1) of Kruskal and Wallis's test, from 0 (ranks do not depend on the group) to 1
         (Tomczak and Tomczak 2014).
@@ -70,6 +73,12 @@ class GroupTest:
     method: _Method
     epsilon_squared: float | None
     kendalls_w: float | None
+    permutations: int | None = None
+
+    @property
+    def is_p_bound(self) -> bool:
+        """Whether p is no more than an upper bound: no random permutation was as extreme."""
+        return self.permutations is not None and self.p_value == 1.0 / (self.permutations + 1)
 
     def to_json(self) -> dict[str, Any]:
         """Convert a test of several groups to plain values."""
@@ -85,6 +94,8 @@ class GroupTest:
             "p_holm": self.p_holm,
             "least_p": self.least_p,
             "method": self.method,
+            "permutations": self.permutations,
+            "is_p_bound": self.is_p_bound,
             "epsilon_squared": self.epsilon_squared,
             "kendalls_w": self.kendalls_w,
         }
@@ -152,6 +163,7 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
     test = stats.kruskal(*values)
     statistic = float(test.statistic)
     least: float | None = None
+    drawn: int | None = None
     method: _Method = "chi-squared"
     p_value = float(test.pvalue)
     if len(names) == 2:
@@ -160,6 +172,7 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
     elif min(sizes) < _CHI_SQUARED_FROM:
         permuted = permute_kruskal_wallis(stats.rankdata(together), sizes)
         p_value, least, method = permuted.p_value, permuted.least_p, permuted.method
+        drawn = permuted.drawn
     return GroupTest(
         names,
         sizes,
@@ -173,6 +186,7 @@ def _kruskal_wallis(groups: Mapping[str, FloatArray], unit: Literal["trial", "dy
         method,
         statistic / (count - 1),
         None,
+        drawn,
     )
 
 
@@ -192,6 +206,7 @@ def _friedman(groups: Mapping[str, FloatArray]) -> GroupTest:
     spread = ((ranks.mean(axis=1) - 0.5 * (count + 1.0)) ** 2).sum()
     statistic = float((count - 1) * dyads**2 * spread / ((ranks - 0.5 * (count + 1.0)) ** 2).sum())
     least: float | None = None
+    drawn: int | None = None
     method: _Method = "chi-squared"
     p_value = float(stats.chi2.sf(statistic, count - 1))
     if count == 2:
@@ -200,6 +215,7 @@ def _friedman(groups: Mapping[str, FloatArray]) -> GroupTest:
     elif dyads < _CHI_SQUARED_FROM:
         permuted = permute_friedman(ranks.T)
         p_value, least, method = permuted.p_value, permuted.least_p, permuted.method
+        drawn = permuted.drawn
     return GroupTest(
         names,
         sizes,
@@ -213,6 +229,7 @@ def _friedman(groups: Mapping[str, FloatArray]) -> GroupTest:
         method,
         None,
         statistic / (dyads * (count - 1)),
+        drawn,
     )
 
 

@@ -79,7 +79,12 @@ def check_layout(dataset: xr.Dataset) -> xr.Dataset:
         raise refuse_trials("dataset", type(dataset).__name__, "an xarray.Dataset of trials is required")
     for name, over in (("position", PER_SAMPLE), ("target", ("time", "axis"))):
         if name not in dataset.variables:
-            raise refuse_trials(name, "missing", f"{name} over {', '.join(over)} is required")
+            raise refuse_trials(
+                name,
+                "missing",
+                f"{name} over {', '.join(over)} is required",
+                f"Add it: dataset[{name!r}] = ({over!r}, values), in m.",
+            )
     for name in ("time", "stiffness", "delay"):
         if name not in dataset.variables:
             raise refuse_trials(name, "missing", f"a coordinate {name} is required")
@@ -224,7 +229,7 @@ def refuse_trials(field: str, value: str, allowed: str, remedy: str = "") -> Inv
         field,
         value,
         allowed,
-        remedy or "Use a file from `telespring rehearse`, or recorded trials as in docs/recorded-trials.md.",
+        remedy or "help(telespring.analysis.Trials.from_dataset) describes what a dataset of trials holds.",
     )
 
 

@@ -33,11 +33,14 @@ class PermutationTest:
         The smallest p that these ranks can have; None where not all permutations were counted.
     method
         "exact": all permutations; "permutation": random ones.
+    drawn
+        Number of random permutations, which give no p below 1/(drawn + 1); None where all were counted.
     """
 
     p_value: float
     least_p: float | None
     method: Literal["exact", "permutation"]
+    drawn: int | None = None
 
 
 def permute_kruskal_wallis(ranks: FloatArray, sizes: Sequence[int]) -> PermutationTest:
@@ -114,7 +117,8 @@ def _count_all(statistics: FloatArray, observed: float) -> PermutationTest:
 
 def _count_random(statistics: FloatArray, observed: float) -> PermutationTest:
     # The observed arrangement is one of all, so that p is never 0.
-    return PermutationTest((_count(statistics, observed) + 1) / (len(statistics) + 1), None, "permutation")
+    count = len(statistics)
+    return PermutationTest((_count(statistics, observed) + 1) / (count + 1), None, "permutation", count)
 
 
 def _count(statistics: FloatArray, limit: float) -> int:

@@ -6,10 +6,12 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.analysis.copies import find_same_recordings
+from telespring.analysis.dyads import dyad_means
 from telespring.analysis.group_tests import kruskal_wallis
 from telespring.analysis.measures import MEASURES, measure_trials
 from telespring.analysis.plausibility import implausible_trials
@@ -75,7 +77,7 @@ def compare_conditions(trials: Trials, baseline: str | None = None) -> dict[str,
     reference_median = (
         None
         if baseline is None
-        else mean_sd_median(errors.values[tracking_error_name(2, baseline)])["median"]
+        else mean_sd_median(errors.independent_values(tracking_error_name(2, baseline)))["median"]
     )
     same_condition = [
         (tracking_error_name(1, label), tracking_error_name(2, label)) for label in trials.labels
@@ -182,8 +184,21 @@ def _condition_summaries(
 ) -> list[dict[str, Any]]:
     """Summarise every condition: how its trials ended, and its measures by robot and trial.
 
-    Means, deviations and medians leave out copies; the values of all trials are listed.
+    Means, deviations and medians leave out copies, and are over the dyads' means if there are several dyads;
+    the values of all trials are listed.
     """
+
+    def summary(values: FloatArray, copies: NDArray[np.bool_], condition: int) -> dict[str, Any]:
+        distinct = np.where(copies, np.nan, values)
+        by_dyad = None
+        if errors.dyads is not None and trials.dyads is not None:
+            by_dyad = dyad_means(distinct, trials.dyads[condition])
+        return {
+            **mean_sd_median(distinct if by_dyad is None else np.array(list(by_dyad.values()))),
+            "dyad_means": by_dyad,
+            "values": [finite_or_none(value) for value in values],
+        }
+
     rows = []
     for i, label in enumerate(trials.labels):
         endings, counts = np.unique(trials.status[i], return_counts=True)
@@ -192,10 +207,7 @@ def _condition_summaries(
             if name in measured.variables:
                 values = np.asarray(measured[name])[i]
                 measures[name] = {"unit": MEASURES[name][0]} | {
-                    f"robot{robot + 1}": {
-                        **mean_sd_median(np.where(errors.copies[i, :, robot], np.nan, values[:, robot])),
-                        "values": [finite_or_none(value) for value in values[:, robot]],
-                    }
+                    f"robot{robot + 1}": summary(values[:, robot], errors.copies[i, :, robot], i)
                     for robot in range(2)
                 }
         rows.append(

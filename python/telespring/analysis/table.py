@@ -72,8 +72,9 @@ def table_1_rows(
 ) -> list[dict[str, Any]]:
     """Lay out Table I, a row per condition, from tracking errors (m) and comparisons with the baseline.
 
-    docs/recorded-trials.md lists the keys of a row; means, standard deviations and medians are in mm and
-    over distinct trials, of which `n` is the number.
+    docs/recorded-trials.md lists the keys of a row; means, standard deviations and medians are in mm and over
+    the `n` values that count once: the means of the dyads if there are several, otherwise the distinct
+    trials.
     """
     rows = []
     begun = (trials.status != "absent").sum(axis=1)
@@ -89,13 +90,14 @@ def table_1_rows(
         for robot in (1, 2):
             name, key = tracking_error_name(robot, label), f"te{robot}"
             comparison = comparisons.get(name)
-            values = errors.values[name]
+            values = errors.independent_values(name)
             millimetres = mean_sd_median(1e3 * values)
             row |= {f"{key}_{statistic}": value for statistic, value in millimetres.items()}
             interval = None if comparison is None else comparison.superiority_interval
             low, high = (None, None) if interval is None else interval
             row |= {
-                f"{key}_n": int(np.isfinite(values).sum()),
+                f"{key}_n": len(values),
+                f"{key}_distinct": int(np.isfinite(errors.values[name]).sum()),
                 f"{key}_copies": int(errors.copies[i, :, robot - 1].sum()),
                 f"{key}_dyads": errors.count_dyads(name),
                 f"{key}_arrow": "" if comparison is None else comparison.arrow(),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 from telespring.analysis.copies import find_copies
+from telespring.analysis.dyads import dyad_means
 from telespring.analysis.statistics import Comparison, compare_pairs
 from telespring.analysis.trials import Trials
 
@@ -38,11 +39,16 @@ class TrackingErrors:
         """Compare pairs of groups as one family."""
         return compare_pairs(pairs, self.values, self.dyads)
 
+    def independent_values(self, name: str) -> FloatArray:
+        """Return what counts once in a group, m: the means of the dyads, or the values of the trials."""
+        values = self.values[name]
+        if self.dyads is None:
+            return values[np.isfinite(values)]
+        return np.array(list(dyad_means(values, self.dyads[name]).values()))
+
     def count_dyads(self, name: str) -> int | None:
         """Count the dyads with a value in a group; None if trials count."""
-        if self.dyads is None:
-            return None
-        return len(np.unique(self.dyads[name][np.isfinite(self.values[name])]))
+        return None if self.dyads is None else len(self.independent_values(name))
 
 
 def tracking_error_name(robot: int, label: str) -> str:

@@ -186,7 +186,8 @@ def _write_map(study: Study, path: Path) -> None:
     with figure_style():
         drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = drawing.subplots()
-    stability_map(study.dyad, mark=mark, operator_range=study.operator_ranges, ax=axes)
+    # whether values are usual was asked before
+    stability_map(study.dyad, mark=mark, operator_range=study.operator_ranges, allow_unusual=True, ax=axes)
     save_figure(drawing, path)
 
 

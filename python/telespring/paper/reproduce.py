@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -85,12 +86,17 @@ def analyse(
     """
     scene = Scene.of(study, None if rehearsal is None else Path(rehearsal), modules)
     findings: dict[str, Findings] = {}
-    for section in PARTS if parts is None else parts:
-        if section.find is None:
-            continue
-        if progress is not None:
-            progress(section.step)
-        findings[section.name] = section.find(scene)
+    computed = [section for section in (PARTS if parts is None else parts) if section.find is not None]
+    with ExitStack() as begun:
+        wait_for = {
+            section.name: begun.enter_context(section.start(scene)) for section in computed if section.start
+        }
+        for section in computed:
+            assert section.find is not None
+            if progress is not None:
+                progress(section.step)
+            wait = wait_for.get(section.name)
+            findings[section.name] = section.find(scene) if wait is None else wait()
     if progress is not None:
         progress(STEPS[-1])
     described = scene.describe_study()

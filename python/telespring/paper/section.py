@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -55,6 +56,9 @@ class Section:
     find
         Computes its numbers and drawings. The section is shown where there are any, and always if it
         computes nothing.
+    start
+        Begins its computation beside that of the other sections: a context that gives what `find` returns,
+        and that ends the computation when it is left.
     holds
         The paper's figures and tables that it reproduces.
     mentions
@@ -69,6 +73,7 @@ class Section:
     title: str = ""
     step: str = ""
     find: Callable[[Scene], Findings] | None = None
+    start: Callable[[Scene], AbstractContextManager[Callable[[], Findings]]] | None = None
     holds: tuple[Place, ...] = ()
     mentions: tuple[str, ...] = ()
     computed_after: str = ""

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patches import Patch
 
+from telespring._core import check_usual
+from telespring._errors import InvalidInput
 from telespring.model import Dyad, DyadAxis, OperatorRange
-from telespring.show.figures.maps import STABLE, StudyMark, draw_axis_boundaries, draw_study_mark
+from telespring.show.figures.maps import (
+    HORIZON,
+    STABLE,
+    MapColumn,
+    StudyMark,
+    draw_axis_boundaries,
+    draw_study_mark,
+    stable_depth,
+)
 from telespring.show.figures.nyquist import NyquistPanel, draw_nyquist_locus
 from telespring.show.figures.responses import draw_motion, motion_legend
 from telespring.show.figures.style import COLOURS, DASHES, ROBOT_COLOURS, figure_style, legend_line
-from telespring.theory.criteria import stability_map as stable_points
 from telespring.theory.response import frequency_response as compute_frequency_response
 from telespring.theory.response import nyquist as compute_nyquist
 from telespring.theory.verdicts import verdicts
@@ -21,7 +31,7 @@ from telespring.theory.verdicts import verdicts
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from telespring._types import FloatArray
 
@@ -39,6 +49,7 @@ def stability_map(
     stiffness: float | None = None,
     delay: float | None = None,
     operator_range: tuple[OperatorRange, OperatorRange] | None = None,
+    allow_unusual: bool = False,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw where a dyad is stable at a constant delay, over stiffness and one-way delay.
@@ -47,7 +58,7 @@ def stability_map(
     ----------
     dyad
         Robots and operators. Every stable region of continuous controllers is drawn, also those at delays
-        beyond the first.
+        beyond the first. The boundaries pass through the exact limits at 400 stiffnesses.
     mark
         A stiffness (N/m) and a one-way delay (s) to mark by a star; a third value is the longest delay, to
         which a bar is drawn.
@@ -57,6 +68,9 @@ def stability_map(
     operator_range
         Ranges of both operators instead of the dyad's own: drawn is where every smaller stiffness is stable
         for every operator, as `telespring.verdicts` proves it.
+    allow_unusual
+        Whether stiffnesses and delays that no laboratory has are meant: by default they are refused, because
+        their unit is probably wrong.
     ax
         Axes to draw on.
 
@@ -68,7 +82,7 @@ def stability_map(
     Raises
     ------
     telespring.InvalidInput
-        If a value is out of its range.
+        If a value is out of its range, or unusual.
 
     Examples
     --------
@@ -77,7 +91,8 @@ def stability_map(
     >>> ax.get_xlabel(), ax.get_ylabel()
     ('Stiffness k, N/m', 'One-way delay δ, ms')
     """
-    star = None if mark is None else StudyMark(mark[0], mark[1], mark[-1])
+    _check_settings({"stiffness": stiffness}, {"delay": delay}, allow_unusual)
+    star = None if mark is None else _star_of(mark, allow_unusual)
     lightest = None if operator_range is None else (operator_range[0].low, operator_range[1].low)
     shown = dyad if lightest is None else Dyad(*dyad.robots, lightest, dyad.coupling_damping)
     widest, longest = _map_extent(shown, star)
@@ -86,7 +101,7 @@ def stability_map(
     k = np.linspace(0.0, widest, _POINTS + 1)[1:]
     delays = np.linspace(0.0, longest, _POINTS + 1)
     if operator_range is None:
-        boundaries = [(axis.name, stable_points(axis, k, delays)) for axis in dyad]
+        boundaries = [(axis.name, _depth_of_axis(axis, k, delays)) for axis in dyad]
         critical = min(axis.critical_stiffness() for axis in dyad)
     else:
         boundaries, critical = _bounds_over_range(dyad, operator_range, k, delays)
@@ -99,7 +114,7 @@ def stability_map(
                 legend_line("any constant delay: left of this", COLOURS["black"], DASHES[1], linewidth=1.0)
             )
         if star is not None:
-            handles.append(draw_study_mark(ax, star, "this condition"))
+            handles += draw_study_mark(ax, star, "this condition")
         shaded = "stable, continuous controllers" + (", every operator" if operator_range else "")
         ax.legend(
             handles=[Patch(color=STABLE, label=shaded), *handles],
@@ -112,17 +127,71 @@ def stability_map(
 
 def _bounds_over_range(
     dyad: Dyad, ranges: tuple[OperatorRange, OperatorRange], k: FloatArray, delays: FloatArray
-) -> tuple[list[tuple[str, NDArray[np.bool_]]], float]:
-    """Where every operator is stable, by axis, and the stiffness allowed at any constant delay, N/m."""
+) -> tuple[list[tuple[str, FloatArray]], float]:
+    """How far every operator is stable, N/m, by axis, and the stiffness allowed at any constant delay, N/m."""
     judged = delays[:: _POINTS // _RANGE_POINTS]
     verdict = [verdicts(dyad, float(k[0]), float(delay), operator_range=ranges) for delay in judged]
     boundaries = []
     for i, name in enumerate(dyad.axes):
         bounds = [each.axes[i].tiers[3].stiffness_bound for each in verdict]
         limits = [2.0 * k[-1] if bound is None else min(bound, 2.0 * k[-1]) for bound in bounds]
-        boundaries.append((name, k[:, None] < np.interp(delays, judged, limits)[None, :]))
+        boundaries.append((name, np.interp(delays, judged, limits)[:, None] - k))
     critical = verdict[0].tier("any constant delay").stiffness_bound
     return boundaries, math.inf if critical is None else critical
+
+
+def _depth_of_axis(axis: DyadAxis, k: FloatArray, delays: FloatArray) -> FloatArray:
+    """How far the delays lie inside the stable intervals, s, (delay, stiffness)."""
+    horizon = HORIZON * float(delays[-1])
+    return stable_depth(
+        [MapColumn(float(each), axis.stable_delays(float(each), horizon)) for each in k], delays
+    )
+
+
+def _star_of(mark: tuple[float, ...], allow_unusual: bool) -> StudyMark:
+    """Check a mark: a stiffness, a delay, and a longest delay that is no shorter."""
+    values = tuple(float(value) for value in np.ravel(mark))
+    if len(values) not in (2, 3):
+        raise InvalidInput(
+            "mark",
+            f"{len(values)} values",
+            "a stiffness (N/m) and a delay (s) are required, and optionally the longest delay",
+            "Write mark=(71.2, 0.08).",
+        )
+    if values[-1] < values[1]:
+        raise InvalidInput(
+            "mark",
+            f"{values[-1]:g} s as the longest delay",
+            f"a longest delay of at least the delay, {values[1]:g} s, is required",
+            "Write the shorter delay first.",
+        )
+    delays = {f"mark[{i}]": value for i, value in enumerate(values) if i}
+    _check_settings({"mark[0]": values[0]}, delays, allow_unusual)
+    return StudyMark(values[0], values[1], values[-1])
+
+
+def _check_settings(
+    stiffnesses: Mapping[str, float | None], delays: Mapping[str, float | None], allow_unusual: bool
+) -> None:
+    """Refuse values below 0 or not finite, and what no laboratory has: its unit is probably wrong."""
+    for name, quantity, unit, value in (
+        *((name, "stiffness", "N/m", stiffness) for name, stiffness in stiffnesses.items()),
+        *((name, "delay", "s", delay) for name, delay in delays.items()),
+    ):
+        if value is None:
+            continue
+        if not (math.isfinite(value) and value >= 0.0):
+            raise InvalidInput(
+                name, f"{value:g} {unit}", f"a {quantity} of 0 {unit} or more is required", "Correct it."
+            )
+        if allow_unusual:
+            continue
+        try:
+            check_usual(quantity, name, float(value))
+        except InvalidInput as refused:
+            meant, is_possible, _ = refused.remedy.partition("If it is meant")
+            remedy = f"{meant}If it is meant, pass allow_unusual=True." if is_possible else refused.remedy
+            raise InvalidInput(refused.field, refused.value, refused.allowed, remedy) from None
 
 
 def response(motion: xarray.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -164,7 +233,13 @@ def response(motion: xarray.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def nyquist(
-    dyad: Dyad, stiffness: float, delay: float, *, axis: str | int = 0, ax: Axes | None = None
+    dyad: Dyad,
+    stiffness: float,
+    delay: float,
+    *,
+    axis: str | int = 0,
+    allow_unusual: bool = False,
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw the Nyquist locus of one axis, with the encirclements of −1.
 
@@ -176,6 +251,8 @@ def nyquist(
         N/m, and one-way delay, s.
     axis
         Which axis of the dyad, by name or number.
+    allow_unusual
+        As in `stability_map`.
     ax
         Axes to draw on.
 
@@ -190,6 +267,7 @@ def nyquist(
     >>> ts.plot.nyquist(ts.hman(), 71.2, 0.18, axis="x").get_title("right")
     'unstable, 2 encirclements of −1'
     """
+    _check_settings({"stiffness": stiffness}, {"delay": delay}, allow_unusual)
     locus = compute_nyquist(dyad, stiffness, delay, axis=axis)
     stable = dyad[axis].is_stable(stiffness, delay)
     note = "stable" if stable else f"unstable, {locus.encirclements} encirclements of −1"
@@ -209,6 +287,7 @@ def frequency_response(
     frequency: ArrayLike | None = None,
     *,
     axis: str | int = 0,
+    allow_unusual: bool = False,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the motion of both robots per force on robot 1, over the angular frequency.
@@ -223,6 +302,8 @@ def frequency_response(
         Angular frequencies, rad/s. By default a grid that resolves every resonance.
     axis
         Which axis of the dyad, by name or number.
+    allow_unusual
+        As in `stability_map`.
     ax
         Axes to draw on.
 
@@ -238,6 +319,7 @@ def frequency_response(
     >>> [line.get_label() for line in ax.lines]
     ['robot 1', 'robot 2']
     """
+    _check_settings({"stiffness": stiffness}, {"delay": delay}, allow_unusual)
     computed = compute_frequency_response(dyad, stiffness, delay, frequency, axis=axis)
     with figure_style():
         ax = _given_or_new_axes(ax, (5.2, 3.0))

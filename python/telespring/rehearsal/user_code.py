@@ -36,7 +36,10 @@ _AGENT_CONTRACT = (
     "An agent is called as agent(time, position, velocity, target) in s, m, m/s and m, and returns its "
     "force (x, y) in N."
 )
-_TARGET_CONTRACT = "A target is called as target(times) in s, and returns positions of shape (n, 2) in m."
+_TARGET_CONTRACT = (
+    "A target is called as target(times) in s, with the study's options by name, and returns positions of shape "
+    "(n, 2) in m."
+)
 
 #: Exceptions of user code. sys.exit in an agent must not end the rehearsal as if it had succeeded.
 _EXCEPTIONS = (Exception, SystemExit)
@@ -255,9 +258,12 @@ def _registered_user_module(name: str, module: ModuleType) -> Iterator[None]:
 
 
 def _describe_user_exception(error: BaseException, file: Path | None) -> str:
-    """Describe an exception with the line of the user's file where it was raised."""
+    """Describe an exception with the line of the user's file where it was raised, if it was raised there."""
+    if isinstance(error, SyntaxError) and error.filename is not None:
+        place = f" ({Path(error.filename).name}, line {error.lineno})"
+        return f"{type(error).__name__}: {error.msg}{place}"
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if file is not None and Path(frame.filename) == file] or frames
+    own = [frame for frame in frames if file is not None and Path(frame.filename) == file]
     place = f" ({Path(own[-1].filename).name}, line {own[-1].lineno}, in {own[-1].name})" if own else ""
     return f"{type(error).__name__}: {error}{place}"
 

@@ -251,7 +251,7 @@ def format_probability(share: float, standard_error: float, draws: int) -> str:
 
 def format_p_value(p: float) -> str:
     """Format a p value with its sign of comparison."""
-    return "< 0.001" if p < 0.001 else f"= {p:.3f}"
+    return "< 0.001" if p < 0.001 else f"= {p:.3g}"
 
 
 def format_in_column(value: float, decimals: int, threshold: float) -> str:

@@ -40,22 +40,32 @@ def condition_label(stiffness: float | None, delay: float, digits: int = 0) -> s
 def condition_labels(conditions: Iterable[Condition | tuple[float | None, float]]) -> list[str]:
     """Name all conditions of an experiment as `condition_label` does, each differently.
 
-    Where rounding makes two conditions alike, all names have more digits; a repeated condition is numbered.
+    Conditions that rounding makes alike have as many digits more as tell them apart, without zeros at the end;
+    a repeated condition is numbered.
 
     Examples
     --------
     >>> condition_labels([(None, 0.0), (35.616, 0.0), (35.616, 0.16719)])
     ['UM', 'CM-36-0', 'CM-36-167']
     >>> condition_labels([(35.6, 0.1), (36.2, 0.1), (36.2, 0.1)])
-    ['CM-35.6-100.0', 'CM-36.2-100.0', 'CM-36.2-100.0 (2)']
+    ['CM-35.6-100', 'CM-36.2-100', 'CM-36.2-100 (2)']
+    >>> condition_labels([(71.0, 0.1), (36.0, 0.1), (36.00000001, 0.1)])
+    ['CM-71-100', 'CM-36-100', 'CM-36.00000001-100']
     """
-    pairs: list[tuple[float | None, float]] = [(k, delay) for k, delay in conditions]
-    distinct = len({(k, delay if k is not None else 0.0) for k, delay in pairs})
-    for digits in range(13):
-        names = [condition_label(k, delay, digits) for k, delay in pairs]
-        if len(set(names)) == distinct:
+    pairs = [(k, delay if k is not None else 0.0) for k, delay in conditions]
+    labels = {pair: condition_label(*pair) for pair in pairs}
+    alike = {pair for pair in labels if list(labels.values()).count(labels[pair]) > 1}
+    for digits in range(1, 13):
+        if len(set(labels.values())) == len(labels):
             break
-    return distinct_labels(names)
+        labels |= {pair: _shortened_label(pair, digits) for pair in alike}
+    return distinct_labels(labels[pair] for pair in pairs)
+
+
+def _shortened_label(pair: tuple[float | None, float], digits: int) -> str:
+    """Name a condition with up to so many decimal places, without zeros at the end."""
+    name = condition_label(*pair, digits)
+    return "-".join(part.rstrip("0").rstrip(".") if "." in part else part for part in name.split("-"))
 
 
 def distinct_labels(names: Iterable[str]) -> list[str]:

@@ -28,7 +28,8 @@ __all__ = ["RecordedTrial", "TrialEntry", "assemble_dataset"]
 class TrialEntry:
     """A line of the list of trials: stiffness in N/m (None unconnected), times in s.
 
-    `ended_at` (NaN if empty), `seed`, `discard` and `dyad` are None if the list has no such column.
+    `ended_at` (NaN if empty), `seed`, `discard` and `dyad` are None if the list has no such column. `place`
+    names the line.
     """
 
     file: str
@@ -40,6 +41,7 @@ class TrialEntry:
     seed: int | None = None
     discard: float | None = None
     dyad: str | None = None
+    place: str = ""
 
     @property
     def condition(self) -> tuple[float | None, float]:
@@ -217,7 +219,7 @@ def _recorded_target(
                 f"{trials[0].entry.file}: {TARGET[0]}",
                 "missing",
                 f"the columns {' and '.join(TARGET)} are required, or a study whose task defines the target",
-                "Add them, or name the study with --study.",
+                "Add them, or name the study: --study on the command line, in Python task=study.experiment.task.",
             )
         try:
             positions = target_positions(task, time)

@@ -5,15 +5,18 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._files import spelt_otherwise
 from telespring._types import FloatArray
 from telespring.analysis.recordings.layout import (
     DYAD_COLUMNS,
+    INDEX,
     INDEX_OPTIONAL,
     INDEX_REQUIRED,
     SI,
@@ -24,9 +27,7 @@ from telespring.analysis.recordings.layout import (
 if TYPE_CHECKING:
     from telespring._tables import TextTable
 
-_LAYOUT_HELP = (
-    "docs/recorded-trials.md shows the layout; `telespring analyse --template DIR` writes an example."
-)
+_LAYOUT_HELP = "`telespring analyse --template DIR` writes an example of the layout."
 
 #: A gap longer than this many samples is not interpolated.
 _LONGEST_GAP = 5.0
@@ -41,6 +42,35 @@ _LARGEST_DELAY = 10.0
 def refuse(field: str, value: str, allowed: str, remedy: str = _LAYOUT_HELP) -> NoReturn:
     """Refuse a file of recorded trials, or one of its values."""
     raise InvalidInput(field, value, allowed, remedy)
+
+
+def check_trial_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Refuse a list of trials in which a file, by the place of its line, is missing.
+
+    The most similar file of the folder that the list does not name is suggested.
+    """
+    for place, file in files.items():
+        if not file:
+            refuse(
+                f"{place}: file", "empty", "the name of a file is required", "Write it, or remove the line."
+            )
+        path = spelt_otherwise(folder / file)
+        if path.is_file():
+            continue
+        if path.exists():
+            refuse(f"{place}: file", file, "this is no file", "Write the name of the trial's file.")
+        missing = [each for each in files.values() if not spelt_otherwise(folder / each).is_file()]
+        unlisted = {each.name for each in folder.glob("*") if each.is_file()} - {INDEX, *files.values()}
+        similar = difflib.get_close_matches(file, sorted(unlisted), n=1, cutoff=0.7)
+        more = f", and neither are {len(missing) - 1} others of the list" if len(missing) > 1 else ""
+        refuse(
+            f"{place}: file",
+            file,
+            f"this file is not in the folder {folder.resolve()}{more}",
+            f"Did you mean {similar[0]}? Otherwise copy it there, or remove the line."
+            if similar
+            else "Copy it there, or remove the line.",
+        )
 
 
 def check_required_columns(file: str, columns: Sequence[str], required: Sequence[str]) -> None:
@@ -172,14 +202,18 @@ def check_recorded_samples(file: str, table: TextTable, columns: Sequence[str]) 
     for column in columns:
         place = table.names.index(column)
         wrong = np.flatnonzero(~np.isfinite(table.numbers(place)))
-        if wrong.size:
-            text = str(table.columns[place].iloc[int(wrong[0])])
-            refuse(
-                f"{file}, line {table.lines[wrong[0]]}: {column}",
-                "empty" if text == "nan" else text,
-                "a number is required in every line",
-                "Remove lines without samples.",
-            )
+        if not wrong.size:
+            continue
+        text = str(table.columns[place].iloc[int(wrong[0])])
+        remedy = f"Remove such lines ({wrong.size} of {len(table)}): a gap of up to {_LONGEST_GAP:g} samples is bridged."
+        if wrong.size == len(table):
+            remedy = "The whole column is so: correct it, or remove it if it is optional."
+        refuse(
+            f"{file}, line {table.lines[wrong[0]]}: {column}",
+            "empty" if text.strip() in ("", "nan", "NaN") else text,
+            "a number is required in every line",
+            remedy,
+        )
 
 
 def check_recorded_times(file: str, time: FloatArray, lines: NDArray[np.int_]) -> None:

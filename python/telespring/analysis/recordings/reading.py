@@ -64,7 +64,9 @@ def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] |
     """
     place = Path(path)
     index = spelt_otherwise(place / INDEX) if place.is_dir() else place
-    trials = [_read_recorded_trial(index.parent, entry) for entry in _read_list_of_trials(index)]
+    entries = _read_list_of_trials(index)
+    checks.check_trial_files(index.parent, {entry.place: entry.file for entry in entries})
+    trials = [_read_recorded_trial(index.parent, entry) for entry in entries]
     study = spelt_otherwise(index.parent / STUDY)
     return assemble_dataset(trials, task, study.read_text(encoding="utf-8-sig") if study.is_file() else None)
 
@@ -126,6 +128,7 @@ def _parse_trial_entry(texts: Mapping[str, str], field: str, decimal: str) -> Tr
         seed=checks.parse_whole_number(row["seed"], f"{field}: seed", no_seed) if "seed" in row else None,
         discard=checks.parse_number(row["discard_s"], f"{field}: discard_s") if "discard_s" in row else None,
         dyad=checks.parse_dyad(row, field),
+        place=field,
     )
 
 

@@ -13,7 +13,7 @@ from telespring.paper.calibration.closed_form import ClosedForm
 from telespring.paper.calibration.comparison import Score, published_arrows, score
 from telespring.paper.calibration.fit import Fit, Profile, Search
 from telespring.paper.calibration.hypotheses import COMMON, NULL, Hypothesis
-from telespring.paper.calibration.processes import map_in_processes
+from telespring.paper.calibration.processes import Processes
 from telespring.paper.calibration.setting import Setting
 from telespring.paper.calibration.verdict import Criteria, Verdict, aicc, judge
 from telespring.paper.published import PublishedRow
@@ -122,26 +122,29 @@ def explain(
     table: Sequence[PublishedRow],
     hypotheses: Sequence[Hypothesis],
     progress: Callable[[str], None],
+    processes: Processes,
 ) -> tuple[Explanation, ...]:
     """Fit, score and judge the hypotheses; the null comes first."""
     null = explain_null(table)
     tasks = [_Task(form, printed, tuple(table), hypothesis) for hypothesis in hypotheses]
-    explained: list[tuple[Explanation, Fit]] = []
+    found: dict[str, Explanation] = {}
     if tasks:
         progress(tasks[0].hypothesis.name)
-        first, split = _explain_one(tasks[0])
-        explained.append((first, split))
+        ((first, split),) = processes.map(_explain_one, tasks[:1])
+        found[first.name] = first
         # The others start from the first one's common parameters, too.
         known = (first.values, dict(zip(first.values, split.values.tolist(), strict=True)))
         tasks = [tasks[0], *(replace(task, known=known) for task in tasks[1:])]
-        for task, result in zip(tasks[1:], map_in_processes(_explain_one, tasks[1:]), strict=True):
+        longest_first = sorted(tasks[1:], key=_Task.work, reverse=True)
+        for task, (each, _) in zip(longest_first, processes.map(_explain_one, longest_first), strict=True):
             progress(task.hypothesis.name)
-            explained.append(result)
-    best = min((each.aicc for each, _ in explained), default=math.inf)
-    judged = [replace(each, criteria=_criteria(each, null, best)) for each, _ in explained]
+            found[each.name] = each
+    explained = [found[task.hypothesis.name] for task in tasks]
+    best = min((each.aicc for each in explained), default=math.inf)
+    judged = [replace(each, criteria=_criteria(each, null, best)) for each in explained]
     kept = [i for i, each in enumerate(judged) if each.verdict != "excluded"]
     for i, common in zip(
-        kept, map_in_processes(_profile_common, [(tasks[i], judged[i]) for i in kept]), strict=True
+        kept, processes.map(_profile_common, [(tasks[i], judged[i]) for i in kept]), strict=True
     ):
         judged[i] = replace(judged[i], profiles=judged[i].profiles | common)
     return null, *judged
@@ -157,11 +160,20 @@ class _Task:
     hypothesis: Hypothesis
     known: tuple[Mapping[str, float], ...] = ()
 
+    def work(self) -> tuple[bool, int]:
+        """Return what orders the tasks by their work: equivalent gains are sought by iteration."""
+        hypothesis = self.hypothesis
+        return not hypothesis.setting(self.printed, hypothesis.high).is_linear, len(hypothesis.parameters)
+
     def search(self) -> Search:
         def model(values: FloatArray) -> FloatArray:
             return self.form.errors(*(self.hypothesis.setting(self.printed, point) for point in values))
 
-        return Search(self.hypothesis, model, np.array([row.mean for row in self.table]))
+        def model_near(values: FloatArray, moved: FloatArray) -> FloatArray:
+            settings = [self.hypothesis.setting(self.printed, point) for point in moved]
+            return self.form.errors_near(self.hypothesis.setting(self.printed, values), settings)
+
+        return Search(self.hypothesis, model, np.array([row.mean for row in self.table]), model_near)
 
 
 def _profile_common(given: tuple[_Task, Explanation]) -> dict[str, Profile]:

@@ -14,6 +14,7 @@ from telespring.paper.calibration.comparison import Prediction, predict
 from telespring.paper.calibration.explain import Explanation, explain
 from telespring.paper.calibration.hypotheses import HYPOTHESES, Hypothesis
 from telespring.paper.calibration.laboratory import RigSimulator, printed_laboratory, printed_setting
+from telespring.paper.calibration.processes import Processes
 from telespring.paper.published import TABLE_I, TRIALS, PublishedRow
 
 __all__ = ["Calibration", "Confirmation", "calibrate"]
@@ -99,6 +100,7 @@ def calibrate(
     hypotheses: Sequence[Hypothesis] = HYPOTHESES,
     trials: int = TRIALS,
     progress: Callable[[str], None] | None = None,
+    processes: Processes | None = None,
 ) -> Calibration:
     """Fit every hypothesis to the table, judge it, and run the supported ones in the laboratory.
 
@@ -115,6 +117,8 @@ def calibrate(
         Trials of each condition in the laboratory; 0 leaves it out.
     progress
         Called with the name of each hypothesis as it is fitted, and before the laboratory runs.
+    processes
+        Where the fits are computed; by default on all processors.
 
     Returns
     -------
@@ -139,9 +143,10 @@ def calibrate(
     table = tuple(published)
     laboratory = printed_laboratory(study)
     conditions = [(row.stiffness, row.delay) for row in table]
-    explanations = explain(
-        ClosedForm(laboratory, conditions), printed_setting(laboratory), table, hypotheses, report
-    )
+    with processes if processes is not None else Processes() as used:
+        explanations = explain(
+            ClosedForm(laboratory, conditions), printed_setting(laboratory), table, hypotheses, report, used
+        )
     found = Calibration(table, explanations, (), trials)
     if trials == 0:
         return found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from telespring._types import FloatArray
 from telespring.analysis.trials import Trials
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def draw_errors(
     stiffness_names = _distinct_numbers([row["stiffness"] for row in rows if row["stiffness"] is not None])
     for condition, row in zip(numbers["conditions"], rows, strict=True):
         measured = condition["measures"]["tracking_error"]
-        errors = [np.array(measured[f"robot{robot}"]["values"], dtype=float) for robot in (1, 2)]
+        errors = [_drawn_errors(measured[f"robot{robot}"]) for robot in (1, 2)]
         unconnected = row["stiffness"] is None
         same = [1e3 * other["delay"] for other in rows if other["stiffness"] == row["stiffness"]]
         printed = None if published is None else published.get(row["condition"])
@@ -111,8 +112,19 @@ def draw_errors(
         )
     baseline = numbers["baseline"]
     return error_figure(
-        groups, baseline["te2_median"], baseline["condition"] or "", published_baseline, figure
+        groups,
+        baseline["te2_median"],
+        baseline["condition"] or "",
+        published_baseline,
+        figure,
+        unit=numbers["analysed"]["unit"],
     )
+
+
+def _drawn_errors(measured: Mapping[str, Any]) -> FloatArray:
+    """Return the errors of one robot in one condition, m: of its dyads if they count, otherwise of its trials."""
+    by_dyad = measured["dyad_means"]
+    return np.array(measured["values"] if by_dyad is None else list(by_dyad.values()), dtype=float)
 
 
 def _distinct_numbers(values: Sequence[float]) -> dict[float, str]:

@@ -7,7 +7,7 @@ results. `to_svg` turns a figure into text for the report.
 from telespring.show.figures.arms import ArmsPanel, arms_figure
 from telespring.show.figures.calibration import CellSeries, cells_figure
 from telespring.show.figures.frequency import FrequencyCurve, FrequencyFamily, frequency_figure
-from telespring.show.figures.maps import MapAxis, MapColumn, StudyMark, region_map, tier_map
+from telespring.show.figures.maps import HORIZON, MapAxis, MapColumn, StudyMark, region_map, tier_map
 from telespring.show.figures.nyquist import NyquistPanel, nyquist_figure
 from telespring.show.figures.poses import PoseRange, poses_figure
 from telespring.show.figures.responses import ResponsePanel, response_figure
@@ -17,6 +17,7 @@ from telespring.show.figures.tracking_errors import ErrorGroup, error_figure
 from telespring.show.figures.trials import TrialPanel, trajectory_figure
 
 __all__ = [
+    "HORIZON",
     "ArmsPanel",
     "CellSeries",
     "DrawnSide",

@@ -62,7 +62,7 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float, mark: StudyMark 
         figure = Figure(figsize=(FULL_WIDTH, 3.6), layout="constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):
-            stiffness, _, _ = draw_stable_region(axes, panel.held, longest, points=1201)
+            stiffness, _, _ = draw_stable_region(axes, panel.held, longest)
             edge = np.where(np.isfinite(panel.free), panel.free, np.nan)
             axes.plot(stiffness, 1e3 * edge, color=COLOURS["vermilion"], linestyle=DASHES[1])
             for k, at, is_stable in panel.conditions:
@@ -82,7 +82,7 @@ def arms_figure(panels: Sequence[ArmsPanel], *, longest: float, mark: StudyMark 
                 xlabel="Stiffness of the virtual spring k, N/m",
             )
             panel_label(axes, "abcdef"[i], f"axis {panel.name}")
-            marked = [] if mark is None else [draw_study_mark(axes, mark)]
+            marked = [] if mark is None else draw_study_mark(axes, mark)
         row[0].set_ylabel("One-way delay δ, ms")
         black = COLOURS["black"]
         figure.legend(

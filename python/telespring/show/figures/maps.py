@@ -13,9 +13,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from telespring.show.figures.style import COLOURS, DASHES, FULL_WIDTH, figure_style, legend_line, panel_label
+from telespring.show.figures.style import (
+    COLOURS,
+    DASHES,
+    FULL_WIDTH,
+    figure_style,
+    legend_line,
+    legend_mark,
+    panel_label,
+)
 
 __all__ = [
+    "HORIZON",
     "STABLE",
     "MapAxis",
     "MapColumn",
@@ -24,6 +33,7 @@ __all__ = [
     "draw_stable_region",
     "draw_study_mark",
     "region_map",
+    "stable_depth",
     "tier_map",
 ]
 
@@ -31,6 +41,11 @@ Floats = NDArray[np.float64]
 
 
 STABLE = "#CFE8DF"
+#: Up to this multiple of the largest delay drawn the stable intervals are needed, so that a boundary may leave
+#: the map.
+HORIZON = 1.25
+#: Rows of a map, over the delay; between them a boundary is where it is.
+_ROWS = 401
 _AXIS_COLOURS = (COLOURS["blue"], COLOURS["vermilion"], COLOURS["purple"], COLOURS["sky"])
 
 
@@ -61,11 +76,22 @@ class StudyMark:
     longest_delay: float
 
 
-def draw_study_mark(axes: Axes, mark: StudyMark, label: str = "this study") -> Line2D:
-    """Mark a study by a star, with a bar up to its longest delay; return the line for the legend."""
+def draw_study_mark(axes: Axes, mark: StudyMark, label: str = "this study") -> list[Line2D]:
+    """Mark a study by a star, with a bar up to its longest delay; return the lines for the legend."""
     style: dict[str, Any] = {"color": COLOURS["black"], "zorder": 7, "clip_on": False}
+    bar = []
     if mark.longest_delay > mark.delay:
         axes.plot([mark.stiffness] * 2, [1e3 * mark.delay, 1e3 * mark.longest_delay], linewidth=1.4, **style)
+        # in the legend upright, as on the map
+        bar.append(
+            legend_mark(
+                f"{label}, up to its longest delay",
+                COLOURS["black"],
+                "|",
+                markersize=10.0,
+                markeredgewidth=1.4,
+            )
+        )
     face: dict[str, Any] = {
         "markerfacecolor": "white",
         "markersize": 10.0,
@@ -73,37 +99,51 @@ def draw_study_mark(axes: Axes, mark: StudyMark, label: str = "this study") -> L
         "linestyle": "none",
     }
     axes.plot([mark.stiffness], [1e3 * mark.delay], "*", **style, **face)
-    return Line2D([], [], color=COLOURS["black"], marker="*", label=label, **face)
+    return [Line2D([], [], color=COLOURS["black"], marker="*", label=label, **face), *bar]
+
+
+def stable_depth(columns: Sequence[MapColumn], delay: Floats) -> Floats:
+    """Compute how far each delay (s) of each column lies inside its stable intervals, s, (delay, column).
+
+    The distance to the nearest end of an interval, negative outside: linear along a column, so that the
+    contour at 0 passes through the ends themselves. Delay 0 is no end, and neither is one at or beyond
+    `HORIZON` times the largest delay, up to where the intervals are to be given.
+    """
+    horizon = HORIZON * float(delay[-1])
+    depth = np.empty((len(delay), len(columns)))
+    for i, column in enumerate(columns):
+        ends = np.array([end for interval in column.stable for end in interval])
+        is_inside = np.searchsorted(ends, delay, side="right") % 2 == 1
+        ends = ends[(ends > 0.0) & (ends < horizon * (1.0 - 1e-9))]
+        away = np.abs(delay[:, None] - ends).min(axis=1, initial=horizon)
+        depth[:, i] = np.where(is_inside, away, -away)
+    return depth
 
 
 def draw_stable_region(
-    axes: Axes, columns: Sequence[MapColumn], longest: float, points: int
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Shade the stable intervals of the columns; return stiffnesses (N/m), delays (s) and what is stable."""
+    axes: Axes, columns: Sequence[MapColumn], longest: float
+) -> tuple[Floats, Floats, Floats]:
+    """Shade the stable intervals of the columns; return stiffnesses (N/m), delays (s) and `stable_depth`."""
     stiffness = np.array([column.stiffness for column in columns])
-    delay = np.linspace(0.0, longest, points)
-    stable = np.zeros((delay.size, stiffness.size), dtype=bool)
-    for i, column in enumerate(columns):
-        for start, end in column.stable:
-            stable[(delay >= start) & (delay < end), i] = True
-    axes.contourf(stiffness, 1e3 * delay, stable, levels=[0.5, 1.5], colors=[STABLE])
-    axes.contour(stiffness, 1e3 * delay, stable, levels=[0.5], colors=[COLOURS["blue"]], linewidths=1.2)
-    return stiffness, delay, stable
+    delay = np.linspace(0.0, longest, _ROWS)
+    depth = stable_depth(columns, delay)
+    _shade(axes, stiffness, delay, depth)
+    _outline(axes, stiffness, delay, depth, COLOURS["blue"])
+    return stiffness, delay, depth
 
 
 def draw_axis_boundaries(
-    axes: Axes, boundaries: Sequence[tuple[str, NDArray[np.bool_]]], stiffness: Floats, delay: Floats
+    axes: Axes, boundaries: Sequence[tuple[str, Floats]], stiffness: Floats, delay: Floats
 ) -> list[Line2D]:
     """Shade what is stable on every axis, and draw the boundary of each; return the lines for a legend.
 
-    `boundaries` has the name of each axis, and where it is stable, by stiffness (N/m) and delay (s).
+    `boundaries` has the name of each axis, and how far the points (delay, stiffness) lie inside its stable
+    region, negative outside, such as `stable_depth`; the boundary is where this is 0.
     """
-    stable = np.all([stable for _, stable in boundaries], axis=0)
-    axes.contourf(stiffness, 1e3 * delay, stable.T, levels=[0.5, 1.5], colors=[STABLE])
+    _shade(axes, stiffness, delay, np.min([depth for _, depth in boundaries], axis=0))
     handles = []
-    for (name, stable), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
-        if stable.any() and not stable.all():
-            axes.contour(stiffness, 1e3 * delay, stable.T, levels=[0.5], colors=[colour], linewidths=1.2)
+    for (name, depth), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
+        _outline(axes, stiffness, delay, depth, colour)
         handles.append(legend_line(f"boundary of axis {name}", colour))
     axes.set(
         xlim=(0.0, stiffness[-1]),
@@ -112,6 +152,24 @@ def draw_axis_boundaries(
         ylabel="One-way delay δ, ms",
     )
     return handles
+
+
+def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style: Any) -> None:
+    """Shade where the depth (delay, stiffness) is positive; from the first stiffness to none it stays."""
+    style = style or {"colors": [STABLE]}
+    if (depth > 0.0).any():
+        axes.contourf(
+            np.concatenate([[0.0], stiffness]),
+            1e3 * delay,
+            np.column_stack([depth[:, 0], depth]),
+            levels=[0.0, np.inf],
+            **style,
+        )
+
+
+def _outline(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, colour: str) -> None:
+    if (depth > 0.0).any() and (depth < 0.0).any():
+        axes.contour(stiffness, 1e3 * delay, depth, levels=[0.0], colors=[colour], linewidths=1.2)
 
 
 def tier_map(
@@ -193,7 +251,7 @@ def tier_map(
         )
         handles, _ = axes.get_legend_handles_labels()
         if mark is not None:
-            handles.append(draw_study_mark(axes, mark))
+            handles += draw_study_mark(axes, mark)
         handles.insert(0, Patch(color=STABLE, label=f"constant delay, stable: {stable_for}"))
         figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
     return figure
@@ -215,13 +273,9 @@ def region_map(
         figure = Figure(figsize=(FULL_WIDTH, 3.3), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for i, (axes, (title, columns, printed)) in enumerate(zip(grid, panels, strict=True)):
-            stiffness, delay, stable = draw_stable_region(axes, columns, longest[i], points=801)
-            claimed = delay[:, None] < np.where(np.isfinite(printed), printed, 2 * longest[i])[None, :]
-            wrong = claimed & ~stable
-            if wrong.any():
-                axes.contourf(
-                    stiffness, 1e3 * delay, wrong, levels=[0.5, 1.5], colors=["none"], hatches=["//////"]
-                )
+            stiffness, delay, depth = draw_stable_region(axes, columns, longest[i])
+            claimed = np.where(np.isfinite(printed), printed, 2 * longest[i]) - delay[:, None]
+            _shade(axes, stiffness, delay, np.minimum(claimed, -depth), colors=["none"], hatches=["//////"])
             edge = np.where(np.isfinite(printed), printed, np.nan)
             axes.plot(stiffness, 1e3 * edge, color=COLOURS["vermilion"], linestyle=DASHES[1])
             first = int(np.argmax(np.isfinite(printed)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,6 +35,8 @@ _FAR_HEIGHT, _HEIGHT, _SPLIT_HEIGHT = 0.36, 3.1, 4.0
 #: Lines of the median and of a published one, and the colour of what is published.
 _DASHED, _DOTTED = (0.0, (4.0, 2.0)), (0.0, (1.0, 1.5))
 _PUBLISHED = "#303030"
+#: So many values or fewer have larger markers.
+_FEW = 12
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class ErrorGroup:
     family
         Name under which neighbouring groups are bracketed, such as a stiffness; different for each bracket.
     errors
-        Per robot the tracking error of each trial, m; NaN if there is none.
+        Per robot the tracking error of each trial or dyad, m; NaN if there is none.
     arrows
         Per robot "↑", "↓" or "".
     ended_early
@@ -70,11 +73,13 @@ def error_figure(
     baseline_name: str = "UM",
     published_baseline: float | None = None,
     figure: Figure | None = None,
+    *,
+    unit: Literal["trial", "dyad"] = "trial",
 ) -> Figure:
     """Draw the tracking errors of both robots in every condition as boxes (Fig. 8).
 
     A box shows median and quartiles, its whiskers reach to the last value within 1.5 box heights, and every
-    trial is a marker. An arrow above a box marks a significant difference from the baseline, whose median TE2
+    `unit` is a marker. An arrow above a box marks a significant difference from the baseline, whose median TE2
     is `baseline`, m, and None where there is no baseline. Conditions with much larger errors than most have
     an upper part of the figure with a logarithmic scale, so that the others stay legible.
     `published_baseline` is a published median TE2 of the baseline, m.
@@ -107,10 +112,11 @@ def error_figure(
         _limit_scales(parts, groups, split)
         _draw_significance_brackets(figure, lower, places, groups)
         _draw_arrows(parts, places, groups)
+        error = "Tracking error, mm" if unit == "trial" else "Tracking error, mean of each dyad, mm"
         if split:
-            figure.supylabel("Tracking error, mm", fontsize=7.5)
+            figure.supylabel(error, fontsize=7.5)
         else:
-            lower.set_ylabel("Tracking error, mm")
+            lower.set_ylabel(error)
         lower.set_xlabel("One-way delay within each stiffness, ms", labelpad=19.0)
         handles = _error_legend(groups, baseline, baseline_name, published_baseline)
         figure.legend(
@@ -224,9 +230,12 @@ def _error_legend(
         handles += [
             legend_line(
                 f"median TE2 in {baseline_name}, {1e3 * baseline:.2f} mm", "black", _DASHED, linewidth=0.7
-            ),
-            Line2D([], [], linestyle="none", label=f"↑ ↓ differs from TE2 in {baseline_name}, p < 0.05"),
+            )
         ]
+    if any(any(group.arrows) for group in groups):
+        handles.append(
+            Line2D([], [], linestyle="none", label=f"↑ ↓ differs from TE2 in {baseline_name}, p < 0.05")
+        )
     if any(group.published for group in groups):
         handles.append(
             Line2D(
@@ -304,7 +313,7 @@ def _draw_error_box(axes: Axes, place: float, group: ErrorGroup, robot: int) -> 
         errors,
         "^" if robot else "o",
         color=colour,
-        markersize=1.5,
+        markersize=1.5 if len(errors) > _FEW else 2.8,
         markeredgewidth=0.0,
         alpha=0.8,
     )

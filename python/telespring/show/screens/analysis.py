@@ -102,6 +102,8 @@ def _add_measure_columns(table: Table, numbers: Mapping[str, Any]) -> None:
 
 
 def _add_trial_columns(table: Table, numbers: Mapping[str, Any]) -> None:
+    if numbers["analysed"]["unit"] == "dyad":
+        table.add_column("dyads", justify="right", no_wrap=True)
     table.add_column("trials", justify="right", no_wrap=True)
     if _has_copies(numbers):
         table.add_column("distinct", justify="right", no_wrap=True)
@@ -130,10 +132,18 @@ def _measure_cells(numbers: Mapping[str, Any], condition: Mapping[str, Any]) -> 
 def _trial_cells(numbers: Mapping[str, Any], row: Mapping[str, Any]) -> list[Text]:
     early, begun = row["ended_early"], row["trials"]
     cells = [Text(f"{begun - early}/{begun}", style="red") if early else Text(str(begun))]
+    if numbers["analysed"]["unit"] == "dyad":
+        cells.insert(0, Text(_for_both(row["te1_n"], row["te2_n"])))
     if _has_copies(numbers):
         is_reduced = row["te1_copies"] or row["te2_copies"]
-        cells.append(Text(f"{row['te1_n']}|{row['te2_n']}", style="yellow" if is_reduced else ""))
+        distinct = _for_both(row["te1_distinct"], row["te2_distinct"])
+        cells.append(Text(distinct, style="yellow" if is_reduced else ""))
     return cells
+
+
+def _for_both(first: int, second: int) -> str:
+    """Write a number of each robot, once if both are equal."""
+    return str(first) if first == second else f"{first}|{second}"
 
 
 def _table_1_cell(row: Mapping[str, Any], robot: int) -> Text:
@@ -152,9 +162,12 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
     analysed = numbers["analysed"]
     has_forces = "interaction_force_rms" in numbers["conditions"][0]["measures"]
     forces = "; forces are root mean squares" if has_forces else ""
+    over = "mean ± standard deviation over the trials"
+    if analysed["unit"] == "dyad":
+        over = "mean ± standard deviation over the dyads, each with the mean of its trials"
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
-        f"{1e3 * analysed['sample_period']:.4g} ms. TE: mean ± standard deviation of the tracking error. "
+        f"{1e3 * analysed['sample_period']:.4g} ms. TE: tracking error, {over}. "
         f"Other columns: means for robot 1|robot 2{forces}."
     )
     if resampled_to is not None:
@@ -184,11 +197,15 @@ def _group_test_sentence(test: Mapping[str, Any]) -> str:
     effect = "W" if is_friedman else "ε²"
     size = test["kendalls_w"] if is_friedman else test["epsilon_squared"]
     how = {"exact": ", exact", "permutation": ", by permutation"}.get(test["method"], "")
+    p_value = format_p_value(test["p"])
+    if test["is_p_bound"]:
+        p_value = f"≤ {test['p']:.1g}"
+        how = f", the smallest that {test['permutations']:,} random permutations can give"
     if test["least_p"] is not None and test["least_p"] >= LEVEL:
         how += f" (it cannot be below {_format_least_p(test['least_p'])})"
     return (
         f"TE{test['robot']} over all conditions: {test['test']} {symbol}({test['degrees_of_freedom']}) = "
-        f"{statistic:.2f}, p {format_p_value(test['p'])}{how}, {effect} = {size:.2f}."
+        f"{statistic:.2f}, p {p_value}{how}; {effect} = {size:.2f}."
     )
 
 
@@ -212,12 +229,14 @@ def _baseline_comparison_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     for comparison in numbers["wilcoxon"]["robots"]["comparisons"]:
         if comparison["first"] == tracking_error_name(1, baseline) and comparison["p"] is not None:
             low, high = comparison["superiority_interval"]
-            chance = f"{comparison['superiority']:.2f} ({low:.2f} to {high:.2f})"
-            larger = (
-                f"in a share of {chance} of the dyads"
-                if comparison["test"] == "signed-rank"
-                else f"with probability {chance}"
-            )
+            if comparison["test"] == "signed-rank":
+                larger = (
+                    f"in {100 * comparison['superiority']:.0f} % of these dyads (95 % interval for others: "
+                    f"{100 * low:.0f} to {100 * high:.0f} %)"
+                )
+            else:
+                chance = comparison["superiority"]
+                larger = f"with probability {chance:.2f} (95 % interval: {low:.2f} to {high:.2f})"
             yield Text(
                 f"TE1 against TE2 in {baseline}: p {format_p_value(comparison['p'])}; TE1 is the larger "
                 f"{larger}."
@@ -266,8 +285,8 @@ def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     analysed = numbers["analysed"]
     if analysed["unit"] == "dyad":
         yield Text(
-            f"{len(analysed['dyads'])} dyads: every dyad counts once, with the mean of its trials, so that p "
-            "holds for other dyads too."
+            f"{len(analysed['dyads'])} dyads: every dyad counts once, in all means and tests, so that p holds "
+            "for other dyads too."
         )
     elif analysed["simulated"]:
         yield Text(
@@ -288,14 +307,19 @@ def _copy_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     repeated: dict[tuple[int, int], list[str]] = {}
     for row in numbers["table1"]:
         for robot in (1, 2):
-            copies, distinct = row[f"te{robot}_copies"], row[f"te{robot}_n"]
+            copies, distinct = row[f"te{robot}_copies"], row[f"te{robot}_distinct"]
             if copies:
                 name = tracking_error_name(robot, row["condition"])
                 repeated.setdefault((copies, copies + distinct), []).append(name)
+    reason = (
+        ": nothing in them is random, and more trials change nothing"
+        if numbers["analysed"]["simulated"]
+        else ""
+    )
     for (copies, completed), names in repeated.items():
         yield Text(
             f"{_listed(names)}: {copies} of {completed} trials repeat another one to the nanometre, so "
-            f"{'it does' if copies == 1 else 'they do'} not count.",
+            f"{'it does' if copies == 1 else 'they do'} not count{reason}.",
             style="yellow",
         )
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from telespring._json import finite_or_none
 from telespring.model import Dyad, DyadAxis, Operator
 from telespring.paper.published import AGENT_STIFFNESS
+from telespring.paper.reference import classify
 from telespring.show.quantities import format_pair
 
 if TYPE_CHECKING:
@@ -47,6 +48,32 @@ class BoundaryOfAxis:
     stable_free: tuple[Intervals, ...]
     stable_held: tuple[Intervals, ...]
     unstable_held: tuple[Intervals, ...]
+
+
+@dataclass(frozen=True)
+class AxisVerdicts:
+    """The axes on which a condition is unstable, and those on which it is marginal, by name."""
+
+    unstable: list[str]
+    marginal: list[str]
+
+    @classmethod
+    def on(cls, axes: Sequence[DyadAxis], stiffness: float, delay: float) -> AxisVerdicts:
+        """Judge one condition, N/m and s, on every axis."""
+        verdicts = {axis.name: classify(axis, stiffness, delay) for axis in axes}
+        return cls(
+            [name for name, verdict in verdicts.items() if verdict == "unstable"],
+            [name for name, verdict in verdicts.items() if verdict == "marginal"],
+        )
+
+    @property
+    def word(self) -> Literal["stable", "marginal", "unstable"]:
+        """The worst verdict of any axis."""
+        return "unstable" if self.unstable else "marginal" if self.marginal else "stable"
+
+    def __str__(self) -> str:
+        axes = self.unstable or self.marginal
+        return f"{self.word} on {' and '.join(axes)}" if axes else self.word
 
 
 @dataclass(frozen=True)
@@ -99,12 +126,14 @@ class ArmsBoundary:
                 {
                     "stiffness": stiffness,
                     "delay": delay,
-                    "free": _verdict_word(free),
-                    "in_arms": _verdict_word(held),
-                    "unstable_axes_free": free,
-                    "unstable_axes_in_arms": held,
+                    "free": free.word,
+                    "in_arms": held.word,
+                    "unstable_axes_free": free.unstable,
+                    "unstable_axes_in_arms": held.unstable,
+                    "marginal_axes_free": free.marginal,
+                    "marginal_axes_in_arms": held.marginal,
                 }
-                for (stiffness, delay), free, held in self._unstable_axes()
+                for (stiffness, delay), free, held in self._verdicts()
             ],
             "statements": self.statements(),
         }
@@ -133,21 +162,20 @@ class ArmsBoundary:
                 sentences.append(f"Axis {free.name} with arms at {stiffness:.4g} N/m: {stability}.")
         sentences += [
             f"Condition {stiffness:.0f} N/m, {1e3 * delay:.0f} ms: "
-            f"{_verdict_word(free)}{_on_unstable_axes(free)} with free handles, "
-            f"{_verdict_word(held)}{_on_unstable_axes(held)} with arms."
-            for (stiffness, delay), free, held in self._unstable_axes()
-            if free or held
+            f"{free} with free handles, {held} with arms."
+            for (stiffness, delay), free, held in self._verdicts()
+            if (free.word, held.word) != ("stable", "stable")
         ]
         return sentences
 
-    def _unstable_axes(self) -> list[tuple[tuple[float, float], list[str], list[str]]]:
+    def _verdicts(self) -> list[tuple[tuple[float, float], AxisVerdicts, AxisVerdicts]]:
         return [
             (
-                (stiffness, delay),
-                [axis.free.name for axis in self.axes if not axis.free.is_stable(stiffness, delay)],
-                [axis.held.name for axis in self.axes if not axis.held.is_stable(stiffness, delay)],
+                condition,
+                AxisVerdicts.on([axis.free for axis in self.axes], *condition),
+                AxisVerdicts.on([axis.held for axis in self.axes], *condition),
             )
-            for stiffness, delay in self.conditions
+            for condition in self.conditions
         ]
 
 
@@ -231,7 +259,10 @@ def draw_arms_boundary(boundary: ArmsBoundary, *, mark: StudyMark | None = None,
     panels = [
         figures.ArmsPanel(
             axis.held.name,
-            [figures.MapColumn(float(k), axis.held.stable_delays(float(k), longest)) for k in stiffness],
+            [
+                figures.MapColumn(float(k), axis.held.stable_delays(float(k), figures.HORIZON * longest))
+                for k in stiffness
+            ],
             axis.free.maximum_delay(stiffness),
             [(k, delay, axis.held.is_stable(k, delay)) for k, delay in boundary.conditions],
         )
@@ -262,14 +293,6 @@ def _unstable_delays(stable: Intervals, horizon: float) -> Intervals:
     starts = (0.0, *(end for _, end in stable))
     ends = (*(start for start, _ in stable), horizon)
     return tuple((start, end) for start, end in zip(starts, ends, strict=True) if end > start)
-
-
-def _verdict_word(unstable: list[str]) -> str:
-    return "unstable" if unstable else "stable"
-
-
-def _on_unstable_axes(unstable: list[str]) -> str:
-    return f" on {' and '.join(unstable)}" if unstable else ""
 
 
 def _format_unstable_window(window: tuple[float, float], horizon: float) -> str:

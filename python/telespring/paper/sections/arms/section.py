@@ -9,7 +9,11 @@ from telespring.model import Operator
 from telespring.paper.published import EXPERIMENT_STIFFNESSES
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
-from telespring.paper.sections.arms.boundary import boundary_in_arms, draw_arms_boundary
+from telespring.paper.sections.arms.boundary import (
+    AxisVerdicts,
+    boundary_in_arms,
+    draw_arms_boundary,
+)
 from telespring.show import figures
 from telespring.show.screens.arms import (
     PATH_SECTIONS,
@@ -105,16 +109,18 @@ def _path_findings(
     conditions = []
     for condition in stability.conditions:
         delay = 0.5 * sum(condition.delay)
-        unstable = [axis.name for axis in free if not axis.is_stable(condition.stiffness, delay)]
+        verdicts = AxisVerdicts.on(free, condition.stiffness, delay)
         assert condition.worst_position is not None
         conditions.append(
             {
                 "stiffness": condition.stiffness,
                 "delay": delay,
-                "free": "unstable" if unstable else "stable",
+                "free": verdicts.word,
                 "in_arms": "stable" if condition.stable else "unstable",
-                "unstable_axes_free": unstable,
+                "unstable_axes_free": verdicts.unstable,
                 "unstable_axes_in_arms": None,
+                "marginal_axes_free": verdicts.marginal,
+                "marginal_axes_in_arms": None,
                 "spectral_abscissa": condition.spectral_abscissa,
                 "least_abscissa": condition.least_abscissa,
                 "independent_abscissa": condition.independent_abscissa,

@@ -39,7 +39,8 @@ def find_examples(scene: Scene) -> Findings:
     for key, axis, title, widest, longest, mark in settings:
         stiffness = np.linspace(0.0, widest, 481)[1:]
         columns = [
-            figures.MapColumn(float(k), axis.stable_delays(float(k), 1.01 * longest)) for k in stiffness
+            figures.MapColumn(float(k), axis.stable_delays(float(k), figures.HORIZON * longest))
+            for k in stiffness
         ]
         printed = np.asarray(maximum_delay(*axis.parameters, stiffness, method="paper"), dtype=float)
         panels.append((title, columns, printed))
@@ -51,7 +52,9 @@ def find_examples(scene: Scene) -> Findings:
             "boundary": [
                 {
                     "stiffness": column.stiffness,
-                    "stable_delays": [list(interval) for interval in column.stable],
+                    "stable_delays": [
+                        list(interval) for interval in axis.stable_delays(column.stiffness, 1.01 * longest)
+                    ],
                     "maximum_delay_paper": finite_or_none(float(delay)),
                 }
                 for column, delay in list(zip(columns, printed, strict=True))[::16]

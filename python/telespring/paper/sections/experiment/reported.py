@@ -46,5 +46,6 @@ def _reported_test_row(test: str, statement: Mapping[str, Any], result: Mapping[
         "level": level,
         "p": result["p"],
         "p_holm": result["p_holm"],
+        "is_p_bound": bool(result.get("is_p_bound", False)),
         "agrees": (result["p"] < level) == significant if is_possible else None,
     }

@@ -77,7 +77,7 @@ def find_experiment(scene: Scene) -> Findings:
                 "ended_early": sum(row["ended_early"] for row in rows),
                 "reported": compare_reported_tests(analysed) if published else [],
                 "printed_baseline_median": BASELINE_MEDIAN if published else None,
-                "compared": _compare_with_table_1(rows) if published else None,
+                "compared": _compare_with_table_1(rows, _unstable_conditions(scene)) if published else None,
                 **{key: analysed[key] for key in ("analysed", "baseline", "kruskal_wallis", "wilcoxon")},
                 "conditions": [_condition_without_trials(condition) for condition in analysed["conditions"]],
             },
@@ -124,23 +124,58 @@ def _printed_table_1_row(row: PublishedRow) -> dict[str, Any]:
     return printed
 
 
-def _compare_with_table_1(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Compare all means and arrows with the printed ones: RMS difference in mm, and arrows that agree."""
+def _unstable_conditions(scene: Scene) -> set[tuple[float, float]]:
+    """Return the conditions, N/m and s, that are unstable with the handles held by the study's agents."""
+    from telespring.decision.arm_stability import arm_stability
+
+    assert scene.study.experiment is not None
+    connected = [(k, delay) for k, delay in scene.study.experiment.conditions if k is not None]
+    held = arm_stability(scene.study, connected, scene.modules).conditions
+    return {each for each, condition in zip(connected, held, strict=True) if not condition.stable}
+
+
+def _compare_with_table_1(
+    rows: Sequence[Mapping[str, Any]], unstable: set[tuple[float, float]]
+) -> dict[str, Any]:
+    """Compare all means and arrows with the printed ones.
+
+    The root mean square of the differences, mm, is over all cells, and without the unstable conditions. There
+    is no arrow for TE2 in the unconnected mode, with which all others are compared.
+    """
     cells = [(row, te) for row in rows if row["printed"] for te in ("te1", "te2")]
-    means = [(row[f"{te}_mean"], row["printed"][f"{te}_mean"]) for row, te in cells]
-    differences = [ours - printed for ours, printed in means if ours is not None]
+    means = [
+        (row[f"{te}_mean"] - row["printed"][f"{te}_mean"], (row["stiffness"], row["delay"]) in unstable)
+        for row, te in cells
+        if row[f"{te}_mean"] is not None
+    ]
+    arrows = [(row, te) for row, te in cells if (row["stiffness"], te) != (None, "te2")]
     return {
         "cells": len(cells),
-        "rms_difference": math.sqrt(statistics.fmean(d * d for d in differences)) if differences else None,
-        "arrows_that_agree": sum(row[f"{te}_arrow"] == row["printed"][f"{te}_arrow"] for row, te in cells),
+        "rms_difference": _root_mean_square([difference for difference, _ in means]),
+        "unstable_conditions": [
+            row["condition"] for row in rows if (row["stiffness"], row["delay"]) in unstable
+        ],
+        "rms_difference_stable": _root_mean_square(
+            [difference for difference, swings in means if not swings]
+        ),
+        "arrows": len(arrows),
+        "arrows_that_agree": sum(row[f"{te}_arrow"] == row["printed"][f"{te}_arrow"] for row, te in arrows),
     }
+
+
+def _root_mean_square(values: Sequence[float]) -> float | None:
+    return math.sqrt(statistics.fmean(value * value for value in values)) if values else None
 
 
 def _condition_without_trials(condition: Mapping[str, Any]) -> dict[str, Any]:
     """Remove the values and labels of single trials, which the dataset has."""
     measures = {
         name: {
-            key: {k: v for k, v in value.items() if k != "values"} if isinstance(value, dict) else value
+            key: (
+                {k: v for k, v in value.items() if k not in ("values", "dyad_means")}
+                if isinstance(value, dict)
+                else value
+            )
             for key, value in measure.items()
         }
         for name, measure in condition["measures"].items()
