@@ -1,4 +1,4 @@
-"""Figures for scripts: boundaries pass through the exact limits, legends are whole, wrong units are refused."""
+"""Figures for scripts: exact boundaries, whole legends, and wrong units refused."""
 
 from __future__ import annotations
 
@@ -71,7 +71,9 @@ def test_law_a_depth_is_the_distance_to_the_nearest_end_of_a_stable_interval() -
 
 
 def legend(axes: Axes) -> list[str]:
-    return [text.get_text() for text in axes.get_legend().get_texts()]
+    shown = axes.get_legend()
+    assert shown is not None
+    return [text.get_text() for text in shown.get_texts()]
 
 
 def test_law_the_bar_of_a_mark_is_in_the_legend() -> None:
@@ -116,6 +118,6 @@ def test_law_all_figures_of_a_condition_refuse_milliseconds_unless_meant() -> No
     for draw in (ts.plot.nyquist, ts.plot.frequency_response):
         with pytest.raises(ts.InvalidInput, match="Did you mean 80 ms"):
             draw(dyad, 71.2, 80.0)
-    with pytest.raises(ts.InvalidInput, match="if 300 was meant in ms, write 0.3"):
+    with pytest.raises(ts.InvalidInput, match="if 300 was meant in ms, write 0\\.3"):
         ts.plot.stability_map(dyad, delay=300.0)
     assert ts.plot.stability_map(dyad, mark=(71.2, 3.0), allow_unusual=True).get_ylim()[1] > 3e3

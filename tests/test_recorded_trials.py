@@ -148,6 +148,10 @@ def replaced(column: str, line: int, value: object) -> Callable[[pd.DataFrame], 
     return edit
 
 
+def first_is_renamed(folder: Path) -> None:
+    (folder / FIRST).rename(folder / f"x{FIRST}")
+
+
 MM = {"position_robot1_x_m": "position_robot1_x_mm"}
 REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     "no column": (
@@ -249,6 +253,24 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
         [f"{FIRST} = only a header", "a line per sample"],
     ),
     "no trials": (in_index(lambda table: table.iloc[:0]), ["a line per trial is required"]),
+    "no file": (
+        first_is_renamed,
+        ["trials.csv, line 2: file = ", f"Did you mean x{FIRST}? Otherwise copy it there"],
+    ),
+    "no two files": (
+        in_index(lambda table: table.assign(file=[*table["file"][:-2], "a.csv", "b.csv"])),
+        ["file = a.csv", "not in the folder", "and 1 more of the list are missing"],
+    ),
+    "file unnamed": (in_index(replaced("file", 0, "")), ["trials.csv, line 2: file = empty"]),
+    "file is a folder": (in_index(replaced("file", 0, ".")), ["trials.csv, line 2: file = .", "no file"]),
+    "empty cell": (
+        in_first(lambda table: table.assign(target_x_m=[*table["target_x_m"][:-1], ""])),
+        [f"{FIRST}, line ", "target_x_m = empty", "Remove such lines (1 of "],
+    ),
+    "empty column": (
+        in_first(lambda table: table.assign(target_x_m="")),
+        [f"{FIRST}, line 2: target_x_m = empty", "The whole column is so"],
+    ),
 }
 
 
@@ -273,7 +295,7 @@ def test_law_a_status_is_one_whatever_its_case(tmp_path: Path) -> None:
 def test_law_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     folder = lab(tmp_path)
     (folder / FIRST).unlink()
-    with pytest.raises(FileNotFoundError, match=FIRST):
+    with pytest.raises(ts.InvalidInput, match=rf"trials\.csv, line 2: file = {re.escape(FIRST)}"):
         read_recorded(folder)
 
 

@@ -637,6 +637,12 @@ def test_law_a_target_in_python_is_followed(mine: Callable[[str], Path], tmp_pat
             "agent1.class",
             "in the folder of the study file .* or on Python's module path",
         ),
+        # the call itself fails: no line of the user's file, and none of ours
+        (
+            TARGET.format(name="still") + "\noptions = {radius = 1.0}",
+            "task.function",
+            r"TypeError: .*radius'\. Correct it in mine\.py\. A target is called",
+        ),
         (TARGET.format(name="millimetres"), "task.function", "within 10 m, .* millimetres"),
         (TARGET.format(name="jumping"), "task.function", "at 100 m/s at t = 0.5 s"),
         (

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import chain, combinations
 
@@ -48,7 +50,7 @@ def findings(paper: ts.Study, analysis: Analysis) -> dict[str, Findings]:
 def with_results(results: Mapping[str, Findings]) -> list[Section]:
     """Return all sections that compute something, each with its results at hand."""
     return [
-        replace(section, find=lambda _, name=section.name: results[name])  # type: ignore[misc]
+        replace(section, find=lambda _, name=section.name: results[name], start=None)  # type: ignore[misc]
         for section in PARTS
     ]
 
@@ -115,3 +117,112 @@ def test_law_a_report_of_any_sections_is_made(
         }
         identifiers = re.findall(r' id="([^"]+)"', report.html)
         assert set(re.findall(r'<a href="#([^"]+)"', report.html)) <= set(identifiers)
+
+
+def test_law_a_condition_has_one_verdict_wherever_it_is_judged(analysis: Analysis) -> None:
+    """Fig. 5, the map and the table of arms judge free handles; the one in Fig. 5(h) is marginal on x."""
+    judged: dict[tuple[float, float], dict[str, str]] = {}
+    for panel in analysis.numbers["responses"]["panels"]:
+        judged.setdefault((panel["stiffness"], panel["delay"]), {})[panel["axis"]] = panel["verdict"]
+    shared = 0
+    for condition in analysis.numbers["arms"]["conditions"]:
+        verdicts = judged.get((condition["stiffness"], condition["delay"]))
+        if verdicts is None:
+            continue
+        shared += 1
+        for word, axes in (("unstable", "unstable_axes_free"), ("marginal", "marginal_axes_free")):
+            assert condition[axes] == [axis for axis, verdict in verdicts.items() if verdict == word]
+        order = ("stable", "marginal", "unstable")
+        assert condition["free"] == max(verdicts.values(), key=order.index)
+        assert (condition["free"] == "marginal") == (verdicts == {"x": "marginal", "y": "stable"})
+    assert shared == 16
+    assert re.search(r'<td class="marginal">marginal on x</td>', analysis.html)
+
+
+def test_law_the_first_screen_explains_its_condition_and_its_numbers(analysis: Analysis) -> None:
+    numbers = analysis.numbers
+    assert numbers["summary"]["answer"]["figure_5_panel"] == "h"
+    first = re.sub(r"<[^>]+>", "", analysis.html[: analysis.html.index('id="allowed"')])
+    assert "This is the condition of the paper's Fig. 5(h)" in first
+    compared = numbers["experiment"]["compared"]
+    assert compared["unstable_conditions"] == [
+        f"CM-{condition['stiffness']:.0f}-{1e3 * condition['delay']:.0f}"
+        for condition in numbers["arms"]["conditions"]
+        if condition["in_arms"] == "unstable"
+    ]
+    squares = {
+        row["condition"]: [(row[f"{te}_mean"] - row["printed"][f"{te}_mean"]) ** 2 for te in ("te1", "te2")]
+        for row in numbers["table1"]
+    }
+    everything = [each for pair in squares.values() for each in pair]
+    stable = [
+        each for name, pair in squares.items() if name not in compared["unstable_conditions"] for each in pair
+    ]
+    assert (len(everything), len(stable)) == (34, 28)
+    assert compared["rms_difference"] == pytest.approx(np.sqrt(np.mean(everything)), rel=1e-12)
+    assert compared["rms_difference_stable"] == pytest.approx(np.sqrt(np.mean(stable)), rel=1e-12)
+    # TE2 in the unconnected mode is what the others are compared with
+    assert compared["arrows"] == numbers["calibration"]["hypotheses"][0]["arrows"]["of"] == 33
+
+
+def test_law_a_p_that_permutations_only_bound_is_marked(analysis: Analysis) -> None:
+    bounds = [row for row in analysis.numbers["experiment"]["kruskal_wallis"] if row["is_p_bound"]]
+    assert bounds
+    assert all(
+        (row["method"], row["permutations"], row["p"]) == ("permutation", 9999, 1e-4) for row in bounds
+    )
+    table = analysis.html[analysis.html.index('id="group-tests"') :]
+    table = table[: table.index("</table>")]
+    assert "the smallest p that 9,999 random permutations can give" in table
+    # of raw p and of Holm's
+    assert table.count('<td class="n">≤ ') == 2 * len(bounds)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "delay", "panel"),
+    [
+        (71.23, 0.167, "h"),
+        (35.616, 0.0836, "d"),
+        (142.46, 0.334, "l"),
+        (71.23, 0.1, None),
+        (60.0, 0.167, None),
+    ],
+)
+def test_law_a_condition_of_figure_5_is_recognised(stiffness: float, delay: float, panel: str | None) -> None:
+    study = ts.Study.paper().replace(coupling={"stiffness": stiffness}, network={"delay": delay})
+    [summary] = [section for section in PARTS if section.name == "summary"]
+    assert summary.find is not None
+    assert summary.find(Scene.of(study)).numbers["summary"]["answer"]["figure_5_panel"] == panel
+
+
+def test_law_a_computation_beside_the_others_ends_with_the_report() -> None:
+    """An error in another section, or Ctrl-C, must not wait for minutes of fits, nor leave processes behind."""
+    ended = []
+
+    @contextmanager
+    def start(_: Scene) -> Iterator[Callable[[], Findings]]:
+        try:
+            yield Findings
+        finally:
+            ended.append(True)
+
+    def fail(_: Scene) -> Findings:
+        raise KeyboardInterrupt
+
+    parts = [
+        Section("failing", "failing", step="failing", find=fail),
+        Section("beside", "beside", step="beside", find=lambda _: Findings(), start=start),
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        analyse(ts.Study.paper(), parts=parts)
+    assert ended == [True]
+
+
+def test_law_fits_that_are_not_awaited_end_at_once() -> None:
+    [calibration] = [section for section in PARTS if section.name == "calibration"]
+    assert calibration.start is not None
+    threads = threading.active_count()
+    with calibration.start(Scene.of(ts.Study.paper())):
+        assert threading.active_count() > threads
+    # the fits take a minute; the test's own limit would end it
+    assert threading.active_count() == threads

@@ -357,7 +357,7 @@ def test_law_means_deviations_and_figures_are_over_the_dyads() -> None:
     [axes] = [axes for axes in draw_errors(found).axes if axes.get_ylabel()]
     assert axes.get_ylabel() == "Tracking error, mean of each dyad, mm"
     markers = [line for line in axes.lines if line.get_marker() in ("o", "^")]
-    assert [len(line.get_xdata()) for line in markers] == [3] * 4
+    assert [np.size(line.get_xdata()) for line in markers] == [3] * 4
     one = analyse_trials(made.drop_vars("dyad"))["conditions"][0]["measures"]["tracking_error"]["robot1"]
     assert one["dyad_means"] is None
 
@@ -368,6 +368,7 @@ def test_law_the_least_p_of_random_permutations_is_a_bound() -> None:
     assert (found.method, found.permutations, found.p_value) == ("permutation", 9999, 1e-4)
     assert found.is_p_bound
     # of all arrangements 6 are as extreme
+    assert found.p_value is not None
     assert found.p_value > 6.0 * math.factorial(8) ** 3 / math.factorial(24)
     rng = np.random.default_rng(1)
     assert not kruskal_wallis({name: rng.normal(size=8) for name in "abc"}).is_p_bound

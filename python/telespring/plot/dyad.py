@@ -128,7 +128,7 @@ def stability_map(
 def _bounds_over_range(
     dyad: Dyad, ranges: tuple[OperatorRange, OperatorRange], k: FloatArray, delays: FloatArray
 ) -> tuple[list[tuple[str, FloatArray]], float]:
-    """How far every operator is stable, N/m, by axis, and the stiffness allowed at any constant delay, N/m."""
+    """How far every operator is stable, by axis, and what is allowed at any constant delay, N/m."""
     judged = delays[:: _POINTS // _RANGE_POINTS]
     verdict = [verdicts(dyad, float(k[0]), float(delay), operator_range=ranges) for delay in judged]
     boundaries = []
@@ -143,9 +143,8 @@ def _bounds_over_range(
 def _depth_of_axis(axis: DyadAxis, k: FloatArray, delays: FloatArray) -> FloatArray:
     """How far the delays lie inside the stable intervals, s, (delay, stiffness)."""
     horizon = HORIZON * float(delays[-1])
-    return stable_depth(
-        [MapColumn(float(each), axis.stable_delays(float(each), horizon)) for each in k], delays
-    )
+    columns = [MapColumn(each, axis.stable_delays(each, horizon)) for each in k.tolist()]
+    return stable_depth(columns, delays)
 
 
 def _star_of(mark: tuple[float, ...], allow_unusual: bool) -> StudyMark:

@@ -37,8 +37,8 @@ _AGENT_CONTRACT = (
     "force (x, y) in N."
 )
 _TARGET_CONTRACT = (
-    "A target is called as target(times) in s, with the study's options by name, and returns positions of shape "
-    "(n, 2) in m."
+    "A target is called as target(times) in s, with the study's options by name, and returns positions of "
+    "shape (n, 2) in m."
 )
 
 #: Exceptions of user code. sys.exit in an agent must not end the rehearsal as if it had succeeded.

@@ -40,8 +40,8 @@ def condition_label(stiffness: float | None, delay: float, digits: int = 0) -> s
 def condition_labels(conditions: Iterable[Condition | tuple[float | None, float]]) -> list[str]:
     """Name all conditions of an experiment as `condition_label` does, each differently.
 
-    Conditions that rounding makes alike have as many digits more as tell them apart, without zeros at the end;
-    a repeated condition is numbered.
+    Conditions that rounding makes alike have as many more digits as tell them apart, without zeros at the
+    end; a repeated condition is numbered.
 
     Examples
     --------

@@ -219,7 +219,7 @@ def _recorded_target(
                 f"{trials[0].entry.file}: {TARGET[0]}",
                 "missing",
                 f"the columns {' and '.join(TARGET)} are required, or a study whose task defines the target",
-                "Add them, or name the study: --study on the command line, in Python task=study.experiment.task.",
+                "Add them, or name the study: --study as an option, in Python task=study.experiment.task.",
             )
         try:
             positions = target_positions(task, time)

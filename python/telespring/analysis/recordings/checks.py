@@ -62,7 +62,7 @@ def check_trial_files(folder: Path, files: Mapping[str, str]) -> None:
         missing = [each for each in files.values() if not spelt_otherwise(folder / each).is_file()]
         unlisted = {each.name for each in folder.glob("*") if each.is_file()} - {INDEX, *files.values()}
         similar = difflib.get_close_matches(file, sorted(unlisted), n=1, cutoff=0.7)
-        more = f", and neither are {len(missing) - 1} others of the list" if len(missing) > 1 else ""
+        more = f", and {len(missing) - 1} more of the list are missing" if len(missing) > 1 else ""
         refuse(
             f"{place}: file",
             file,
@@ -205,7 +205,7 @@ def check_recorded_samples(file: str, table: TextTable, columns: Sequence[str]) 
         if not wrong.size:
             continue
         text = str(table.columns[place].iloc[int(wrong[0])])
-        remedy = f"Remove such lines ({wrong.size} of {len(table)}): a gap of up to {_LONGEST_GAP:g} samples is bridged."
+        remedy = f"Remove such lines ({wrong.size} of {len(table)}): small gaps are bridged."
         if wrong.size == len(table):
             remedy = "The whole column is so: correct it, or remove it if it is optional."
         refuse(

@@ -13,15 +13,15 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from typing import Self, TypeVar
 
 __all__ = ["Processes"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: What an interpreter does: it answers each function and item with the result or the exception. Ctrl-C reaches
-#: it, too, but its end is for the program to decide that started it.
+#: What an interpreter does: it answers each function and item with the result or the exception. Ctrl-C
+#: reaches it, too, but its end is for the program to decide that started it.
 _SERVE = """
 import pickle, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -59,7 +59,7 @@ class Processes:
         self._lock = threading.Lock()
         self.has_ended = False
 
-    def __enter__(self) -> Processes:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -77,7 +77,7 @@ class Processes:
             process.wait()
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """Yield the results in the order of the items; the first exception is raised where its result would be.
+        """Yield the results in the order of the items; an exception is raised where its result would be.
 
         The function is a module's, and it, items and results can be pickled.
         """

@@ -122,7 +122,7 @@ def draw_errors(
 
 
 def _drawn_errors(measured: Mapping[str, Any]) -> FloatArray:
-    """Return the errors of one robot in one condition, m: of its dyads if they count, otherwise of its trials."""
+    """Return the errors of one robot in one condition, m: of dyads if they count, else of trials."""
     by_dyad = measured["dyad_means"]
     return np.array(measured["values"] if by_dyad is None else list(by_dyad.values()), dtype=float)
 

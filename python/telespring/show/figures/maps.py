@@ -41,8 +41,8 @@ Floats = NDArray[np.float64]
 
 
 STABLE = "#CFE8DF"
-#: Up to this multiple of the largest delay drawn the stable intervals are needed, so that a boundary may leave
-#: the map.
+#: Up to this multiple of the largest delay drawn the stable intervals are needed, so that a boundary may
+#: leave the map.
 HORIZON = 1.25
 #: Rows of a map, over the delay; between them a boundary is where it is.
 _ROWS = 401

@@ -79,9 +79,9 @@ def error_figure(
     """Draw the tracking errors of both robots in every condition as boxes (Fig. 8).
 
     A box shows median and quartiles, its whiskers reach to the last value within 1.5 box heights, and every
-    `unit` is a marker. An arrow above a box marks a significant difference from the baseline, whose median TE2
-    is `baseline`, m, and None where there is no baseline. Conditions with much larger errors than most have
-    an upper part of the figure with a logarithmic scale, so that the others stay legible.
+    `unit` is a marker. An arrow above a box marks a significant difference from the baseline, whose median
+    TE2 is `baseline`, m, and None where there is no baseline. Conditions with much larger errors than most
+    have an upper part of the figure with a logarithmic scale, so that the others stay legible.
     `published_baseline` is a published median TE2 of the baseline, m.
     """
     split = _scale_change(groups, [baseline, published_baseline])

@@ -285,8 +285,8 @@ def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     analysed = numbers["analysed"]
     if analysed["unit"] == "dyad":
         yield Text(
-            f"{len(analysed['dyads'])} dyads: every dyad counts once, in all means and tests, so that p holds "
-            "for other dyads too."
+            f"{len(analysed['dyads'])} dyads: every dyad counts once, in all means and tests, so that p "
+            "holds for other dyads too."
         )
     elif analysed["simulated"]:
         yield Text(
