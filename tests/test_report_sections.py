@@ -196,7 +196,7 @@ def test_law_a_condition_of_figure_5_is_recognised(stiffness: float, delay: floa
 
 
 def test_law_a_computation_beside_the_others_ends_with_the_report() -> None:
-    """An error in another section, or Ctrl-C, must not wait for minutes of fits, nor leave processes behind."""
+    """An error in another section, or Ctrl-C, must neither wait for the fits nor leave processes behind."""
     ended = []
 
     @contextmanager
