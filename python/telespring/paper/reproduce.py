@@ -19,11 +19,17 @@ from telespring.paper.sections import SECTIONS, order_of_computation
 
 __all__ = ["PARTS", "STEPS", "Analysis", "analyse", "write"]
 
-#: The sections that compute something, in the order of computation and of their keys in `study.json`.
+#: The sections that compute something, in the order of their keys in `study.json`.
 PARTS = order_of_computation(SECTIONS)
 
+
+def _awaited_last(parts: Sequence[Section]) -> list[Section]:
+    """Order sections so that those which compute beside the others are awaited after them."""
+    return sorted(parts, key=lambda section: section.start is not None)
+
+
 #: The names of the steps, in order, as `progress` receives them.
-STEPS = (*(section.step for section in PARTS), "report")
+STEPS = (*(section.step for section in _awaited_last(PARTS)), "report")
 
 
 @dataclass(frozen=True)
@@ -91,7 +97,7 @@ def analyse(
         wait_for = {
             section.name: begun.enter_context(section.start(scene)) for section in computed if section.start
         }
-        for section in computed:
+        for section in _awaited_last(computed):
             assert section.find is not None
             if progress is not None:
                 progress(section.step)
@@ -101,8 +107,8 @@ def analyse(
         progress(STEPS[-1])
     described = scene.describe_study()
     numbers: dict[str, Any] = {"schema": "telespring study 2", "study": described}
-    for results in findings.values():
-        numbers |= results.numbers
+    for section in computed:
+        numbers |= findings[section.name].numbers
     return Analysis(numbers=numbers, html=render(described, findings, date))
 
 

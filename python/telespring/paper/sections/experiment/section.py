@@ -125,12 +125,17 @@ def _printed_table_1_row(row: PublishedRow) -> dict[str, Any]:
 
 
 def _unstable_conditions(scene: Scene) -> set[tuple[float, float]]:
-    """Return the conditions, N/m and s, that are unstable with the handles held by the study's agents."""
+    """Return the conditions, N/m and s, that are unstable with the handles held by the study's agents.
+
+    There is none where it is not known, because the target leaves an arm's reach.
+    """
     from telespring.decision.arm_stability import arm_stability
 
     assert scene.study.experiment is not None
     connected = [(k, delay) for k, delay in scene.study.experiment.conditions if k is not None]
     held = arm_stability(scene.study, connected, scene.modules).conditions
+    if not held:
+        return set()
     return {each for each, condition in zip(connected, held, strict=True) if not condition.stable}
 
 
