@@ -204,7 +204,7 @@ def test_law_a_study_gives_the_target_and_what_to_discard(
     arguments = ("analyse", tmp_path / "lab", "--out", tmp_path / "out", "--json", "--no-figures")
     refused = run(*arguments)
     assert refused.exit_code == 2
-    assert "Add them, or name the study with --study." in refused.stderr
+    assert "Add them, or name the study: --study as an option" in refused.stderr
     task = {"kind": "figure-eight", "amplitude": [0.05, 0.1], "angular_frequency": 2.59}
     study = SimpleNamespace(experiment=SimpleNamespace(task=task, discard=0.5))
     monkeypatch.setattr(analyse, "Study", SimpleNamespace(read=lambda _: study))
