@@ -316,7 +316,7 @@ def is_significant(fit: Fit, level: float = SIGNIFICANCE, column: int = -1) -> b
     return _significance_ratio(fit, level, column) > 1.0
 
 
-def significance_threshold(degrees_of_freedom: int, level: float = SIGNIFICANCE) -> float:
+def significance_threshold(degrees_of_freedom: float, level: float = SIGNIFICANCE) -> float:
     """Return how many half-widths of its 95 % interval a coefficient must exceed to be significant."""
     from scipy import stats
 
@@ -325,5 +325,6 @@ def significance_threshold(degrees_of_freedom: int, level: float = SIGNIFICANCE)
 
 
 def _significance_ratio(fit: Fit, level: float, column: int = -1) -> float:
-    half = fit.half_width()[column] * significance_threshold(fit.degrees_of_freedom, level)
+    threshold = significance_threshold(float(fit.degrees_of_freedom[column]), level)
+    half = fit.half_width()[column] * threshold
     return float(abs(fit.estimate[column]) / half) if half > 0.0 else float("inf")

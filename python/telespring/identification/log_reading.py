@@ -248,9 +248,12 @@ def _check_scales(scales: Mapping[str, float], rate: float | None) -> None:
 
 def _repeated_samples(time: FloatArray, *values: FloatArray) -> NDArray[np.bool_]:
     """Find rows that repeat the row before, as some buses deliver a message twice."""
-    rows = np.column_stack([time, *values])
-    same = ((rows[1:] == rows[:-1]) | (np.isnan(rows[1:]) & np.isnan(rows[:-1]))).all(axis=1)
-    return np.concatenate([[False], same & np.isfinite(time[1:])])
+    again = np.flatnonzero(time[1:] == time[:-1]) + 1
+    repeated = np.zeros(time.size, dtype=bool)
+    rows = np.column_stack(values)
+    now, before = rows[again], rows[again - 1]
+    repeated[again] = ((now == before) | (np.isnan(now) & np.isnan(before))).all(axis=1)
+    return repeated
 
 
 def _samples_between(
