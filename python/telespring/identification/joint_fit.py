@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from telespring._types import FloatArray
 from telespring.identification.covariance import estimate_covariance
 from telespring.identification.filtering import Signals
-from telespring.identification.regression import Fit, robust_least_squares
+from telespring.identification.regression import Fit, estimate_robustly
 from telespring.identification.reweighting import paper_least_squares
 
 __all__ = ["SEPARABLE", "JointFit", "Lag", "fit_axes", "orthogonal_share"]
@@ -157,10 +157,9 @@ def _weigh(
     residual = np.zeros_like(force)
     weights, slope, converged, estimate = whole.copy(), whole.copy(), True, None
     if method == "robust":
-        fit = robust_least_squares(regressor[used], force[used], start)
-        weights[used], converged, estimate = fit.weights, fit.converged, fit.estimate
-        slope[used] = fit.weights if fit.slope is None else fit.slope
-        residual[used] = fit.residual
+        fit = estimate_robustly(regressor[used], force[used], start)
+        weights[used], slope[used], residual[used] = fit.weights, fit.slope, fit.residual
+        converged, estimate = fit.converged, fit.estimate
     else:
         residual[used] = force[used] - regressor[used] @ np.linalg.lstsq(regressor[used], force[used])[0]
     least = 1e-9 * float(np.sqrt((force[used] ** 2).mean()))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from telespring._types import FloatArray
 from telespring.identification.covariance import estimate_covariance
 
-__all__ = ["Fit", "least_squares", "regressor_matrix", "robust_least_squares"]
+__all__ = ["Fit", "RobustEstimate", "estimate_robustly", "least_squares", "regressor_matrix"]
 
 #: A robust fit that has not converged after so many steps is reported as such.
 _MAXIMUM_STEPS = 200
@@ -40,8 +40,6 @@ class Fit:
         Newey-West bandwidth in samples; None if the covariance assumes independent residuals.
     converged
         False if the iteration stopped before it converged.
-    slope
-        Derivative of the weighted residual by the residual, where it is not the weight.
     """
 
     estimate: FloatArray
@@ -51,7 +49,6 @@ class Fit:
     degrees_of_freedom: FloatArray
     lags: int | None
     converged: bool = True
-    slope: FloatArray | None = None
 
     @property
     def standard_error(self) -> FloatArray:
@@ -90,10 +87,7 @@ def least_squares(
     """
     weights = np.ones_like(force) if weights is None else weights
     root = np.sqrt(weights)
-    size = _regressor_column_sizes(regressor)
-    estimate: FloatArray = (
-        np.linalg.lstsq(regressor / size * root[:, None], force * root, rcond=None)[0].astype(float) / size
-    )
+    estimate = _solve(regressor * root[:, None], force * root)
     residual = force - regressor @ estimate
     covariance = estimate_covariance(
         regressor[None], (weights * residual)[None], weights[None], stretch
@@ -108,8 +102,28 @@ def least_squares(
     )
 
 
-def robust_least_squares(regressor: FloatArray, force: FloatArray, start: FloatArray | None = None) -> Fit:
-    """Fit by Hampel's three-part M-estimator, started from Huber's, with a Newey-West covariance.
+def _solve(regressor: FloatArray, force: FloatArray) -> FloatArray:
+    # Scaled columns: mass and offset may differ by orders of magnitude.
+    size = np.sqrt((regressor**2).mean(axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    return np.asarray(np.linalg.lstsq(regressor / size, force, rcond=None)[0], dtype=float) / size
+
+
+@dataclass(frozen=True)
+class RobustEstimate:
+    """An M-estimate: coefficients, residuals (N), weights (1 for full weight), and the derivative of ψ."""
+
+    estimate: FloatArray
+    residual: FloatArray
+    weights: FloatArray
+    slope: FloatArray
+    converged: bool = True
+
+
+def estimate_robustly(
+    regressor: FloatArray, force: FloatArray, start: FloatArray | None = None
+) -> RobustEstimate:
+    """Fit by Hampel's three-part M-estimator, started from Huber's.
 
     Both are statsmodels' RLM. Huber's problem is convex, so its solution does not depend on a start. Hampel's
     function then gives every sample up to 4 robust standard deviations full weight and rejects those beyond
@@ -123,11 +137,12 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray, start: FloatA
     """
     import statsmodels.api as sm
 
-    ordinary = least_squares(regressor, force)
-    scale = float(sm.robust.scale.mad(ordinary.residual, center=0))
+    ordinary = _solve(regressor, force)
+    residual = force - regressor @ ordinary
+    scale = float(sm.robust.scale.mad(residual, center=0))
     # Residuals from rounding alone have no scale; and where none is large, this is Hampel's solution already.
-    if scale <= 1e-12 * float(np.abs(force).max()) or np.abs(ordinary.residual).max() <= _HAMPEL[0] * scale:
-        return ordinary
+    if scale <= 1e-12 * float(np.abs(force).max()) or np.abs(residual).max() <= _HAMPEL[0] * scale:
+        return RobustEstimate(ordinary, residual, np.ones_like(force), np.ones_like(force))
     with warnings.catch_warnings():
         # The result says whether it converged.
         warnings.simplefilter("ignore")
@@ -136,22 +151,10 @@ def robust_least_squares(regressor: FloatArray, force: FloatArray, start: FloatA
         norm = sm.robust.norms.Hampel(*_HAMPEL)
         hampel = sm.RLM(force, regressor, M=norm).fit(start_params=start, maxiter=_MAXIMUM_STEPS)
     residual = np.asarray(hampel.resid)
-    scaled = residual / hampel.scale
-    # Rejected samples must not influence the estimated correlation of the others.
-    score = hampel.scale * norm.psi(scaled)
-    slope = np.asarray(norm.psi_deriv(scaled))
-    covariance = estimate_covariance(regressor[None], score[None], slope[None])
-    return Fit(
-        estimate=np.asarray(hampel.params),
-        covariance=covariance.matrix,
-        residual=residual,
-        weights=np.asarray(hampel.weights),
-        degrees_of_freedom=covariance.degrees_of_freedom,
-        lags=covariance.lags,
-        converged=hampel.fit_history["iteration"] < _MAXIMUM_STEPS,
-        slope=slope,
+    return RobustEstimate(
+        np.asarray(hampel.params),
+        residual,
+        np.asarray(hampel.weights),
+        np.asarray(norm.psi_deriv(residual / hampel.scale)),
+        hampel.fit_history["iteration"] < _MAXIMUM_STEPS,
     )
-
-
-def _regressor_column_sizes(regressor: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt((regressor**2).mean(axis=0)))
