@@ -1,11 +1,12 @@
 """Covariance of regression coefficients whose residuals are autocorrelated, and the intervals that follow.
 
-The covariance is that of Newey and West [1]_. It is too small for two reasons: a fit takes a part of the noise
-out of the residuals, and the Bartlett kernel mixes the noise at the frequencies of the movement with that at
-others, where there may be less. Both are corrected as Bell and McCaffrey do [2]_: by the factor by which the
-estimator is too small under a working model of the noise, here an autoregression of first order, which also
-chooses the bandwidth. The estimator itself scatters, the more the wider the bandwidth; the quantile is that of
-Student's t with as many degrees of freedom as its mean and variance say (Satterthwaite), per coefficient [3]_.
+The covariance is that of Newey and West [1]_. It is too small for two reasons: a fit takes a part of the
+noise out of the residuals, and the Bartlett kernel mixes the noise at the frequencies of the movement with
+that at others, where there may be less. Both are corrected as Bell and McCaffrey do [2]_: by the factor by
+which the estimator is too small under a working model of the noise, here an autoregression of first order,
+which also chooses the bandwidth. The estimator itself scatters, the more the wider the bandwidth. The
+quantile is that of Student's t with as many degrees of freedom as its mean and variance say (Satterthwaite),
+per coefficient [3]_.
 
 References
 ----------
@@ -206,7 +207,11 @@ def _expected(
         projected = z[..., None] * smooth
         crossed = inverse @ weighed.T @ smooth
         own = sum(_decaying_sum(z[a], lags, correlations[a], starts) for a in range(axes))
-        mean = own - 2.0 * float((coloured_influences * projected).sum()) + float(np.trace(crossed @ inverse @ noise))
+        mean = (
+            own
+            - 2.0 * float((coloured_influences * projected).sum())
+            + float(np.trace(crossed @ inverse @ noise))
+        )
         truth = float(sum(z[a] @ correlated(a, z[a]) for a in range(axes)))
         if not truth > 0.0:
             continue
@@ -221,9 +226,7 @@ def _expected(
     return shares, freedom
 
 
-def _decaying_sum(
-    values: FloatArray, lags: int, correlation: float, starts: NDArray[np.int_]
-) -> float:
+def _decaying_sum(values: FloatArray, lags: int, correlation: float, starts: NDArray[np.int_]) -> float:
     """Return Σ z_s z_t ρ^|s − t| (1 − |s − t|/(lags + 1))."""
     total = 0.0
     for part in np.split(values, starts):

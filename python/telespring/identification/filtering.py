@@ -31,13 +31,10 @@ STRIBECK_VELOCITIES = (0.005, 0.01, 0.02, 0.04, 0.08)
 #: The filter's transient at the ends of a log decays within this many periods of the cut-off frequency: the
 #: slowest pole decays by exp(−2.4 n) over n of them.
 _TRANSIENT_PERIODS = 3.0
-#: Samples kept per period of the cut-off frequency. At this rate filtered white noise is white again: what the
-#: filter has taken near half of the rate, aliasing adds (power within 3 %). At a higher one residuals are
-#: correlated, and a kernel estimate of their power at the frequencies of the movement takes in those above the
-#: cut-off, where there is none. The movement, far below, loses nothing.
-_KEPT_PER_PERIOD = 1.8
+#: Samples kept per period of the cut-off frequency, a little above the Nyquist rate of 2.
+_KEPT_PER_PERIOD = 2.5
 #: Below this number of samples the intervals would be guesses.
-_MINIMUM_KEPT = 36
+_MINIMUM_KEPT = 50
 
 #: The sign of the velocity is taken at a cut-off of up to so many times the filter's and up to this share of
 #: the sample rate, as long as the noise stays below this share of the velocity's root mean square.
@@ -159,7 +156,7 @@ def _ends(rate: float, cutoff: float) -> int:
 
 def _decimation(rate: float, cutoff: float) -> int:
     """Return of how many samples one is kept."""
-    return max(1, round(rate / (_KEPT_PER_PERIOD * cutoff)))
+    return max(1, int(rate / (_KEPT_PER_PERIOD * cutoff)))
 
 
 def _refuse_short_log(stretches: Sequence[Stretch], cutoff: float) -> None:

@@ -89,9 +89,7 @@ def least_squares(
     root = np.sqrt(weights)
     estimate = _solve(regressor * root[:, None], force * root)
     residual = force - regressor @ estimate
-    covariance = estimate_covariance(
-        regressor[None], (weights * residual)[None], weights[None], stretch
-    )
+    covariance = estimate_covariance(regressor[None], (weights * residual)[None], weights[None], stretch)
     return Fit(
         estimate=estimate,
         covariance=covariance.matrix,

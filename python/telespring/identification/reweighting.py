@@ -1,7 +1,7 @@
 """The paper's weighted least squares, and why it collapses (Appendix B).
 
-The paper prints weights 1/(r² + ε). Each step reduces Σ log(r² + ε), and the fit collapses onto as many samples
-as there are parameters. It is here for comparison.
+The paper prints weights 1/(r² + ε). Each step reduces Σ log(r² + ε), and the fit collapses onto as many
+samples as there are parameters. It is here for comparison.
 """
 
 from __future__ import annotations
