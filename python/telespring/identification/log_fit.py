@@ -290,7 +290,7 @@ def _add_best_term(fit: LogFit, axis: int) -> AxisTerms:
 
 
 def _fit_with_term(fit: LogFit, axis: int, name: str) -> tuple[AxisTerms, Fit] | None:
-    """Fit an axis with one more term; of the velocities of stiction the one that leaves the least residual."""
+    """Fit an axis with one more term; of the velocities of stiction the one with the least residual."""
     terms, signals = fit.terms[axis], fit.signals
     fastest = float(np.abs(signals.velocity[axis]).max())
     best, least = None, math.inf

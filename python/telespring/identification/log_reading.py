@@ -174,7 +174,7 @@ def read_log(
     for option, limit in (("start", start), ("end", end)):
         if limit is not None and np.isnan(limit):
             raise InvalidInput(option, f"{limit:g}", "a time in s is required", "Omit it for the whole log.")
-    with refusals_in(log_path.name):
+    with refusals_in(Origin(names, log_path.name)):
         log = read_log_columns(log_path)
         position_names = [find_column(log, "position", name, position_scale) for name in position]
         force_names = [find_column(log, "force", name, force_scale) for name in force]
@@ -187,7 +187,8 @@ def read_log(
         check_column_numbers(position_names, positions, "position")
         check_column_numbers(force_names, forces, "force")
         if time_name is not None:
-            stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
+            with refusals_in(Origin((), log_path.name, {"time": time_name})):
+                stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
             if np.isnan(stamps.seconds).all():
                 raise refuse_column_without_numbers("time", time)
         else:

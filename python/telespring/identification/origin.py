@@ -15,6 +15,8 @@ from telespring._types import FloatArray
 
 __all__ = ["Origin", "refusals_in"]
 
+_KINDS = ("position", "force")
+
 
 @dataclass(frozen=True, eq=False)
 class Origin:
@@ -62,6 +64,20 @@ class Origin:
         name = self.columns.get(f"{kind} {self.axes[axis]}")
         return f"{kind} ({self.axes[axis]})" if name is None else f"column {name}"
 
+    def time_column(self) -> str:
+        """Name the time column as the user does."""
+        name = self.columns.get("time")
+        return "time" if name is None else f"column {name}"
+
+    def field(self, field: str) -> str:
+        """Name what a refusal names: a column as the user does, after the file."""
+        known = {
+            f"{kind} ({axis})": self.column(kind, i) for kind in _KINDS for i, axis in enumerate(self.axes)
+        }
+        known["time"] = self.time_column()
+        named = known.get(field, field)
+        return f"{self.file}, {named}" if self.file else named
+
     def place(self, sample: int) -> str:
         """Name a sample, counted from 0: its time as the log writes it, its number and its line."""
         number = sample + 1 if self.samples is None else int(self.samples[sample])
@@ -78,11 +94,11 @@ class Origin:
 
 
 @contextmanager
-def refusals_in(file: str) -> Iterator[None]:
-    """Name the file in every refusal of a log that does not name it."""
+def refusals_in(origin: Origin) -> Iterator[None]:
+    """Name the file and its column in every refusal of a log that does not name them."""
     try:
         yield
     except InvalidInput as refused:
-        if not file or file in f"{refused.field} {refused.value} {refused.allowed}":
+        if origin.file and origin.file in f"{refused.field} {refused.value} {refused.allowed}":
             raise
-        raise refused.at(f"{file}, {refused.field}") from None
+        raise refused.at(origin.field(refused.field)) from None

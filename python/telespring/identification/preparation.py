@@ -40,7 +40,7 @@ class PreparedLog:
         self.origin = recording.origin
         self.names = list(recording.origin.axes)
         self.name = recording.name
-        with refusals_in(self.origin.file):
+        with refusals_in(self.origin):
             pieces, found = check_log(recording.time, recording.position, recording.force, self.origin)
             stretches, jitter = even_stretches(pieces)
             self.stretches, glitches = without_glitches(stretches, self.origin)
@@ -59,7 +59,7 @@ class PreparedLog:
 
     def fit(self, options: FitOptions, terms: Sequence[AxisTerms] | None = None) -> LogFit:
         """Fit the terms that are given, or those that the log needs."""
-        with refusals_in(self.origin.file):
+        with refusals_in(self.origin):
             return fit_log(self.stretches, self.cutoff, self.names, options, terms)
 
     def identify(self, options: FitOptions, terms: Sequence[AxisTerms] | None = None) -> Identification:
@@ -84,7 +84,7 @@ class PreparedLog:
             rate=self.longest.rate,
             samples=self.samples,
         )
-        with refusals_in(self.origin.file):
+        with refusals_in(self.origin):
             doubts = diagnostics.check_fit(found, fit, self.stretches, self.names)
         return replace(found, diagnostics=(*self.warnings, *doubts))
 

@@ -74,7 +74,7 @@ def recordings_of_logs(
             known = _axis_names(axes if axes is not None else part.axes, len(position))
             name = log.path.name if len(log.runs) == 1 else f"{log.path.name}, run {run}"
             # The columns have the names of the log's own axes.
-            columns = {
+            columns = {kind: name for kind, name in part.columns.items() if kind == "time"} | {
                 f"{kind} {axis}": part.columns[f"{kind} {own}"]
                 for kind in ("position", "force")
                 for axis, own in zip(known, part.axes, strict=True)

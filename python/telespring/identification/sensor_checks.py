@@ -76,7 +76,7 @@ def _refuse_stuck_position(column: str, position: FloatArray, piece: Piece, orig
         start, length = int(starts[run]), int(lengths[run])
         end = start + length
         speed_before = abs(float(position[start] - position[max(0, start - shortest)])) / shortest
-        jumps = end < position.size and moves[end - 1] > max(5.0 * usual, 0.2 * length * speed_before)
+        jumps = end < position.size and moves[end - 1] > 5.0 * usual
         lasts = end == position.size and speed_before > 0.2 * usual
         if jumps or lasts:
             raise InvalidInput(
