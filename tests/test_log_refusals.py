@@ -78,8 +78,8 @@ def test_law_what_the_refusal_of_a_dead_sensor_advises_helps(tmp_path: Path) -> 
 
 
 def doubled(table: pd.DataFrame) -> pd.DataFrame:
-    again = table.loc[5000] + [0.0, 1e-3, 0.0, 0.0, 0.0]
-    return pd.concat([table[:5001], again.to_frame().T, table[5001:]])
+    again = table[5000:5001].assign(q_x=0.0)
+    return pd.concat([table[:5001], again, table[5001:]])
 
 
 def unplugged(table: pd.DataFrame) -> pd.DataFrame:
