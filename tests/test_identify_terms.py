@@ -17,8 +17,8 @@ from made_logs import TRUTH, made_log
 from telespring import InvalidInput, cli
 from telespring._types import FloatArray
 from telespring.identification import Excitation, Identification, identify, robot_toml
+from telespring.identification.covariance import autocorrelated_sum
 from telespring.identification.glitches import find_glitches
-from telespring.identification.regression import autocorrelated_sum
 
 #: One frequency per axis, as in the paper's figure of eight.
 SINE = Excitation([0.0], [0.25], angular_frequency=2.59)

@@ -527,7 +527,8 @@ def test_law_the_command_reads_a_log_without_names_and_times(tmp_path: Path) -> 
     plain.drop(columns="time").to_csv(tmp_path / "untimed.csv", index=False, header=False, sep="\t")
     untimed = mass(tmp_path / "untimed.csv", "--rate", "1000", "--position", "1", "--force", "2")
     assert untimed == pytest.approx(expected, rel=1e-9)
-    twice = pd.concat([plain.assign(run=1), plain.assign(run=2)])
+    other = plain.assign(run=1, force_x=force + random.normal(0.0, 0.02, time.size))
+    twice = pd.concat([other, plain.assign(run=2)])
     twice.to_csv(tmp_path / "twice.csv", index=False)
     options = ["--position", "position_x", "--force", "force_x", "--run", "2"]
     assert mass(tmp_path / "twice.csv", *options) == expected

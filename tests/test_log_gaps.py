@@ -48,7 +48,7 @@ def without(lost: NDArray[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
 def test_law_a_short_gap_is_bridged_in_place_and_marked(lost: list[int]) -> None:
     """The samples come back at their times, on the line between their neighbours, and no other is touched."""
     time, position, force = smooth()
-    [stretch], _ = even_stretches(*without(np.array(lost)))
+    [stretch], _ = even_stretches(bridge_gaps(*without(np.array(lost)))[0])
     np.testing.assert_allclose(stretch.time, time, rtol=0.0, atol=1e-12)
     assert np.flatnonzero(~stretch.usable).tolist() == lost
     np.testing.assert_array_equal(stretch.position[:, stretch.usable], position[:, stretch.usable])
@@ -60,11 +60,11 @@ def test_law_a_short_gap_is_bridged_in_place_and_marked(lost: list[int]) -> None
 def test_law_missing_numbers_are_as_missing_rows() -> None:
     lost = np.array([100, 101, 2000])
     time, position, force = smooth()
-    [expected], told = even_stretches(*without(lost))
+    [expected], told = even_stretches(bridge_gaps(*without(lost))[0])
     for row, value in ((position, np.nan), (force, np.inf), (time[None], np.nan)):
         kept = row[0, lost].copy()
         row[0, lost] = value
-        [found], again = even_stretches(time, position, force)
+        [found], again = even_stretches(bridge_gaps(time, position, force)[0])
         row[0, lost] = kept
         np.testing.assert_array_equal(found.position, expected.position)
         np.testing.assert_array_equal(found.usable, expected.usable)
@@ -83,7 +83,7 @@ def test_law_a_long_gap_cuts_the_log() -> None:
     assert warning.code == "long gaps"
     assert warning.values["count"] == 1
     assert warning.values["longest"] == pytest.approx(0.301)
-    stretches, _ = even_stretches(*without(lost))
+    stretches, _ = even_stretches(bridge_gaps(*without(lost))[0])
     assert [stretch.time.size for stretch in stretches] == [2000, 1700]
     assert len({stretch.rate for stretch in stretches}) == 1
 
@@ -107,7 +107,7 @@ def test_law_a_signal_that_is_logged_less_often_sets_the_rate() -> None:
     """Every second position is empty: the log is one of half the rate, without gaps."""
     time, position, force = smooth()
     position[:, 1::2] = np.nan
-    [stretch], told = even_stretches(time, position, force)
+    [stretch], told = even_stretches(bridge_gaps(time, position, force)[0])
     assert stretch.rate == pytest.approx(500.0)
     assert stretch.usable.all()
     assert told == []
@@ -131,7 +131,7 @@ def test_law_a_jitter_beside_a_gap_is_interpolated_and_the_mark_stays() -> None:
     shifted = time + random.uniform(-2e-4, 2e-4, time.size)
     position, force = np.vstack([np.sin(shifted), np.cos(shifted)]), np.vstack([np.cos(shifted)] * 2)
     kept = np.setdiff1d(np.arange(time.size), [1500, 1501])
-    [stretch], told = even_stretches(shifted[kept], position[:, kept], force[:, kept])
+    [stretch], told = even_stretches(bridge_gaps(shifted[kept], position[:, kept], force[:, kept])[0])
     assert [warning.code for warning in told] == ["uneven time stamps"]
     np.testing.assert_allclose(
         stretch.position[0][stretch.usable], np.sin(stretch.time[stretch.usable]), atol=2e-6

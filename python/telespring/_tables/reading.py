@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._tables.text_layout import MISSING, Heading, TextLayout, find_heading, find_layout
-from telespring._tables.text_lines import Line, text_lines
+from telespring._tables.text_lines import TextLines, text_lines
 from telespring._types import FloatArray
 
 if TYPE_CHECKING:
@@ -85,14 +84,14 @@ def read_text_table(path: Path, file: str, *, as_texts: bool = False) -> TextTab
         )
     layout = find_layout(lines)
     heading = find_heading(lines, layout)
-    rows, names = _match_fields(file, lines.table, heading, layout)
-    width = len(names) if names is not None else (layout.count(rows[0].text) if rows else 0)
+    rows, numbers, names = _match_fields(file, lines, heading, layout)
+    width = len(names) if names is not None else (layout.count(rows[0]) if rows else 0)
     return TextTable(
         names=tuple(names) if names is not None else tuple(str(i + 1) for i in range(width)),
         has_names=names is not None,
         units=tuple(heading.units),
-        columns=_parse_rows([row.text for row in rows], width, layout, as_texts=as_texts),
-        lines=np.array([row.number for row in rows], dtype=int),
+        columns=_parse_rows(rows, width, layout, as_texts=as_texts),
+        lines=numbers,
         separator=layout.separator,
         decimal=layout.decimal,
     )
@@ -114,48 +113,52 @@ def numbers_from_texts(values: pd.Series[Any], decimal: str = ".") -> FloatArray
 
 
 def _match_fields(
-    file: str, table: Sequence[Line], heading: Heading, layout: TextLayout
-) -> tuple[list[Line], list[str] | None]:
-    """Return the rows, each with one field per name, and the names; refuse a row of another length."""
-    names, rows = heading.names, list(table[heading.first :])
-    counts = [layout.count(row.text) for row in rows]
-    usual = Counter(counts).most_common(1)[0][0] if counts else 0
+    file: str, lines: TextLines, heading: Heading, layout: TextLayout
+) -> tuple[list[str], NDArray[np.int_], list[str] | None]:
+    """Return the rows, each with one field per name, their lines, and the names.
+
+    InvalidInput for a row of another length.
+    """
+    names, rows, numbers = heading.names, lines.table[heading.first :], lines.numbers[heading.first :]
+    counts = layout.counts(rows)
+    usual = int(np.bincount(counts).argmax()) if rows else 0
     if names is not None:
         # A separator at the end of the names, but not of the rows.
         while len(names) > 1 and not names[-1] and usual == len(names) - 1:
             names = names[:-1]
     width = len(names) if names is not None else usual
-    for place, (row, count) in enumerate(zip(rows, counts, strict=True)):
-        if count == width:
-            continue
-        text = row.text
+    for place in np.flatnonzero(counts != width).tolist():
+        text, count = rows[place], int(counts[place])
         while count > width and text.rstrip(" ").endswith(layout.separator):
             text, count = text.rstrip(" ")[:-1], count - 1
         if count != width:
-            raise _refuse_ragged_line(file, place, rows, counts, width, heading, layout)
-        rows[place] = Line(row.number, text)
+            raise _refuse_ragged_line(f"{file}, line {numbers[place]}", place, counts, width, heading, layout)
+        rows[place] = text
     # A recorder that starts again may write its names again.
     if names is not None and heading.line is not None:
-        first = next((line.text for line in table if line.number == heading.line), None)
-        rows = [row for row in rows if row.text != first]
-    return rows, names
+        # Names in a comment are no line of the table.
+        named = np.flatnonzero(lines.numbers[: heading.first] == heading.line)
+        first = lines.table[int(named[0])] if named.size else None
+        if first in rows:
+            numbers = numbers[[row != first for row in rows]]
+            rows = [row for row in rows if row != first]
+    return rows, numbers, names
 
 
 def _refuse_ragged_line(
-    file: str,
+    line: str,
     place: int,
-    rows: Sequence[Line],
-    counts: Sequence[int],
+    counts: NDArray[np.int_],
     width: int,
     heading: Heading,
     layout: TextLayout,
 ) -> InvalidInput:
-    count = counts[place]
+    count = int(counts[place])
     if layout.separator == "," and count == 2 * width:
         remedy = "If decimals are written with commas, separate the columns with semicolons."
-    elif heading.names is not None and set(counts) == {count}:
+    elif heading.names is not None and (counts == count).all():
         remedy = "Give every column a name, also one of row numbers (in R: row.names = FALSE)."
-    elif place == len(rows) - 1 and count < width:
+    elif place == len(counts) - 1 and count < width:
         remedy = "The last line seems to be cut off: remove it."
     else:
         remedy = "Correct this line, or remove it."
@@ -163,7 +166,7 @@ def _refuse_ragged_line(
         f"as many as names in line {heading.line}" if heading.names is not None else "as in other lines"
     )
     return InvalidInput(
-        f"{file}, line {rows[place].number}",
+        line,
         f"{count} fields",
         f"a table is required, and every line must have {width} fields, {reference}",
         remedy,
@@ -189,7 +192,8 @@ def _parse_rows(texts: Sequence[str], width: int, layout: TextLayout, *, as_text
     # Quoted decimal commas between commas are read as texts.
     decimal = "." if layout.decimal == layout.separator else layout.decimal
     table: pd.DataFrame = pd.read_csv(
-        io.StringIO("\n".join(text.strip() for text in texts) if blank else "\n".join(texts)),
+        # Bytes, not text: a stream of text takes four times the memory, and is encoded again in pieces.
+        io.BytesIO("\n".join([text.strip() for text in texts] if blank else texts).encode()),
         header=None,
         names=list(range(width)),
         index_col=False,

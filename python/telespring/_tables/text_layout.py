@@ -9,6 +9,9 @@ from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from telespring._tables.text_lines import Line, TextLines, uncommented
 
 __all__ = ["Heading", "TextLayout", "find_heading", "find_layout"]
@@ -60,6 +63,16 @@ class TextLayout:
             return len(self.split(text))
         return text.count(self.separator) + 1
 
+    def counts(self, texts: Sequence[str]) -> NDArray[np.int_]:
+        """Count the fields of many lines."""
+        if self.separator == " " or self.is_quoted:
+            return np.array([self.count(text) for text in texts], dtype=int)
+        # UTF-8 has no ASCII letter inside another one.
+        letters = np.frombuffer("\n".join([*texts, ""]).encode(), dtype=np.uint8)
+        ends = np.flatnonzero(letters == ord("\n"))
+        before = np.searchsorted(np.flatnonzero(letters == ord(self.separator)), ends)
+        return np.diff(before, prepend=0) + 1
+
     def is_number(self, field: str) -> bool:
         """Whether a field is a number, not a word for a missing one."""
         return _NUMBERS[self.decimal].fullmatch(field) is not None
@@ -77,7 +90,7 @@ class Heading:
 
 def find_layout(lines: TextLines) -> TextLayout:
     """Choose the separator and decimal mark by which most fields are numbers, in rows of equal length."""
-    sample = [line.text for line in lines.table[:_SAMPLED]]
+    sample = lines.table[:_SAMPLED]
     named = lines.separator
     characters = set().union(*sample)
     candidates = [
@@ -116,17 +129,17 @@ def _readable_share(sample: Sequence[str], layout: TextLayout) -> float:
 
 def find_heading(lines: TextLines, layout: TextLayout) -> Heading:
     """Find the line of names: the last above the first row of numbers, or in the comments above it."""
-    table = lines.table
-    rows = [layout.split(line.text) for line in table[:_SAMPLED]]
+    table, numbers = lines.table, lines.numbers
+    rows = [layout.split(text) for text in table[:_SAMPLED]]
     first = _first_row_of_numbers(rows, layout)
     if first is None:
-        return Heading(rows[0], [], 1, table[0].number)
+        return Heading(rows[0], [], 1, int(numbers[0]))
     if _counts_from_zero(rows[first], rows[first + 1 :], layout):
         # pandas numbers the columns of an array from 0; here they are numbered from 1.
-        return Heading(None, [], first + 1, table[first].number)
+        return Heading(None, [], first + 1, int(numbers[first]))
     width = len(rows[first])
     if first == 0:
-        above = [comment for comment in lines.comments if comment.number < table[0].number]
+        above = [comment for comment in lines.comments if comment.number < int(numbers[0])]
         names = _fields_of_comment(above[-1], layout, width) if above else None
         return Heading(names, [], 0, above[-1].number if names else None)
     units: list[str] = []
@@ -135,9 +148,9 @@ def find_heading(lines: TextLines, layout: TextLayout) -> Heading:
         units, named = rows[named], named - 1
     names = rows[named]
     if len(names) != width:
-        other = _split_otherwise(table[named].text, layout, width)
+        other = _split_otherwise(table[named], layout, width)
         names = other if other is not None else names
-    return Heading(names, units, first, table[named].number)
+    return Heading(names, units, first, int(numbers[named]))
 
 
 def _first_row_of_numbers(rows: Sequence[Sequence[str]], layout: TextLayout) -> int | None:

@@ -7,11 +7,14 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from telespring._errors import InvalidInput
 
 __all__ = ["Line", "TextLines", "text_lines", "uncommented"]
 
-_COMMENT = re.compile(r"\s*(#|%|//)")
+_COMMENT_MARKS = ("#", "%", "//")
 #: The first line of a file for Excel may name the separator.
 _EXCEL_SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 _BYTE_ORDER_MARKS = {
@@ -19,6 +22,8 @@ _BYTE_ORDER_MARKS = {
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
+#: An empty line, between others or at the beginning.
+_EMPTY_LINE = re.compile(r"\n[^\S\n]*\n")
 #: A quoted field runs over at most so many lines; beyond it the mark was no quotation mark.
 _LONGEST_QUOTATION = 50
 
@@ -31,9 +36,22 @@ class Line(NamedTuple):
 
 
 class TextLines(NamedTuple):
-    """Lines of a table, and the comments between them; the separator, if the file names it."""
+    """Lines of a table.
 
-    table: list[Line]
+    Attributes
+    ----------
+    table, numbers
+        The lines without comments and empty ones, and the number of each in the file, from 1.
+    comments
+        The comments between them.
+    separator
+        The separator, if the file names it.
+    is_quoted
+        Whether quotation marks enclose fields.
+    """
+
+    table: list[str]
+    numbers: NDArray[np.int_]
     comments: list[Line]
     separator: str | None
     is_quoted: bool
@@ -44,27 +62,47 @@ def text_lines(path: Path, file: str) -> TextLines:
 
     UTF-8, UTF-16 and the Windows code page are read. A quoted field that runs over several lines stays one.
     """
-    lines = _decode(path.read_bytes(), file).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    text = _decode(path.read_bytes(), file)
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n")
+    numbers = np.arange(1, len(lines) + 1)
     named = _EXCEL_SEPARATOR.fullmatch(lines[0].strip())
-    numbered = [
-        Line(number, text) for number, text in enumerate(lines, start=1) if text and not text.isspace()
-    ]
-    if named:
-        numbered = [line for line in numbered if line.number > 1]
-    is_quoted = any('"' in line.text for line in numbered)
+    # What most files do not have is looked for in the whole text at once: a log may have a million lines.
+    places = range(len(lines)) if _EMPTY_LINE.search(text) else sorted({0, len(lines) - 1})
+    empty = [i for i in places if not lines[i] or lines[i].isspace() or (named and i == 0)]
+    lines, numbers = _without(lines, numbers, empty)
+    is_quoted = '"' in text
     if is_quoted:
-        joined = _join_quotations(numbered)
-        numbered, is_quoted = (numbered, False) if joined is None else (joined, True)
-    table: list[Line] = []
-    comments: list[Line] = []
-    for line in numbered:
-        (comments if _COMMENT.match(line.text) else table).append(line)
-    return TextLines(table, comments, named[1] if named else None, is_quoted)
+        joined = _join_quotations(lines, numbers)
+        if joined is None:
+            is_quoted = False
+        else:
+            lines, numbers = joined
+    found: list[int] = []
+    if any(mark in text for mark in _COMMENT_MARKS):
+        found = [i for i, line in enumerate(lines) if line.lstrip().startswith(_COMMENT_MARKS)]
+    comments = [Line(int(numbers[i]), lines[i]) for i in found]
+    table, numbers = _without(lines, numbers, found)
+    return TextLines(table, numbers, comments, named[1] if named else None, is_quoted)
+
+
+def _without(
+    lines: list[str], numbers: NDArray[np.int_], places: list[int]
+) -> tuple[list[str], NDArray[np.int_]]:
+    """Leave out the lines at some places."""
+    if not places:
+        return lines, numbers
+    if places == [len(lines) - 1]:
+        return lines[:-1], numbers[:-1]
+    left_out = set(places)
+    kept = [line for i, line in enumerate(lines) if i not in left_out]
+    return kept, np.delete(numbers, places)
 
 
 def uncommented(text: str) -> str:
     """Return a comment without its mark."""
-    return _COMMENT.sub("", text, count=1).lstrip("#%/ ")
+    return text.lstrip().lstrip("#%/ ")
 
 
 def _decode(content: bytes, file: str) -> str:
@@ -96,17 +134,20 @@ def _decode(content: bytes, file: str) -> str:
     return text
 
 
-def _join_quotations(lines: list[Line]) -> list[Line] | None:
+def _join_quotations(
+    lines: list[str], numbers: NDArray[np.int_]
+) -> tuple[list[str], NDArray[np.int_]] | None:
     """Join the lines of a quoted field; None if quotation marks do not come in pairs."""
-    joined: list[Line] = []
-    number, parts = 0, list[str]()
-    for line in lines:
+    joined: list[str] = []
+    starts: list[int] = []
+    parts: list[str] = []
+    for place, line in enumerate(lines):
         if not parts:
-            number = line.number
-        parts.append(line.text)
+            starts.append(place)
+        parts.append(line)
         if sum(part.count('"') for part in parts) % 2 == 0:
-            joined.append(Line(number, "\n".join(parts)))
+            joined.append("\n".join(parts))
             parts = []
         elif len(parts) > _LONGEST_QUOTATION:
             return None
-    return None if parts else joined
+    return None if parts else (joined, numbers[starts])

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
+from rich.text import Text
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.cli.common import print_json, refusals
+from telespring.cli.terminal import show
 from telespring.cli.units import TIME, number
 from telespring.model import Study
 
@@ -58,14 +59,13 @@ def analyse_command(
     ] = False,
 ) -> None:
     """Measure the trials of an experiment, rehearsed or recorded, and compare its conditions."""
-    console = Console(highlight=False)
     with refusals():
         from telespring import analysis
         from telespring.analysis.sources import open_trials
         from telespring.show.screens.analysis import analysis_screen
 
         if template is not None:
-            console.print(f"Written: {analysis.write_template(template)}", markup=False)
+            show(Text(f"Written: {analysis.write_template(template)}"))
             return
         if path is None:
             raise InvalidInput(
@@ -90,8 +90,8 @@ def analyse_command(
     if as_json:
         print_json(numbers)
         return
-    console.print(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
-    console.print(f"Written: {', '.join(str(file) for file in written)}", markup=False)
+    show(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
+    show(Text(f"Written: {', '.join(str(file) for file in written)}"))
 
 
 def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *, figures: bool) -> list[Path]:

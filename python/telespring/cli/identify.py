@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
-from rich.console import Console
+from rich.text import Text
 
 from telespring.cli.common import print_json
 from telespring.cli.figure_file import check_figure_name, save_figure
+from telespring.cli.terminal import show
 from telespring.cli.units import FREQUENCY, TIME, number
 
 if TYPE_CHECKING:
@@ -200,11 +201,10 @@ def identify_command(
         }
         print_json(source | identification.to_json())
         return
-    console = Console(highlight=False)
-    console.print(identification_screen(identification, title))
+    show(identification_screen(identification, title))
     for label, path in (("Robot file", out), ("Figure", figure)):
         if path is not None:
-            console.print(f"{label}: {path}", markup=False)
+            show(Text(f"{label}: {path}"))
 
 
 def _columns(options: list[str] | None) -> list[str]:

@@ -7,7 +7,7 @@ import errno
 import io
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from rich.console import Console
 
@@ -24,6 +24,9 @@ _OUTPUT_ERRORS = {errno.EPIPE, errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUO
 def prepare_streams() -> None:
     """Let both streams write an ASCII spelling of the letters that the terminal does not have."""
     codecs.register_error("telespring", _spell)
+    if type(sys.stdout) is io.TextIOWrapper:
+        encoding, is_terminal = sys.stdout.encoding, sys.stdout.isatty()
+        sys.stdout = _Output(sys.stdout.detach(), encoding=encoding, line_buffering=is_terminal)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="telespring")
@@ -32,6 +35,29 @@ def prepare_streams() -> None:
 def _spell(error: UnicodeError) -> tuple[str, int]:
     assert isinstance(error, UnicodeEncodeError)
     return to_ascii(error.object[error.start : error.end]), error.end
+
+
+class _Output(io.TextIOWrapper):
+    """The standard output, which remembers that its reader has closed it.
+
+    What prints the help (typer, click and rich) answers a closed pipe with status 1, and does not say why.
+    """
+
+    is_closed_by_reader: ClassVar[bool] = False
+
+    def write(self, text: str, /) -> int:
+        try:
+            return super().write(text)
+        except BrokenPipeError:
+            _Output.is_closed_by_reader = True
+            raise
+
+    def flush(self) -> None:
+        try:
+            super().flush()
+        except BrokenPipeError:
+            _Output.is_closed_by_reader = True
+            raise
 
 
 class _CommandConsole(Console):
@@ -53,9 +79,14 @@ def show(renderable: RenderableType, console: Console | None = None) -> None:
 
 
 def close_output() -> int | None:
-    """Write out what is left; return the exit status if that fails, else None."""
+    """Write out what is left; return the exit status if output could not be written, else None."""
+    # Not that of `sys.stdout`: click has put another one in its place.
+    if _Output.is_closed_by_reader:
+        _discard_output()
+        return 141
     try:
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except OSError as error:
         return output_trouble(error)
     return None

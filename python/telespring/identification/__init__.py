@@ -7,8 +7,8 @@ reads CSV, Parquet and MAT files; `write_robot` writes a file for studies and `t
 from telespring.identification.estimation import identify, identify_logs
 from telespring.identification.excitation import Excitation, Extremes, design_excitation, paper_excitation
 from telespring.identification.log_reading import Log, read_log
-from telespring.identification.regression import Reweighting, paper_reweightings
 from telespring.identification.results import AxisIdentification, CrossInertia, Estimate, Identification
+from telespring.identification.reweighting import Reweighting, paper_reweightings
 from telespring.identification.robot_file import robot_toml, write_robot
 
 __all__ = [

@@ -94,8 +94,8 @@ def _cross_inertias(
     )
 
 
-def combine_logs(logs: Sequence[Identification]) -> Identification:
-    """Combine the identifications of several logs, fitted with the same terms."""
+def combine_logs(logs: Sequence[Identification], names: Sequence[str]) -> Identification:
+    """Combine the identifications of several logs, which have these names, fitted with the same terms."""
     first = logs[0]
     axes, doubts = [], []
     for i in range(len(first.axes)):
@@ -109,7 +109,7 @@ def combine_logs(logs: Sequence[Identification]) -> Identification:
         cutoff=min(log.cutoff for log in logs),
         samples=(sum(log.samples[0] for log in logs), sum(log.samples[1] for log in logs)),
         cross_inertias=_combined_inertias(logs),
-        diagnostics=(*_distinct_diagnostics(logs), *doubts),
+        diagnostics=(*_distinct_diagnostics(logs, names), *doubts),
         logs=tuple(logs),
     )
 
@@ -174,11 +174,20 @@ def _combined_inertias(logs: Sequence[Identification]) -> tuple[CrossInertia, ..
     return tuple(combined)
 
 
-def _distinct_diagnostics(logs: Sequence[Identification]) -> list[Diagnostic]:
-    """Return the diagnostics of all logs, one of each kind per axis or column."""
-    found: dict[tuple[object, ...], Diagnostic] = {}
-    for log in logs:
+def _distinct_diagnostics(logs: Sequence[Identification], names: Sequence[str]) -> list[Diagnostic]:
+    """Return the diagnostics of all logs, one of each kind per axis or column, with the log that has it."""
+    found: dict[tuple[object, ...], tuple[Diagnostic, list[str]]] = {}
+    for name, log in zip(names, logs, strict=True):
         for doubt in log.diagnostics:
             place = doubt.values.get("axis", doubt.values.get("column"))
-            found.setdefault((doubt.code, place, doubt.values.get("parameter")), doubt)
-    return list(found.values())
+            key = (doubt.code, place, doubt.values.get("parameter"), doubt.values.get("log"))
+            found.setdefault(key, (doubt, []))[1].append(name)
+    return [replace(doubt, message=f"{_these(at)}: {doubt.message}") for doubt, at in found.values()]
+
+
+def _these(names: Sequence[str]) -> str:
+    """Name the log that a message is about, and count the others that have the same fault."""
+    others = len(names) - 1
+    if not others:
+        return names[0]
+    return f"{names[0]} (likewise {names[1]})" if others == 1 else f"{names[0]} (likewise {others} others)"

@@ -154,9 +154,14 @@ def _ends(rate: float, cutoff: float) -> int:
     return 2 * math.ceil(_TRANSIENT_PERIODS * rate / cutoff)
 
 
+def _decimation(rate: float, cutoff: float) -> int:
+    """Return of how many samples one is kept."""
+    return max(1, int(rate / (_KEPT_PER_PERIOD * cutoff)))
+
+
 def _refuse_short_log(stretches: Sequence[Stretch], cutoff: float) -> None:
     longest = max(stretches, key=lambda stretch: stretch.time.size)
-    decimation = max(1, int(longest.rate / (_KEPT_PER_PERIOD * cutoff)))
+    decimation = _decimation(longest.rate, cutoff)
     minimum = _ends(longest.rate, cutoff) + _MINIMUM_KEPT * decimation
     lost = "" if longest.time.size < minimum else ", most of which depend on missing samples"
     raise InvalidInput(
@@ -181,7 +186,7 @@ def _filter_stretch(stretch: Stretch, cutoff: float) -> Signals:
             "Omit it to have it chosen from the movement.",
         )
     trimmed = _ends(rate, cutoff) // 2
-    decimation = max(1, int(rate / (_KEPT_PER_PERIOD * cutoff)))
+    decimation = _decimation(rate, cutoff)
     sections = signal.butter(FILTER_ORDER, cutoff, fs=rate, output="sos")
 
     def low_pass(values: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
+from telespring.identification.origin import Origin
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
 __all__ = ["LONGEST_BRIDGE", "Piece", "bridge_gaps"]
@@ -23,23 +24,37 @@ _FEWEST_SAMPLES = 10
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A part of a log without gaps: s (n,), m and N (axes, n); `usable` is False where a sample was lost."""
+    """A part of a log without gaps.
+
+    Attributes
+    ----------
+    time
+        s, shape (n,).
+    position, force
+        m and N, shape (axes, n).
+    usable
+        Shape (n,): False where a sample was lost, and was interpolated.
+    sample
+        Number of each sample in the log, from 0; of a lost one that of the sample before.
+    """
 
     time: FloatArray
     position: FloatArray
     force: FloatArray
     usable: NDArray[np.bool_]
+    sample: NDArray[np.int_]
 
 
 def bridge_gaps(
-    time: FloatArray, position: FloatArray, force: FloatArray
+    time: FloatArray, position: FloatArray, force: FloatArray, origin: Origin | None = None
 ) -> tuple[tuple[Piece, ...], list[Diagnostic]]:
     """Cut a log at its long gaps, and bridge the short ones by linear interpolation.
 
     Times (s) have shape (n,), positions (m) and forces (N) have shape (axes, n). A sample is lost if its time
-    stamp or one of its numbers is missing or infinite, or if there is no row for it. InvalidInput if no piece
-    has enough samples.
+    stamp or one of its numbers is missing or infinite, or if there is no row for it. `origin` names samples
+    in warnings. InvalidInput if no piece has enough samples.
     """
+    origin = origin or Origin([str(i + 1) for i in range(len(position))], time=time)
     whole = np.isfinite(time) & np.isfinite(position).all(axis=0) & np.isfinite(force).all(axis=0)
     measured = np.flatnonzero(whole)
     if measured.size < _FEWEST_SAMPLES:
@@ -49,7 +64,7 @@ def bridge_gaps(
             f"at least {_FEWEST_SAMPLES} are required",
             "If position and force were logged at different times, interpolate them to common times.",
         )
-    times, steps = time[measured], np.diff(time[measured])
+    steps = np.diff(time[measured])
     # Where one signal is logged less often than the other, its own samples are the log's.
     usual = float(np.median(steps))
     cuts = np.flatnonzero(np.rint(steps / usual) > LONGEST_BRIDGE) + 1
@@ -59,11 +74,11 @@ def bridge_gaps(
         if part.size < _FEWEST_SAMPLES:
             left_out += part.size
             continue
-        even, usable = _with_lost_times(time[part], usual)
+        even, before, usable = _with_lost_times(time[part], usual)
         positions, forces = (
             np.stack([np.interp(even, time[part], row[part]) for row in rows]) for rows in (position, force)
         )
-        pieces.append(Piece(even, positions, forces, usable))
+        pieces.append(Piece(even, positions, forces, usable, part[before]))
         short = np.diff(time[part])[np.diff(time[part]) > _GAP * usual]
         bridged += int((~usable).sum())
         gaps += short.size
@@ -85,7 +100,7 @@ def bridge_gaps(
                 "long gaps",
                 count=cuts.size,
                 longest=float(steps[largest - 1]),
-                time=float(times[largest - 1]),
+                place=origin.place(int(measured[largest - 1])),
                 pieces=len(pieces),
             )
         )
@@ -94,8 +109,13 @@ def bridge_gaps(
     return tuple(pieces), found
 
 
-def _with_lost_times(time: FloatArray, usual: float) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Insert evenly spaced times into the gaps, and tell which ones were measured."""
+def _with_lost_times(
+    time: FloatArray, usual: float
+) -> tuple[FloatArray, NDArray[np.int_], NDArray[np.bool_]]:
+    """Insert evenly spaced times into the gaps.
+
+    Returns also the last measured sample before each, and which ones were measured.
+    """
     steps = np.diff(time)
     lost = np.where(steps > _GAP * usual, np.rint(steps / usual).astype(int) - 1, 0)
     # Each measured time, followed by those that were lost after it.
@@ -103,4 +123,4 @@ def _with_lost_times(time: FloatArray, usual: float) -> tuple[FloatArray, NDArra
     first = np.repeat(np.arange(time.size), repeats)
     inside = np.arange(first.size) - np.repeat(np.cumsum(repeats) - repeats, repeats)
     step = np.append(steps / (lost + 1), 0.0)
-    return time[first] + inside * step[first], inside == 0
+    return time[first] + inside * step[first], first, inside == 0

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._types import FloatArray
+from telespring.identification.origin import Origin
 from telespring.identification.stretches import Stretch
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
@@ -34,12 +35,11 @@ _USUAL_REPEATS, _HELD = 0.05, 4
 
 
 def without_glitches(
-    stretches: tuple[Stretch, ...], names: list[str]
+    stretches: tuple[Stretch, ...], origin: Origin
 ) -> tuple[tuple[Stretch, ...], list[Diagnostic]]:
     """Replace the glitches of all stretches and mark them as unusable.
 
-    Returns the stretches and one warning per column that has glitches, "position" and "force" followed by the
-    axis' name.
+    Returns the stretches and one warning per column that has glitches.
     """
     counts: dict[str, int] = {}
     cleaned = []
@@ -51,7 +51,7 @@ def without_glitches(
             for i, row in enumerate(signal):
                 found = find_glitches(row, stretch.rate, is_force=kind == "force") & stretch.usable
                 if found.any():
-                    column = f"{kind} ({names[i]})"
+                    column = origin.column(kind, i)
                     counts[column] = counts.get(column, 0) + int(found.sum())
                     usable &= ~found
                     signal[i] = _bridge(row, found)

@@ -15,15 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._types import FloatArray
+from telespring.identification.covariance import estimate_covariance
 from telespring.identification.filtering import Signals
-from telespring.identification.regression import (
-    Fit,
-    autocorrelated_sum,
-    confidence_quantile,
-    newey_west_lags,
-    paper_least_squares,
-    robust_least_squares,
-)
+from telespring.identification.regression import Fit, estimate_robustly
+from telespring.identification.reweighting import paper_least_squares
 
 __all__ = ["SEPARABLE", "JointFit", "Lag", "fit_axes", "orthogonal_share"]
 
@@ -162,10 +157,9 @@ def _weigh(
     residual = np.zeros_like(force)
     weights, slope, converged, estimate = whole.copy(), whole.copy(), True, None
     if method == "robust":
-        fit = robust_least_squares(regressor[used], force[used], start)
-        weights[used], converged, estimate = fit.weights, fit.converged, fit.estimate
-        slope[used] = fit.weights if fit.slope is None else fit.slope
-        residual[used] = fit.residual
+        fit = estimate_robustly(regressor[used], force[used], start)
+        weights[used], slope[used], residual[used] = fit.weights, fit.slope, fit.residual
+        converged, estimate = fit.converged, fit.estimate
     else:
         residual[used] = force[used] - regressor[used] @ np.linalg.lstsq(regressor[used], force[used])[0]
     least = 1e-9 * float(np.sqrt((force[used] ** 2).mean()))
@@ -217,7 +211,8 @@ class _System:
     def finish(
         self, solution: FloatArray, values: FloatArray, signals: Signals, slope: FloatArray
     ) -> JointFit:
-        samples = self.force.shape[1]
+        from scipy import stats
+
         # The last step of the lag is too short to fit again: the force moves by it along its slope.
         residual = np.stack(
             [
@@ -225,39 +220,37 @@ class _System:
                 for i, (c, k) in enumerate(zip(self.augmented, self.index, strict=True))
             ]
         )
-        bread = self._normal([w.slope for w in self.weighings])
-        size = np.sqrt(np.diag(bread))
-        inverse = np.linalg.inv(bread / np.outer(size, size)) / np.outer(size, size)
-        scores = np.zeros((samples, self.size))
-        lags = 0
-        for i, (index, columns, w) in enumerate(zip(self.index, self.augmented, self.weighings, strict=True)):
-            psi = w.weights * residual[i]
-            block = inverse[np.ix_(index, index)] / w.scale**2
-            leverage = np.clip(np.einsum("ij,jk,ik->i", columns, block, columns), 0.0, 0.5)
-            scores[:, index] += columns * (psi / (1.0 - leverage))[:, None] / w.scale**2
-            lags = max(lags, newey_west_lags(psi))
-        meat = autocorrelated_sum(scores / size, lags, signals.stretch) * np.outer(size, size)
-        covariance = inverse @ meat @ inverse
-        used = int(signals.used.sum())
+        columns = np.zeros((*self.force.shape, self.size))
+        for i, (index, own, w) in enumerate(zip(self.index, self.augmented, self.weighings, strict=True)):
+            columns[i][:, index] = own / w.scale
+        scales = np.array([[w.scale] for w in self.weighings])
+        covariance = estimate_covariance(
+            columns,
+            np.stack([w.weights for w in self.weighings]) * residual / scales,
+            np.stack([w.slope for w in self.weighings]),
+            signals.stretch,
+        )
+        errors = np.sqrt(np.diag(covariance.matrix))
         fits = tuple(
             Fit(
                 estimate=solution[own],
-                covariance=covariance[own, own],
+                covariance=covariance.matrix[own, own],
                 residual=residual[i],
                 weights=w.weights,
-                degrees_of_freedom=used - len(index),
-                lags=lags,
+                degrees_of_freedom=covariance.degrees_of_freedom[own],
+                lags=covariance.lags,
                 converged=w.converged,
             )
-            for i, (own, index, w) in enumerate(zip(self.own, self.index, self.weighings, strict=True))
+            for i, (own, w) in enumerate(zip(self.own, self.weighings, strict=True))
         )
-        quantile = confidence_quantile(used - self.size, lags, used)
         found = []
         for g, value in zip(self.group, values.tolist(), strict=True):
             if g not in self.lag_index:
                 found.append(Lag(value))
                 continue
-            error = float(np.sqrt(covariance[self.lag_index[g], self.lag_index[g]]))
+            place = self.lag_index[g]
+            quantile = float(stats.t.ppf(0.975, covariance.degrees_of_freedom[place]))
+            error = float(errors[place])
             found.append(Lag(value, error, quantile * error, estimated=True))
         return JointFit(fits, self.force, slope, tuple(found))
 

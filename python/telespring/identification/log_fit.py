@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -268,31 +269,45 @@ def _add_friction_near_rest(fit: LogFit, axis: int) -> AxisTerms:
 
 def _add_best_term(fit: LogFit, axis: int) -> AxisTerms:
     """Return an axis' terms with the most significant of those that it lacks and needs."""
-    terms, signals = fit.terms[axis], fit.signals
+    terms = fit.terms[axis]
     best, strength = terms, 1.0
     candidates = [name for name in fit.options.model.candidates() if name not in terms.names]
     tests = len(candidates) + len(STRIBECK_VELOCITIES)
     for name in candidates:
-        for index in range(len(STRIBECK_VELOCITIES) if name == "stiction" else 1):
-            grown = replace(
-                terms,
-                names=(*terms.names, name),
-                stiction_index=index if name == "stiction" else terms.stiction_index,
-            )
-            column = term_column(signals, axis, name, grown)
-            if name == "stiction" and STRIBECK_VELOCITIES[index] > 0.5 * np.abs(signals.velocity[axis]).max():
-                continue
-            wider = fit_with_column(fit, axis, column)
-            if wider is None:
-                continue
-            ratio = _significance_ratio(wider, SIGNIFICANCE / tests)
-            # A drag or a stiction that drives the axis is something else.
-            is_gravity = name.startswith("gravity")
-            if ratio > strength and (is_gravity or wider.estimate[-1] > 0.0):
-                shift = np.abs(wider.estimate[:2] - fit.joint.fits[axis].estimate[:2])
-                # An axis that is said to turn has gravity rather than a spring, whatever the mass.
-                if is_gravity or (shift > _MATTERS * fit.half_widths(axis)).any():
-                    best, strength = grown, ratio
+        found = _fit_with_term(fit, axis, name)
+        if found is None:
+            continue
+        grown, wider = found
+        ratio = _significance_ratio(wider, SIGNIFICANCE / tests)
+        # A drag or a stiction that drives the axis is something else.
+        is_gravity = name.startswith("gravity")
+        if ratio > strength and (is_gravity or wider.estimate[-1] > 0.0):
+            shift = np.abs(wider.estimate[:2] - fit.joint.fits[axis].estimate[:2])
+            # An axis that is said to turn has gravity rather than a spring, whatever the mass.
+            if is_gravity or (shift > _MATTERS * fit.half_widths(axis)).any():
+                best, strength = grown, ratio
+    return best
+
+
+def _fit_with_term(fit: LogFit, axis: int, name: str) -> tuple[AxisTerms, Fit] | None:
+    """Fit an axis with one more term; of the velocities of stiction the one with the least residual."""
+    terms, signals = fit.terms[axis], fit.signals
+    fastest = float(np.abs(signals.velocity[axis]).max())
+    best, least = None, math.inf
+    for index, velocity in enumerate(STRIBECK_VELOCITIES if name == "stiction" else (0.0,)):
+        grown = replace(
+            terms,
+            names=(*terms.names, name),
+            stiction_index=index if name == "stiction" else terms.stiction_index,
+        )
+        if velocity > 0.5 * fastest:
+            continue
+        wider = fit_with_column(fit, axis, term_column(signals, axis, name, grown))
+        if wider is None:
+            continue
+        squares = float((wider.weights * wider.residual**2).sum())
+        if squares < least:
+            best, least = (grown, wider), squares
     return best
 
 
@@ -316,7 +331,7 @@ def is_significant(fit: Fit, level: float = SIGNIFICANCE, column: int = -1) -> b
     return _significance_ratio(fit, level, column) > 1.0
 
 
-def significance_threshold(degrees_of_freedom: int, level: float = SIGNIFICANCE) -> float:
+def significance_threshold(degrees_of_freedom: float, level: float = SIGNIFICANCE) -> float:
     """Return how many half-widths of its 95 % interval a coefficient must exceed to be significant."""
     from scipy import stats
 
@@ -325,5 +340,6 @@ def significance_threshold(degrees_of_freedom: int, level: float = SIGNIFICANCE)
 
 
 def _significance_ratio(fit: Fit, level: float, column: int = -1) -> float:
-    half = fit.half_width()[column] * significance_threshold(fit.degrees_of_freedom, level)
+    threshold = significance_threshold(float(fit.degrees_of_freedom[column]), level)
+    half = fit.half_width()[column] * threshold
     return float(abs(fit.estimate[column]) / half) if half > 0.0 else float("inf")

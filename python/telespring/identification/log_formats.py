@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._tables import numbers_from_texts, read_text_table
@@ -38,6 +39,8 @@ class LogColumns:
         Names of more than one column.
     decimal
         Decimal mark of texts.
+    lines
+        Number of each row's line in a text file.
     """
 
     file: str
@@ -46,6 +49,7 @@ class LogColumns:
     units: Mapping[str, str] = field(default_factory=dict)
     ambiguous: frozenset[str] = frozenset()
     decimal: str = "."
+    lines: NDArray[np.int_] | None = None
 
     def find(self, name: str) -> str | None:
         """Return the name of the column that a user gave by its name, or by its number from 1."""
@@ -99,6 +103,7 @@ def _read_text_log(path: Path) -> LogColumns:
         dict(zip(names, table.units, strict=False)),
         repeated,
         table.decimal,
+        table.lines,
     )
     if len(table) and all(np.isnan(log.numbers(name)).all() for name in log.columns):
         raise InvalidInput(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from telespring.identification.log_columns import (
     words_among_numbers,
 )
 from telespring.identification.log_formats import read_log_columns
+from telespring.identification.origin import Origin, refusals_in
 from telespring.identification.runs import find_runs, select_run
 from telespring.identification.time_stamps import TimeStamps, read_time_stamps
 from telespring.identification.warning_messages import Diagnostic, diagnostic
@@ -55,6 +56,8 @@ class Log:
         The first time stamp as an ISO date, if the stamps tell the date.
     diagnostics
         Reasons to doubt the columns, with their values.
+    origin
+        Where each sample is in the file, for messages.
     """
 
     path: Path
@@ -68,6 +71,7 @@ class Log:
     time_form: str = "s"
     first_time: str | None = None
     diagnostics: tuple[Diagnostic, ...] = ()
+    origin: Origin | None = field(default=None, repr=False, compare=False)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -84,6 +88,7 @@ class Log:
                 force=self.force[self.run == i],
                 run=np.zeros(int((self.run == i).sum()), dtype=int),
                 runs=(name,),
+                origin=None if self.origin is None else self.origin.select(self.run == i),
             )
             for i, name in enumerate(self.runs)
         )
@@ -169,52 +174,68 @@ def read_log(
     for option, limit in (("start", start), ("end", end)):
         if limit is not None and np.isnan(limit):
             raise InvalidInput(option, f"{limit:g}", "a time in s is required", "Omit it for the whole log.")
-    log = read_log_columns(log_path)
-    position_names = [find_column(log, "position", name, position_scale) for name in position]
-    force_names = [find_column(log, "force", name, force_scale) for name in force]
-    time_name = None if rate is not None else find_column(log, "time", time, time_scale)
-    check_column_lengths(log, [*([time_name] if time_name else []), *position_names, *force_names])
-    positions, forces = (
-        np.column_stack([log.numbers(name) for name in selected])
-        for selected in (position_names, force_names)
-    )
-    check_column_numbers(position_names, positions, "position")
-    check_column_numbers(force_names, forces, "force")
-    if time_name is not None:
-        stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
-        if np.isnan(stamps.seconds).all():
-            raise refuse_column_without_numbers("time", time)
-    else:
-        assert rate is not None  # otherwise there is a time column
-        stamps = TimeStamps(np.arange(len(positions)) / rate, "sample rate")
-    run_name = None if run_column is None else find_column(log, "run-column", run_column, 1.0)
-    belongs, runs = find_runs(stamps.seconds, None if run_name is None else log.columns[run_name])
-    repeated = _repeated_samples(stamps.seconds, positions, forces)
-    keep = ~repeated
-    if run is not None:
-        chosen = select_run(str(run), runs)
-        keep &= belongs == chosen
-        belongs, runs = np.zeros_like(belongs), (runs[chosen],)
-    keep &= _samples_between(stamps.seconds, keep, start, end)
-    return Log(
-        path=log_path,
-        time=stamps.seconds[keep],
-        position=position_scale * positions[keep],
-        force=force_scale * forces[keep],
-        axes=names,
-        columns=({} if time_name is None else {"time": time_name})
-        | {f"position {axis}": name for axis, name in zip(names, position_names, strict=True)}
-        | {f"force {axis}": name for axis, name in zip(names, force_names, strict=True)},
-        run=belongs[keep],
-        runs=runs,
-        time_form=stamps.form,
-        first_time=stamps.first,
-        diagnostics=(
-            *suspect_force_columns(log, force_names, force_scale),
-            *words_among_numbers(log, [*position_names, *force_names]),
-            *([diagnostic("repeated samples", count=int(repeated.sum()))] if repeated.any() else []),
-        ),
-    )
+    with refusals_in(Origin(names, log_path.name)):
+        log = read_log_columns(log_path)
+        position_names = [find_column(log, "position", name, position_scale) for name in position]
+        force_names = [find_column(log, "force", name, force_scale) for name in force]
+        time_name = None if rate is not None else find_column(log, "time", time, time_scale)
+        check_column_lengths(log, [*([time_name] if time_name else []), *position_names, *force_names])
+        positions, forces = (
+            np.column_stack([log.numbers(name) for name in selected])
+            for selected in (position_names, force_names)
+        )
+        check_column_numbers(position_names, positions, "position")
+        check_column_numbers(force_names, forces, "force")
+        if time_name is not None:
+            with refusals_in(Origin((), log_path.name, {"time": time_name})):
+                stamps = read_time_stamps(log.columns[time_name], time_scale, log.decimal)
+            if np.isnan(stamps.seconds).all():
+                raise refuse_column_without_numbers("time", time)
+        else:
+            assert rate is not None  # otherwise there is a time column
+            stamps = TimeStamps(np.arange(len(positions)) / rate, "sample rate")
+        run_name = None if run_column is None else find_column(log, "run-column", run_column, 1.0)
+        belongs, runs = find_runs(stamps.seconds, None if run_name is None else log.columns[run_name])
+        repeated = _repeated_samples(stamps.seconds, positions, forces)
+        keep = ~repeated
+        if run is not None:
+            chosen = select_run(str(run), runs)
+            keep &= belongs == chosen
+            belongs, runs = np.zeros_like(belongs), (runs[chosen],)
+        keep &= _samples_between(stamps.seconds, keep, start, end)
+        columns = ({} if time_name is None else {"time": time_name}) | {
+            f"{kind} {axis}": name
+            for kind, chosen in (("position", position_names), ("force", force_names))
+            for axis, name in zip(names, chosen, strict=True)
+        }
+        # Stamps that are not the seconds of `Log.time` are shown as they are written.
+        is_plain = stamps.form in ("s", "sample rate") and time_scale == 1.0
+        origin = Origin(
+            names,
+            log_path.name,
+            columns,
+            stamps.seconds,
+            None if is_plain or time_name is None else log.columns[time_name],
+            lines=log.lines,
+        )
+        return Log(
+            path=log_path,
+            time=stamps.seconds[keep],
+            position=position_scale * positions[keep],
+            force=force_scale * forces[keep],
+            axes=names,
+            columns=columns,
+            run=belongs[keep],
+            runs=runs,
+            time_form=stamps.form,
+            first_time=stamps.first,
+            diagnostics=(
+                *suspect_force_columns(log, force_names, force_scale),
+                *words_among_numbers(log, [*position_names, *force_names]),
+                *([diagnostic("repeated samples", count=int(repeated.sum()))] if repeated.any() else []),
+            ),
+            origin=origin.select(keep),
+        )
 
 
 def _log_axis_names(axes: Sequence[str] | None, position: Sequence[str]) -> tuple[str, ...]:
@@ -248,9 +269,12 @@ def _check_scales(scales: Mapping[str, float], rate: float | None) -> None:
 
 def _repeated_samples(time: FloatArray, *values: FloatArray) -> NDArray[np.bool_]:
     """Find rows that repeat the row before, as some buses deliver a message twice."""
-    rows = np.column_stack([time, *values])
-    same = ((rows[1:] == rows[:-1]) | (np.isnan(rows[1:]) & np.isnan(rows[:-1]))).all(axis=1)
-    return np.concatenate([[False], same & np.isfinite(time[1:])])
+    again = np.flatnonzero(time[1:] == time[:-1]) + 1
+    repeated = np.zeros(time.size, dtype=bool)
+    rows = np.column_stack(values)
+    now, before = rows[again], rows[again - 1]
+    repeated[again] = ((now == before) | (np.isnan(now) & np.isnan(before))).all(axis=1)
+    return repeated
 
 
 def _samples_between(

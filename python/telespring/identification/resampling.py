@@ -1,18 +1,17 @@
-"""Logs on evenly spaced times: interpolate jittering time stamps, and shift a late force."""
+"""Logs on evenly spaced times: interpolate jittering time stamps."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
-from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.identification.gaps import Piece, bridge_gaps
+from telespring.identification.gaps import Piece
 from telespring.identification.stretches import Stretch
 from telespring.identification.warning_messages import Diagnostic, diagnostic
 
-__all__ = ["even_stretches", "shift_force"]
+__all__ = ["even_stretches"]
 
 #: Time stamps closer than this share of a step to even ones are taken as even.
 _EVEN = 0.01
@@ -20,15 +19,11 @@ _EVEN = 0.01
 _LEAST_JITTER = 1e-3
 
 
-def even_stretches(
-    time: FloatArray, position: FloatArray, force: FloatArray
-) -> tuple[tuple[Stretch, ...], list[Diagnostic]]:
-    """Turn a checked log into stretches of evenly spaced samples, all of one rate.
+def even_stretches(pieces: Sequence[Piece]) -> tuple[tuple[Stretch, ...], list[Diagnostic]]:
+    """Turn the pieces of a log into stretches of evenly spaced samples, all of one rate.
 
-    Times are in s, shape (n,); positions (m) and forces (N) have shape (axes, n). Short gaps are bridged, and
-    long ones cut the log (`gaps`). Where time stamps jitter, they are interpolated by cubic splines.
+    Where time stamps jitter, they are interpolated by cubic splines.
     """
-    pieces, _ = bridge_gaps(time, position, force)
     # The mean, not the median: stamps may be rounded, to ms for instance.
     duration = sum(float(piece.time[-1] - piece.time[0]) for piece in pieces)
     step = duration / sum(piece.time.size - 1 for piece in pieces)
@@ -64,24 +59,3 @@ def _even_stretch(piece: Piece, step: float, *, is_jittering: bool) -> Stretch:
     )
     usable = np.interp(even, time, piece.usable.astype(float)) > 1.0 - _EVEN
     return Stretch(even, position, force, usable, 1.0 / step)
-
-
-def shift_force(stretch: Stretch, delay: float) -> Stretch:
-    """Shift the force back to the time when it acted; its samples are `delay` (s, may be negative) late."""
-    from scipy.interpolate import CubicSpline
-
-    time, step = stretch.time, 1.0 / stretch.rate
-    if not abs(delay) < 0.1 * stretch.duration:
-        raise InvalidInput(
-            "force_delay",
-            f"{delay:g} s",
-            "the delay must be much shorter than the log",
-            "Give it in seconds: 0.001 is one millisecond.",
-        )
-    lost = int(np.ceil(abs(delay) / step))
-    keep = slice(0, time.size - lost) if delay > 0.0 else slice(lost, time.size)
-    inner = time[keep]
-    shifted = np.asarray(CubicSpline(time, stretch.force, axis=-1)(inner + delay))
-    whole = np.asarray(stretch.usable, dtype=float)
-    usable = np.interp(inner + delay, time, whole) * whole[keep] > 0.99
-    return replace(stretch, time=inner, position=stretch.position[:, keep], force=shifted, usable=usable)

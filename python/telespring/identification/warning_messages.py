@@ -51,7 +51,7 @@ _MESSAGES = {
         "estimates leave them out."
     ),
     "long gaps": (
-        "Long gaps: {count}, the longest {longest:.4g ms} after {time:.6g} s. The estimates are from the "
+        "Long gaps: {count}, the longest {longest:.4g ms} after {place}. The estimates are from the "
         "{pieces} stretches between them together."
     ),
     "samples between gaps": "Samples between two close gaps, left out: {count}.",
@@ -61,6 +61,12 @@ _MESSAGES = {
     "glitches": (
         "Glitches in the {column}: {count} samples ({share:.2g %}) leave the signal and come back, or repeat "
         "an old value. The estimates leave them out. Check the sensor's cable and the logger."
+    ),
+    "same log": "{log} was given more than once. It counts once.",
+    "copied log": "{log} has the same samples as {other}, to the last digit. They count once.",
+    "repeated part": (
+        "{count} samples, from {place} on, are the same as those from {source} on, to the last digit. They "
+        "count once."
     ),
     "uneven time stamps": (
         "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
@@ -73,13 +79,15 @@ _MESSAGES = {
         "samples."
     ),
     "position jumps": (
-        "The {column} jumps by {size:.3g mm} between two samples at {time:.4g} s (jumps in all: {count}). "
-        "Did the sensor slip?"
+        "The {column} jumps by {size:.3g mm} after {place}. Jumps in all: {count}. Did the sensor slip?"
     ),
     "saturated force": (
-        "The {column} stays at its extreme of {force:.4g} N for {duration:.4g ms}. Was it saturated?"
+        "The {column} stays at its extreme of {force:.3g} N for {duration:.3g ms} from {place} on. Was it "
+        "saturated?"
     ),
-    "constant force": "The {column} stays at {force:.4g} N for {duration:.4g ms}. Was the sensor stuck?",
+    "constant force": (
+        "The {column} stays at {force:.3g} N for {duration:.3g ms} from {place} on. Was the sensor stuck?"
+    ),
     # the model
     "omitted stiffness": _OMITTED % ("a spring of {value:.3g} N/m to the ground", "stiffness", "stiffness"),
     "omitted coulomb": _OMITTED % ("friction of {value:.3g} N", "coulomb", "coulomb"),

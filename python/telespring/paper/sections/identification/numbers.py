@@ -12,8 +12,8 @@ from telespring._json import finite_or_none
 from telespring.decision.uncertainty import delta_method, margin_uncertainty, stable_probability
 from telespring.identification.estimation import identify
 from telespring.identification.excitation import Excitation, design_excitation, paper_excitation
-from telespring.identification.regression import paper_reweightings
 from telespring.identification.results import Identification
+from telespring.identification.reweighting import paper_reweightings
 from telespring.identification.simulated_logs import ARM, SensorNoise, SimulatedLog, simulate_log
 from telespring.model import Dyad, Robot, Study, Uncertainty
 from telespring.paper.published import EXPERIMENT_DELAY_FACTORS, EXPERIMENT_STIFFNESS_FACTORS
