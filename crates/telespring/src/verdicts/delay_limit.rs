@@ -131,7 +131,7 @@ fn sampled_limit(region: &OperatorBox, network: &Network, k: f64) -> Result<Axis
 /// use telespring::verdicts::{Network, delay_limit};
 /// let network = Network::new(Delay::each_way(0.1)?, 0.0, 0.0, 0.001, 0.0)?;
 /// let limit = delay_limit(&hman(), None, 71.2, &network)?;
-/// assert!(limit.proven && limit.attained && (limit.delay - 0.166).abs() < 1e-12);
+/// assert!(limit.proven && limit.attained && (limit.delay - 0.165).abs() < 1e-12);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn delay_limit(
