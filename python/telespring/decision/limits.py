@@ -72,6 +72,16 @@ class DelayLimits:
         return constant_delay(self.verdicts)
 
     @property
+    def soft_springs_fail_by_sampling(self) -> bool:
+        """Whether sampling alone makes every soft spring unstable, so that no stiffness is low enough.
+
+        A held force feeds a handle without damping of its own with a power in proportion to k, which the partner
+        takes in proportion to k² only; a heavily damped partner hardly moves. A stiffer spring may be stable.
+        """
+        continuous = self.verdicts.tier("constant delay").stiffness_bound
+        return self.stiffness_limit == 0.0 and continuous is not None and continuous > 0.0
+
+    @property
     def buffered(self) -> bool:
         """Whether only a playout buffer makes the delay constant."""
         return self.constant_delay != self.delay

@@ -49,11 +49,9 @@ impl StableRoundTrips {
         let way = DelayPath::new(network);
         let mut found: Vec<(f64, f64)> = Vec::new();
         for &(from, to) in &self.windows {
-            let start = match from {
-                0 => 0.0,
-                1 => f64::MIN_POSITIVE,
-                _ => way.longest_within(from - 1),
-            };
+            // Equal delays both ways may skip a round trip: then every delay above 0 lies in the window.
+            let start =
+                if from == 0 { 0.0 } else { way.longest_within(from - 1).max(f64::MIN_POSITIVE) };
             let end = way.longest_within(to);
             if end <= start && !(from == 0 && found.is_empty()) {
                 continue;

@@ -20,6 +20,7 @@ from telespring.show.screens.questions import (
     given_delay,
     hand_effect,
     sampling_clause,
+    sampling_note,
     tier_bounds,
 )
 from telespring.show.screens.robots import robot_notes
@@ -227,6 +228,7 @@ def _verdict_notes(decision: Decision) -> list[Text]:
         notes.append(Text(f"This network allows {allowed_text}{unbuffered} ({allowed.tier})."))
     if decision.sampled_stable is not None:
         notes.append(Text(CONTINUOUS_TIERS))
+        notes.append(Text(sampling_note(decision.verdicts)))
     if decision.over_operator_ranges:
         notes.append(Text("Every limit is the worst over the ranges of operators."))
     notes.append(_paper_note(decision))
