@@ -119,7 +119,8 @@ def recommend_and_judge(seed: int, count: int, folder: Path) -> list[object]:
             mass, damping = random.uniform(0.4, 3.0), random.uniform(1.0, 12.0)
             file = folder / f"{name}.toml"
             file.write_text(
-                f"[robot]\nmass = {mass}\ndamping = {damping}\nmass_sd = {mass * random.uniform(0.002, 0.1)}\n"
+                f"[robot]\nmass = {mass}\ndamping = {damping}\n"
+                f"mass_sd = {mass * random.uniform(0.002, 0.1)}\n"
                 f"damping_sd = {damping * random.uniform(0.005, 0.25)}\n"
                 f"mass_damping_correlation = {random.uniform(-0.8, 0.8)}\n"
             )

@@ -47,11 +47,11 @@ class OperatorMargins:
     stable_delays
         All stable intervals of the one-way delay up to the horizon, s.
     sampled_stable_delays
-        The same with sampled controllers: the mean delay, both ways in their proportion; an interval excludes its
-        start and includes its end. None without a sample period.
+        The same with sampled controllers: the mean delay, both ways in their proportion; an interval
+        excludes its start and includes its end. None without a sample period.
     stable_around
-        The stable interval that contains the delay, s, with the controllers in question, cut off at the horizon or at
-        twice the delay if that is more; None if none does.
+        The stable interval that contains the delay, s, with the controllers in question, cut off at the
+        horizon or at twice the delay if that is more; None if none does.
     spectral_abscissa
         Largest real part of the characteristic roots without the rigid-body root, 1/s.
     crossings
@@ -137,12 +137,13 @@ class Decision:
     keeps_stiffness_reserve, keeps_delay_reserve
         Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
     delay_limit
-        Shorter one-way delays are stable, s, with the controllers in question; 0 if none is, infinite if no delay
-        destabilises. The mean of both ways, which grow in their proportion.
+        Shorter one-way delays are stable, s, with the controllers in question; 0 if none is, infinite
+        if no delay destabilises. The mean of both ways, which grow in their proportion.
     delay_limit_attained
         Whether the limit of the delay is itself stable: sampled controllers see whole periods only.
     delay_limit_proven
-        Whether the limit is at most 5 % and a period low; if not, a search over ranges of operators was cut off.
+        Whether the limit is at most 5 % and a period low; if not, a search over ranges of operators was
+        cut off.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
         stable now, infinite if no damping is known to suffice.

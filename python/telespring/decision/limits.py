@@ -36,7 +36,7 @@ _WITHIN = 1.0 - 1e-9
 #: Where there is no limit, errors of the robots are examined at this stiffness, N/m, and one-way delay, s.
 _STIFFEST = 1e5
 _LONGEST = 100.0
-#: How closely what may be used is found below what the limits allow, and the halvings down to the first value.
+#: How closely what may be used is found below what the limits allow, and the halvings to a first value.
 _RESOLUTION = 1e-3
 _MOST_HALVINGS = 30
 
@@ -53,8 +53,8 @@ class DelayLimits:
         Every smaller stiffness is stable at this constant delay, N/m, sampled controllers included.
     usable_stiffness
         The largest stiffness that keeps the reserve of stiffness and delay, N/m, with the probability that
-        `decide` asks for if the robots have errors: `decide` calls it stable. Infinite if there is no limit, 0 if
-        there is none.
+        `decide` asks for if the robots have errors: `decide` calls it stable. Infinite if there is no
+        limit, 0 if there is none.
     """
 
     verdicts: Verdicts
@@ -75,7 +75,8 @@ class DelayLimits:
     def soft_springs_fail_by_sampling(self) -> bool:
         """Whether sampling alone makes every soft spring unstable, so that no stiffness is low enough.
 
-        A held force feeds a handle without damping of its own with a power in proportion to k, which the partner
+        A held force feeds a handle without damping of its own with a power in proportion to k, which
+        the partner
         takes in proportion to k² only; a heavily damped partner hardly moves. A stiffer spring may be stable.
         """
         continuous = self.verdicts.tier("constant delay").stiffness_bound
@@ -129,8 +130,8 @@ class Limits:
     robots_have_errors
         Whether errors of the robots limit what may be used.
     axes_independent
-        Whether identification found the axes of both robots independent; None if it is not known. If it is False, the
-        limits hold axis by axis only.
+        Whether identification found the axes of both robots independent; None if it is not known. If it
+        is False, the limits hold axis by axis only.
     free
         The limits with free handles; None if the handles are free, or if it was not requested.
     """
@@ -170,7 +171,8 @@ def limits(
         One-way delay each way, s, or the pair (forward, backward); None lists `COMMON_DELAYS`.
     stiffness
         Also find the delay that this stiffness allows, N/m.
-    jitter, max_gap, sample_period, computing_time, operator_ranges, uncertainty, records, compare_free, allow_unusual
+    jitter, max_gap, sample_period, computing_time, operator_ranges, uncertainty, records, compare_free,
+    allow_unusual
         As for `telespring.decision.decide.decide`.
 
     Returns
@@ -247,7 +249,7 @@ class _Errors(NamedTuple):
 
 
 def _is_usable(question: Question, stiffness: float, errors: _Errors) -> bool:
-    """Return whether `decide` calls a stiffness stable, with its reserve and, if robots have errors, probably."""
+    """Return whether `decide` calls a stiffness stable, with reserve and, if robots have errors, probably."""
     judged = question.judge(stiffness)
     return (
         is_stable(judged)

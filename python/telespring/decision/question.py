@@ -34,6 +34,7 @@ __all__ = [
     "stiffness_limit",
 ]
 
+
 def is_stable(judged: Verdicts) -> bool:
     """Return whether the constant delay is stable for every operator, sampled controllers included."""
     return judged.tier("constant delay").satisfied and judged.sampled_stable is not False
@@ -122,7 +123,7 @@ class Question:
         return Dyad(*self.dyad.robots, (one, other), self.dyad.coupling_damping)
 
     def keeps_stiffness_reserve(self, judged: Verdicts) -> bool:
-        """Return whether the dyad is stable up to 5 % more stiffness; beyond a limit also down to 5 % less."""
+        """Return whether it is stable up to 5 % more stiffness; beyond a limit also down to 5 % less."""
         k, limit = judged.stiffness, stiffness_limit(judged)
         most = (1.0 + RESERVE) * k
         if most <= limit:
@@ -141,9 +142,7 @@ class Question:
             return True
         # Beyond a limit it is stable in an island of delays: a shorter delay may be unstable, too.
         factors = (1.0 if is_within(mean, limit) else 1.0 - RESERVE, 1.0 + RESERVE)
-        return is_stable_over_delays(
-            self.dyad, judged.stiffness, self.network, factors, self.operator_ranges
-        )
+        return is_stable_over_delays(self.dyad, judged.stiffness, self.network, factors, self.operator_ranges)
 
     def delay_limit(self, judged: Verdicts) -> DelayLimit:
         """Return the first delay, the mean of both ways, that is unstable at the stiffness judged.

@@ -59,7 +59,9 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
                 ),
                 "stiffness_unbounded": tier.stiffness_bound is not None and math.isinf(tier.stiffness_bound),
                 "attained": tier.attained,
-                **sampled_bound_json(tier, row.stiffness_limit, is_sampled=row.verdicts.sampled_stable is not None),
+                **sampled_bound_json(
+                    tier, row.stiffness_limit, is_sampled=row.verdicts.sampled_stable is not None
+                ),
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
                 "assumption_met": tier.assumption_met,
                 "available": tier.stiffness_bound is not None,

@@ -148,8 +148,9 @@ def delay_limit(
 ) -> DelayLimit:
     """Find the first delay at which a dyad becomes unstable, with the controllers that it has.
 
-    The delays of both ways grow in the proportion that `network` gives them, behind its playout buffer where it
-    has jitter or gaps (equal where it has no delay); the limit is the mean of both. A sampled controller uses a
+    The delays of both ways grow in the proportion that `network` gives them, behind its playout buffer
+    where it has jitter or gaps (equal where it has no delay); the limit is the mean of both. A sampled
+    controller uses a
     sample of its partner from its next tick on: each way counts in whole periods, rounded up, and the limit
     is the last whole number of them before a multiplier of the one-period map leaves the unit circle. The
     continuous dyad must be stable up to it, too. No period is tried: all crossings of the circle are roots of
@@ -165,7 +166,8 @@ def delay_limit(
     network : Network
         The proportion of both delays, s, and the timing of the controllers.
     operator_range : OperatorRange or pair of OperatorRange, optional
-        Operators that replace the dyad's own. The limit then holds for every operator of the range. `proven` is
+        Operators that replace the dyad's own. The limit then holds for every operator of the range.
+        `proven` is
         False where the search was cut off or the limit may be more than 5 % and a period below `least_found`.
 
     Returns
@@ -181,10 +183,9 @@ def delay_limit(
     Examples
     --------
     >>> import telespring as ts
-    >>> from telespring.theory.verdicts import delay_limit
-    >>> round(delay_limit(ts.hman(), 71.2, ts.Network(0.1)).delay, 4)
+    >>> round(ts.delay_limit(ts.hman(), 71.2, ts.Network(0.1)).delay, 4)
     0.1673
-    >>> limit = delay_limit(ts.hman(), 71.2, ts.Network((0.05, 0.15), sample_period=0.001))
+    >>> limit = ts.delay_limit(ts.hman(), 71.2, ts.Network((0.05, 0.15), sample_period=0.001))
     >>> round(limit.delay, 4), limit.attained
     (0.1647, True)
     """
@@ -206,8 +207,7 @@ def is_stable_over_delays(
     Examples
     --------
     >>> import telespring as ts
-    >>> from telespring.theory.verdicts import is_stable_over_delays
-    >>> is_stable_over_delays(ts.hman(), 71.2, ts.Network(0.1, sample_period=0.001), (0.95, 1.05))
+    >>> ts.is_stable_over_delays(ts.hman(), 71.2, ts.Network(0.1, sample_period=0.001), (0.95, 1.05))
     True
     """
     return core.is_stable_over_delays(dyad, stiffness, network, factors, operator_range)
@@ -226,8 +226,7 @@ def is_stable_over_stiffnesses(
     Examples
     --------
     >>> import telespring as ts
-    >>> from telespring.theory.verdicts import is_stable_over_stiffnesses
-    >>> is_stable_over_stiffnesses(ts.hman(), (60.0, 80.0), ts.Network(0.1, sample_period=0.001))
+    >>> ts.is_stable_over_stiffnesses(ts.hman(), (60.0, 80.0), ts.Network(0.1, sample_period=0.001))
     True
     """
     return core.is_stable_over_stiffnesses(dyad, stiffnesses, network, operator_range)

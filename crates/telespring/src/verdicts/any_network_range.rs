@@ -60,7 +60,8 @@ pub(super) fn range_bound(region: &OperatorBox, network: &Network) -> RangeBound
     }
     if axis.coupling_damping > 0.0 {
         let bound = |at: &OperatorPair| {
-            any_network::stiffness_bound(&region.axis(at), network).map_or(f64::INFINITY, |bound| bound.proven)
+            any_network::stiffness_bound(&region.axis(at), network)
+                .map_or(f64::INFINITY, |bound| bound.proven)
         };
         let corners = region.corners();
         let least = corners.into_iter().min_by(|a, b| bound(a).total_cmp(&bound(b))).unwrap_or(worst);

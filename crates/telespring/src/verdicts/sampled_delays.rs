@@ -50,8 +50,7 @@ impl StableRoundTrips {
         let mut found: Vec<(f64, f64)> = Vec::new();
         for &(from, to) in &self.windows {
             // Equal delays both ways may skip a round trip: then every delay above 0 lies in the window.
-            let start =
-                if from == 0 { 0.0 } else { way.longest_within(from - 1).max(f64::MIN_POSITIVE) };
+            let start = if from == 0 { 0.0 } else { way.longest_within(from - 1).max(f64::MIN_POSITIVE) };
             let end = way.longest_within(to);
             if end <= start && !(from == 0 && found.is_empty()) {
                 continue;
@@ -263,5 +262,7 @@ const LONGEST: f64 = 1e3;
 pub fn sampled_maximum_delay(axis: &DyadAxis, stiffness: f64, network: &Network) -> Result<f64> {
     let stable = stable_round_trips(axis, stiffness, network, f64::INFINITY)?;
     let first = stable.delays(network).into_iter().next();
-    Ok(first.filter(|&(start, _)| start == 0.0 || stable.drifts_at_once && start < f64::EPSILON).map_or(0.0, |(_, end)| end))
+    Ok(first
+        .filter(|&(start, _)| start == 0.0 || stable.drifts_at_once && start < f64::EPSILON)
+        .map_or(0.0, |(_, end)| end))
 }

@@ -86,12 +86,12 @@ def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
         return Text.assemble(("You may use any stiffness", "bold green"), f" {where}.")
     if row.soft_springs_fail_by_sampling:
         why = (
-            "even a soft spring is unstable, because a held force feeds more into the motion than the damping "
-            "takes. A stiffer spring may be stable; give --stiffness."
+            "even a soft spring is unstable, because a held force feeds more into the motion than the "
+            "damping takes. A stiffer spring may be stable; give --stiffness."
         )
         return Text.assemble(("No stiffness is low enough", "bold red"), f" {where}: {why}")
     if row.stiffness_limit == 0.0:
-        return Text.assemble(("No stiffness is stable", "bold red"), f" {where}: a soft spring is unstable.")
+        return Text.assemble(("No stiffness is stable", "bold red"), f" {where}, however soft the spring.")
     if row.usable_stiffness == 0.0:
         return Text.assemble(
             ("No stiffness is safe", "bold red"),

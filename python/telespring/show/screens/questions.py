@@ -74,10 +74,15 @@ def sampling_note(judged: Verdicts) -> str:
     """
     h = judged.network.sample_period + judged.network.computing_time
     age = sum(budget.total for budget in judged.delay_budget)
-    return (
+    note = (
         f"A force is held: the own sample is up to h = {format_time(h, 6)} old, the partner samples "
-        f"T₁+T₂ = {format_time(age, 6)} in all. The limit for a bounded varying delay is that of b₁ − kh and b₂ − kh, "
-        "and the one for any network is below b²/(4m)."
+        f"T₁+T₂ = {format_time(age, 6)} in all."
+    )
+    if judged.tier("bounded varying delay").stiffness_bound is None:
+        return note
+    return (
+        f"{note} The limit for a bounded varying delay is that of b₁ − kh and b₂ − kh, and the one for any "
+        "network is below its continuous form."
     )
 
 

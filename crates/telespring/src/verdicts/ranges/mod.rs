@@ -107,8 +107,7 @@ impl Family {
 
     /// Whether no member has a root on the axis at a round trip (s) for any stiffness of a range (N/m).
     pub fn excludes_stiffnesses(&self, (from, to): (f64, f64), round_trip: f64) -> bool {
-        let found =
-            self.search(Unknown::Stiffness, &Self::at(from, Some(round_trip)), from, to - from, to);
+        let found = self.search(Unknown::Stiffness, &Self::at(from, Some(round_trip)), from, to - from, to);
         found.is_finished && found.value >= to
     }
 
