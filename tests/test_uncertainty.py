@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+import os
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import telespring as ts
+from telespring.cli import app
 from telespring.decision.decide import decide
 from telespring.decision.uncertainty import (
     DRAWS,
@@ -102,3 +107,41 @@ def test_law_unbounded_delays_are_null_in_json(hman: ts.Dyad) -> None:
     assert found["worst"]["maximum_delay_interval"] == [None, None]
     assert found["worst"]["maximum_delay_unbounded_probability"] == 1.0
     assert decision_json(decide(hman, 20.0, 0.1))["uncertainty"] is None
+
+
+def recommend_and_judge(seed: int, count: int, folder: Path) -> list[object]:
+    """Ask the command what random pairs with errors may use, and judge exactly what it prints."""
+    random = np.random.default_rng(seed)
+    bad: list[object] = []
+    for _ in range(count):
+        files = []
+        for name in ("one", "two"):
+            mass, damping = random.uniform(0.4, 3.0), random.uniform(1.0, 12.0)
+            file = folder / f"{name}.toml"
+            file.write_text(
+                f"[robot]\nmass = {mass}\ndamping = {damping}\n"
+                f"mass_sd = {mass * random.uniform(0.002, 0.1)}\n"
+                f"damping_sd = {damping * random.uniform(0.005, 0.25)}\n"
+                f"mass_damping_correlation = {random.uniform(-0.8, 0.8)}\n"
+            )
+            files += ["--robot", str(file)]
+        asked = ["decide", *files, "--delay", f"{random.uniform(5.0, 200.0):.4g}ms"]
+        runner = CliRunner(env={"COLUMNS": "200", "NO_COLOR": "1"})
+        screen = runner.invoke(app, asked).stdout
+        told = re.search(r"You may use up to ([0-9.]+) N/m", screen)
+        if told is None:
+            assert "No stiffness is" in screen, screen
+            continue
+        judged = runner.invoke(app, [*asked, "--stiffness", told[1], "--check"])
+        if judged.exit_code != 0 or "STABLE at" not in judged.stdout:
+            bad.append((asked, told[1], judged.stdout))
+    return bad
+
+
+def test_law_what_is_recommended_is_called_stable_by_the_command(tmp_path: Path) -> None:
+    assert recommend_and_judge(4, 12, tmp_path) == []
+
+
+@pytest.mark.verify
+def test_law_what_is_recommended_is_called_stable_by_the_command_at_length(tmp_path: Path) -> None:
+    assert recommend_and_judge(int(os.environ.get("TELESPRING_VERIFY", "5")), 150, tmp_path) == []

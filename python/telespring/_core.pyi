@@ -33,6 +33,7 @@ __all__ = [
     "Coupling",
     "Crossing",
     "DelayBudget",
+    "DelayLimit",
     "DelaySolution",
     "DelaySystem",
     "Dyad",
@@ -74,9 +75,12 @@ __all__ = [
     "cross_inertia",
     "crossings",
     "decay_stiffness",
+    "delay_limit",
     "frequency_grid",
     "frequency_response",
     "hman",
+    "is_stable_over_delays",
+    "is_stable_over_stiffnesses",
     "maximum_delay",
     "maximum_stiffness",
     "minimum_damping",
@@ -237,6 +241,14 @@ class DyadAxis:
     def is_stable(self, k: ArrayLike, delay: ArrayLike) -> bool | NDArray[np.bool_]: ...
     def stability_map(self, k: ArrayLike, delay: ArrayLike) -> NDArray[np.bool_]: ...
     def crossings(self, k: float) -> list[Crossing]: ...
+    def sampled_stable_delays(
+        self,
+        k: float,
+        sample_period: float,
+        computing_time: float = 0.0,
+        delay: Delay = 0.0,
+        horizon: float = 100.0,
+    ) -> list[tuple[float, float]]: ...
     def stable_delays(self, k: float, horizon: float = 100.0) -> list[tuple[float, float]]: ...
     def decay_stiffness(self, delay: float, decay_rate: float) -> list[tuple[float, float]]: ...
     def spectral_abscissa(self, k: float, delay: Delay) -> float: ...
@@ -706,6 +718,17 @@ class AxisVerdict(_Record):
     sampled_proven: Final[bool | None]
 
 @final
+class DelayLimit(_Record):
+    def __new__(
+        cls, delay: float, attained: bool, proven: bool, least_found: float, worst_axis: int
+    ) -> DelayLimit: ...
+    delay: Final[float]
+    attained: Final[bool]
+    proven: Final[bool]
+    least_found: Final[float]
+    worst_axis: Final[int]
+
+@final
 class Remedies(_Record):
     def __new__(cls, stiffness: float | None, delay: float | None, damping: float | None) -> Remedies: ...
     stiffness: Final[float | None]
@@ -998,6 +1021,25 @@ def verdicts(
     network: Network,
     operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
 ) -> Verdicts: ...
+def delay_limit(
+    dyad: Dyad,
+    stiffness: float,
+    network: Network,
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
+) -> DelayLimit: ...
+def is_stable_over_delays(
+    dyad: Dyad,
+    stiffness: float,
+    network: Network,
+    factors: tuple[float, float],
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
+) -> bool: ...
+def is_stable_over_stiffnesses(
+    dyad: Dyad,
+    stiffnesses: tuple[float, float],
+    network: Network,
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
+) -> bool: ...
 
 @final
 class DelaySolution:

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
 use telespring::quantity::{DELAY, STIFFNESS};
-use telespring::{InvalidInput, Result, Side, criteria, spectrum};
+use telespring::{InvalidInput, Result, Side, criteria, spectrum, verdicts};
 
 use crate::arguments::{Argument, Count, DelayChoice, Number};
 use crate::arrays::{Numbers, labelled_map, over_arrays};
@@ -320,6 +320,32 @@ impl DyadAxis {
         let (k, horizon) = (STIFFNESS.check("k", k.named("k")?)?, horizon.named("horizon")?);
         let axis = self.axis;
         Ok(apart(py, move || criteria::stable_delays(&axis, k, horizon))??)
+    }
+
+    /// Intervals of stable one-way delays under sampled controllers, s, each open at its start and closed at its end.
+    ///
+    /// A delay is the mean of both ways, which keep the proportion of `delay`; each way counts in whole sample
+    /// periods (s), rounded up, as the controllers use it.
+    #[pyo3(
+        signature = (k, sample_period, computing_time=Number::Given(0.0), delay=DelayChoice::EachWay(0.0),
+                     horizon=Number::Given(DELAY.maximum())),
+        text_signature = "($self, k, sample_period, computing_time=0.0, delay=0.0, horizon=100.0)"
+    )]
+    fn sampled_stable_delays(
+        &self,
+        py: Python<'_>,
+        k: Number,
+        sample_period: Number,
+        computing_time: Number,
+        delay: DelayChoice,
+        horizon: Number,
+    ) -> Outcome<Vec<(f64, f64)>> {
+        let (k, horizon) = (STIFFNESS.check("k", k.named("k")?)?, horizon.named("horizon")?);
+        let period = sample_period.named("sample_period")?;
+        let computing = computing_time.named("computing_time")?;
+        let network = verdicts::Network::new(delay.check()?, 0.0, 0.0, period, computing)?;
+        let axis = self.axis;
+        Ok(apart(py, move || verdicts::sampled_stable_delays(&axis, k, &network, horizon))??)
     }
 
     /// Ranges of stiffness with at least this decay rate (1/s), N/m; see `telespring.decay_stiffness`.

@@ -82,8 +82,9 @@ mod _core {
     use crate::usual::check_usual;
     #[pymodule_export]
     use crate::verdicts::{
-        AxisTier, AxisVerdict, DelayBudget, OperatorPoint, PaperVerdict, Remedies, SampledSpectrum,
-        StiffnessAllowed, StiffnessMargin, Verdict, Verdicts, verdicts,
+        AxisTier, AxisVerdict, DelayBudget, DelayLimit, OperatorPoint, PaperVerdict, Remedies,
+        SampledSpectrum, StiffnessAllowed, StiffnessMargin, Verdict, Verdicts, delay_limit,
+        is_stable_over_delays, is_stable_over_stiffnesses, verdicts,
     };
 
     /// Prepares the module.

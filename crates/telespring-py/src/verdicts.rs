@@ -313,6 +313,22 @@ record! {
     }
 }
 
+record! {
+    /// The first delay at which a dyad becomes unstable.
+    DelayLimit(core::DelayLimit) {
+        /// Every shorter one-way delay, s, the mean of both, is stable for every operator; inf if none destabilises.
+        delay,
+        /// Whether this delay itself is stable.
+        attained,
+        /// Whether a search over a range of operators decided, and the limit is at most 5 % and a period low.
+        proven,
+        /// The smallest limit found for a single pair of operators, s.
+        least_found,
+        /// The axis with the limit, counted from 0.
+        worst_axis,
+    }
+}
+
 /// One range for both operators, or one for each.
 #[derive(FromPyObject)]
 pub enum Ranges<'py> {
@@ -330,21 +346,13 @@ impl<'py> Argument<Option<Ranges<'py>>> {
     }
 }
 
-/// The four `Verdicts` on a dyad over a network.
-#[pyfunction]
-pub fn verdicts(
-    py: Python<'_>,
-    dyad: Argument<Bound<'_, Dyad>>,
-    stiffness: Number,
-    network: &Bound<'_, Network>,
+/// The ranges of both operators on all axes of a dyad.
+fn ranges_on(
+    dyad: &telespring::Dyad,
     operator_range: Argument<Option<Ranges<'_>>>,
-) -> Outcome<Verdicts> {
-    let dyad = dyad.named("dyad")?;
-    let operator_range = operator_range.named("operator_range")?;
-    let stiffness = stiffness.named("stiffness")?;
-    let (dyad, network) = (dyad.get().0.clone(), network.get().0);
+) -> Outcome<Option<[core::OperatorRange; 2]>> {
     let axes = dyad.axis_names().len();
-    let ranges = match &operator_range {
+    Ok(match &operator_range.named("operator_range")? {
         None => None,
         Some(Ranges::Both(range)) => {
             let range = range.get().on(axes).map_err(|refusal| refusal.within("operator_range"))?;
@@ -354,7 +362,66 @@ pub fn verdicts(
             first.get().on(axes).map_err(|refusal| refusal.within("operator_range[0]"))?,
             second.get().on(axes).map_err(|refusal| refusal.within("operator_range[1]"))?,
         ]),
-    };
+    })
+}
+
+/// The four `Verdicts` on a dyad over a network.
+#[pyfunction]
+pub fn verdicts(
+    py: Python<'_>,
+    dyad: Argument<Bound<'_, Dyad>>,
+    stiffness: Number,
+    network: &Bound<'_, Network>,
+    operator_range: Argument<Option<Ranges<'_>>>,
+) -> Outcome<Verdicts> {
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let ranges = ranges_on(&dyad, operator_range)?;
+    let stiffness = stiffness.named("stiffness")?;
     let verdicts = apart(py, move || core::verdicts(&dyad, ranges.as_ref(), stiffness, &network))??;
     Ok(Verdicts(verdicts))
+}
+
+/// The first delay at which a dyad becomes unstable.
+#[pyfunction]
+pub fn delay_limit(
+    py: Python<'_>,
+    dyad: Argument<Bound<'_, Dyad>>,
+    stiffness: Number,
+    network: &Bound<'_, Network>,
+    operator_range: Argument<Option<Ranges<'_>>>,
+) -> Outcome<DelayLimit> {
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let ranges = ranges_on(&dyad, operator_range)?;
+    let stiffness = stiffness.named("stiffness")?;
+    Ok(DelayLimit(apart(py, move || core::delay_limit(&dyad, ranges.as_ref(), stiffness, &network))??))
+}
+
+/// Whether a dyad is stable at every delay between two multiples of the network's.
+#[pyfunction]
+pub fn is_stable_over_delays(
+    py: Python<'_>,
+    dyad: Argument<Bound<'_, Dyad>>,
+    stiffness: Number,
+    network: &Bound<'_, Network>,
+    factors: (f64, f64),
+    operator_range: Argument<Option<Ranges<'_>>>,
+) -> Outcome<bool> {
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let ranges = ranges_on(&dyad, operator_range)?;
+    let k = stiffness.named("stiffness")?;
+    Ok(apart(py, move || core::is_stable_over_delays(&dyad, ranges.as_ref(), k, &network, factors))??)
+}
+
+/// Whether a dyad is stable at every stiffness of a range.
+#[pyfunction]
+pub fn is_stable_over_stiffnesses(
+    py: Python<'_>,
+    dyad: Argument<Bound<'_, Dyad>>,
+    stiffnesses: (f64, f64),
+    network: &Bound<'_, Network>,
+    operator_range: Argument<Option<Ranges<'_>>>,
+) -> Outcome<bool> {
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let ranges = ranges_on(&dyad, operator_range)?;
+    Ok(apart(py, move || core::is_stable_over_stiffnesses(&dyad, ranges.as_ref(), stiffnesses, &network))??)
 }

@@ -387,19 +387,22 @@ fn cross_sampled_any_network_bound_with_one_side_grounded() {
             [side(0.8, 8.0, 1e-9), side(1.1, 9.0, 0.0)],
         ] {
             let result = verdicts(&grounded(sides), None, 1.0, &network).unwrap();
-            let k = result.tier(Tier::AnyNetwork).stiffness_bound.unwrap();
+            let tier = result.tier(Tier::AnyNetwork);
+            let k = tier.stiffness_bound.unwrap();
             let product =
                 |k: f64| sides.iter().map(|side| sampled_gain(side, k, h, computing)).product::<f64>();
-            assert!(k > 0.01, "{sides:?} {k}");
+            // With a computing time and a ground of 1e-9 N/m the product is so close to 1 from the start that the steps of
+            // the proof do not get far, which it says.
+            let is_provable = computing == 0.0 || sides.iter().all(|side| side.ground_stiffness != 1e-9);
+            assert_eq!(tier.proven, is_provable, "{sides:?} {h} {k} {:?}", tier.least_found);
+            assert!(k > if is_provable { 0.01 } else { 0.0 }, "{sides:?} {k}");
             for i in 1..12 {
                 let below = product(k * f64::from(i) / 12.0);
                 assert!(below < 1.0 + 1e-9, "{sides:?} {h} {i} of {k}: {below}");
             }
-            assert!(
-                product(0.999 * k) < 1.0 + 1e-9 && product(1.02 * k) > 1.0,
-                "{sides:?} {h} {k} {}",
-                product(k)
-            );
+            assert!(product(0.999 * k) < 1.0 + 1e-9, "{sides:?} {h} {k} {}", product(k));
+            let found = tier.least_found.unwrap();
+            assert!(found >= k && product(1.02 * found) > 1.0, "{sides:?} {h} {found}");
         }
     }
 }

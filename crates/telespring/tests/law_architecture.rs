@@ -20,7 +20,7 @@ const FLOORS: [(&str, &[&str]); 15] = [
     ("poses", &["error", "quantity", "model", "rig", "spectrum", "delay_system"]),
     ("criteria", &["error", "quantity", "model", "poly", "characteristic", "spectrum"]),
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
-    ("verdicts", &["error", "quantity", "model", "characteristic", "criteria"]),
+    ("verdicts", &["error", "quantity", "model", "poly", "characteristic", "criteria"]),
     ("study", &["error", "quantity", "model", "criteria", "verdicts", "rig"]),
 ];
 

@@ -300,6 +300,8 @@ def _answer(
             read.dyad,
             read.delay if read.has_delay else None,
             read.stiffness if read.has_stiffness else None,
+            uncertainty=read.uncertainty,
+            records=asked.records(),
             **common,
         )
         if as_json:

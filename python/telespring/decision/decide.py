@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from telespring._html import table
 from telespring.decision.question import (
     Question,
+    are_axes_independent,
     constant_delay,
     constant_delay_tier,
     is_stable,
@@ -45,9 +46,12 @@ class OperatorMargins:
         By Eqs. 5 to 9 as printed, s; NaN if the paper has no formula (operators, coupling damper).
     stable_delays
         All stable intervals of the one-way delay up to the horizon, s.
+    sampled_stable_delays
+        The same with sampled controllers: the mean delay, both ways in their proportion; an interval
+        excludes its start and includes its end. None without a sample period.
     stable_around
-        The stable interval that contains the delay, s, cut off at the horizon or at twice the delay if that
-        is more; None if none does.
+        The stable interval that contains the delay, s, with the controllers in question, cut off at the
+        horizon or at twice the delay if that is more; None if none does.
     spectral_abscissa
         Largest real part of the characteristic roots without the rigid-body root, 1/s.
     crossings
@@ -58,6 +62,7 @@ class OperatorMargins:
     critical_stiffness_paper: float
     maximum_delay_paper: float
     stable_delays: tuple[tuple[float, float], ...]
+    sampled_stable_delays: tuple[tuple[float, float], ...] | None
     stable_around: tuple[float, float] | None
     spectral_abscissa: float
     crossings: tuple[Crossing, ...]
@@ -132,8 +137,13 @@ class Decision:
     keeps_stiffness_reserve, keeps_delay_reserve
         Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
     delay_limit
-        Shorter one-way delays are stable, s; 0 if none is, infinite if no delay destabilises. With sampled
-        controllers from the continuous dyad, to first order in the period, and judged near the limit.
+        Shorter one-way delays are stable, s, with the controllers in question; 0 if none is, infinite
+        if no delay destabilises. The mean of both ways, which grow in their proportion.
+    delay_limit_attained
+        Whether the limit of the delay is itself stable: sampled controllers see whole periods only.
+    delay_limit_proven
+        Whether the limit is at most 5 % and a period low; if not, a search over ranges of operators was
+        cut off.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
         stable now, infinite if no damping is known to suffice.
@@ -165,6 +175,8 @@ class Decision:
     keeps_stiffness_reserve: bool
     keeps_delay_reserve: bool
     delay_limit: float
+    delay_limit_attained: bool
+    delay_limit_proven: bool
     added_damping: float
     over_operator_ranges: bool
     decay_rate: float | None = None
@@ -296,7 +308,7 @@ class Decision:
 
         If it is False, no verdict here holds: all of them treat the axes separately.
         """
-        return _are_recorded_axes_independent(self.robot_records)
+        return are_axes_independent(self.robot_records)
 
 
 def decide(
@@ -371,18 +383,23 @@ def decide(
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     worst = question.held_by(judged)
-    certain = uncertainty == (None, None) or _are_recorded_axes_independent(records) is False
+    certain = uncertainty == (None, None) or are_axes_independent(records) is False
     longest = question.delay_limit(judged)
     return Decision(
         verdicts=judged,
         axes=tuple(
-            AxisDecision(verdict, _operator_margins(axis, verdict, stiffness, (forward, backward), horizon))
+            AxisDecision(
+                verdict,
+                _operator_margins(axis, verdict, stiffness, (forward, backward), horizon, question.sampling),
+            )
             for axis, verdict in zip(worst, judged.axes, strict=True)
         ),
         horizon=horizon,
         keeps_stiffness_reserve=question.keeps_stiffness_reserve(judged),
         keeps_delay_reserve=question.keeps_delay_reserve(judged, longest),
-        delay_limit=longest,
+        delay_limit=longest.delay,
+        delay_limit_attained=longest.attained,
+        delay_limit_proven=longest.proven,
         added_damping=0.0 if is_stable(judged) else judged.remedies.damping or math.inf,
         over_operator_ranges=operator_ranges is not None,
         decay_rate=decay_rate,
@@ -412,15 +429,10 @@ def decide(
     )
 
 
-def _are_recorded_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
-    independent = [None if record is None else record.independent for record in records]
-    return False if False in independent else None if None in independent else True
-
-
-def _contains(interval: tuple[float, float], delay: float) -> bool:
-    """Whether a stable interval contains a delay; its ends are crossings, except a start at 0."""
+def _contains(interval: tuple[float, float], delay: float, *, has_end: bool) -> bool:
+    """Whether a stable interval contains a delay; it excludes its start, unless that is 0."""
     start, end = interval
-    return (start < delay or start == 0.0) and delay < end
+    return (start < delay or start == 0.0) and (delay <= end * (1.0 + 1e-9) if has_end else delay < end)
 
 
 def _operator_margins(
@@ -429,19 +441,28 @@ def _operator_margins(
     stiffness: float,
     delay: tuple[float, float],
     horizon: float,
+    sampling: tuple[float, float],
 ) -> OperatorMargins:
-    mean = 0.5 * sum(delay)
+    mean, is_sampled = 0.5 * sum(delay), sampling[0] > 0.0
     # Once, up to the farther end; the list ends at the horizon.
-    intervals = axis.stable_delays(stiffness, max(horizon, 2.0 * mean))
+    farthest = max(horizon, 2.0 * mean)
+    intervals = axis.stable_delays(stiffness, farthest)
+    sampled = axis.sampled_stable_delays(stiffness, *sampling, delay, farthest) if is_sampled else []
+    around = sampled if is_sampled else intervals
     return OperatorMargins(
         operators=constant_delay_tier(verdict).operators,
         critical_stiffness_paper=DyadAxis(*axis.parameters).critical_stiffness("paper"),
         maximum_delay_paper=_maximum_delay_paper(axis, stiffness),
-        stable_delays=tuple((start, min(end, horizon)) for start, end in intervals if start < horizon),
-        stable_around=next((interval for interval in intervals if _contains(interval, mean)), None),
+        stable_delays=_up_to(horizon, intervals),
+        sampled_stable_delays=_up_to(horizon, sampled) if is_sampled else None,
+        stable_around=next((each for each in around if _contains(each, mean, has_end=is_sampled)), None),
         spectral_abscissa=axis.spectral_abscissa(stiffness, delay),
         crossings=tuple(axis.crossings(stiffness)),
     )
+
+
+def _up_to(horizon: float, intervals: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    return tuple((start, min(end, horizon)) for start, end in intervals if start < horizon)
 
 
 def _maximum_delay_paper(axis: DyadAxis, stiffness: float) -> float:

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from telespring.decision.question import (
     Question,
+    are_axes_independent,
     constant_delay,
+    is_stable,
     refuse_unusual,
     stiffness_limit,
 )
-from telespring.decision.reserve import RESERVE
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.decision.uncertainty import RobotUncertainty, stable_probability
 from telespring.model import Dyad, Network, OperatorRange
 from telespring.theory.verdicts import Verdicts
+
+if TYPE_CHECKING:
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = ["COMMON_DELAYS", "DelayLimits", "Limits", "StiffnessLimits", "limits"]
 
@@ -22,6 +30,15 @@ COMMON_DELAYS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 #: A stiffness to ask the verdicts for their bounds, which do not depend on it, N/m.
 _PROBE = 1.0
+#: Stiffness or delay with the reserve, and a factor that keeps rounding on the stable side of a limit.
+_MORE = 1.0 + RESERVE
+_WITHIN = 1.0 - 1e-9
+#: Where there is no limit, errors of the robots are examined at this stiffness, N/m, and one-way delay, s.
+_STIFFEST = 1e5
+_LONGEST = 100.0
+#: How closely what may be used is found below what the limits allow, and the halvings to a first value.
+_RESOLUTION = 1e-3
+_MOST_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -35,7 +52,8 @@ class DelayLimits:
     stiffness_limit
         Every smaller stiffness is stable at this constant delay, N/m, sampled controllers included.
     usable_stiffness
-        The largest stiffness that keeps the reserve of stiffness and delay, N/m; infinite if there is no
+        The largest stiffness that keeps the reserve of stiffness and delay, N/m, with the probability that
+        `decide` asks for if the robots have errors: `decide` calls it stable. Infinite if there is no
         limit, 0 if there is none.
     """
 
@@ -54,6 +72,17 @@ class DelayLimits:
         return constant_delay(self.verdicts)
 
     @property
+    def soft_springs_fail_by_sampling(self) -> bool:
+        """Whether sampling alone makes every soft spring unstable, so that no stiffness is low enough.
+
+        A held force feeds a handle without damping of its own with a power in proportion to k, which
+        the partner
+        takes in proportion to k² only; a heavily damped partner hardly moves. A stiffer spring may be stable.
+        """
+        continuous = self.verdicts.tier("constant delay").stiffness_bound
+        return self.stiffness_limit == 0.0 and continuous is not None and continuous > 0.0
+
+    @property
     def buffered(self) -> bool:
         """Whether only a playout buffer makes the delay constant."""
         return self.constant_delay != self.delay
@@ -69,12 +98,16 @@ class StiffnessLimits:
         In N/m.
     delay_limit
         Shorter one-way delays are stable, s; infinite if none destabilises, 0 if none is stable.
+    delay_limit_proven
+        Whether that is at most 5 % and a period low; if not, a search over ranges of operators was cut off.
     usable_delay
-        The longest one-way delay that keeps the reserve of stiffness and delay, s.
+        The longest one-way delay that keeps the reserve of stiffness and delay, s, with the probability that
+        `decide` asks for if the robots have errors: `decide` calls it stable.
     """
 
     stiffness: float
     delay_limit: float
+    delay_limit_proven: bool
     usable_delay: float
 
 
@@ -94,6 +127,11 @@ class Limits:
         What the stiffness in question allows; None if none is.
     over_operator_ranges
         Whether the limits are the worst over ranges of operators.
+    robots_have_errors
+        Whether errors of the robots limit what may be used.
+    axes_independent
+        Whether identification found the axes of both robots independent; None if it is not known. If it
+        is False, the limits hold axis by axis only.
     free
         The limits with free handles; None if the handles are free, or if it was not requested.
     """
@@ -103,6 +141,8 @@ class Limits:
     is_delay_given: bool
     stiffness: StiffnessLimits | None
     over_operator_ranges: bool
+    robots_have_errors: bool = False
+    axes_independent: bool | None = None
     free: Limits | None = None
 
 
@@ -116,6 +156,8 @@ def limits(
     sample_period: float = 0.001,
     computing_time: float = 0.0,
     operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     compare_free: bool = False,
     allow_unusual: bool = False,
 ) -> Limits:
@@ -129,7 +171,8 @@ def limits(
         One-way delay each way, s, or the pair (forward, backward); None lists `COMMON_DELAYS`.
     stiffness
         Also find the delay that this stiffness allows, N/m.
-    jitter, max_gap, sample_period, computing_time, operator_ranges, compare_free, allow_unusual
+    jitter, max_gap, sample_period, computing_time, operator_ranges, uncertainty, records, compare_free,
+    allow_unusual
         As for `telespring.decision.decide.decide`.
 
     Returns
@@ -167,35 +210,107 @@ def limits(
             max_gap=max_gap,
             sample_period=sample_period,
             computing_time=computing_time,
+            uncertainty=uncertainty,
+            records=records,
             allow_unusual=True,
         )
+    independent = are_axes_independent(records)
+    errors = _Errors(uncertainty, known=uncertainty != (None, None) and independent is not False)
     return Limits(
         axes=tuple(str(name) for name in dyad.axes),
-        delays=tuple(_delay_limits(question) for question in questions),
+        delays=tuple(_delay_limits(question, errors) for question in questions),
         is_delay_given=delay is not None,
-        stiffness=None if stiffness is None else _stiffness_limits(questions[0], stiffness),
+        stiffness=None if stiffness is None else _stiffness_limits(questions[0], stiffness, errors),
         over_operator_ranges=operator_ranges is not None,
+        robots_have_errors=errors.known,
+        axes_independent=independent,
         free=free,
     )
 
 
-def _delay_limits(question: Question) -> DelayLimits:
-    judged = question.judge(_PROBE)
-    forward, backward = constant_delay(judged)
-    more = 1.0 + RESERVE
-    later = question.at_delay((more * forward, more * backward)).judge(_PROBE)
-    limit = stiffness_limit(judged)
-    return DelayLimits(
-        judged, stiffness_limit=limit, usable_stiffness=min(limit / more, stiffness_limit(later))
+class _Errors(NamedTuple):
+    """The errors of both robots; `known` is False where they cannot be carried over."""
+
+    robots: tuple[RobotUncertainty | None, RobotUncertainty | None]
+    known: bool
+
+    def allow(self, question: Question, judged: Verdicts) -> bool:
+        """Return whether the verdict is probable enough to be called stable."""
+        if not self.known:
+            return True
+        probability = stable_probability(
+            question.held_by(judged),
+            self.robots,
+            judged.stiffness,
+            constant_delay(judged),
+            sampling=question.sampling,
+        )
+        return probability.value >= LEAST_PROBABILITY
+
+
+def _is_usable(question: Question, stiffness: float, errors: _Errors) -> bool:
+    """Return whether `decide` calls a stiffness stable, with reserve and, if robots have errors, probably."""
+    judged = question.judge(stiffness)
+    return (
+        is_stable(judged)
+        and question.keeps_stiffness_reserve(judged)
+        and question.keeps_delay_reserve(judged, question.delay_limit(judged))
+        and errors.allow(question, judged)
     )
 
 
-def _stiffness_limits(question: Question, stiffness: float) -> StiffnessLimits:
+def _largest_usable(is_usable: Callable[[float], bool], most: float) -> float:
+    """Return a value up to `most` that was found usable, as large as a bisection finds; 0 if none is."""
+    if most <= 0.0 or is_usable(most):
+        return max(most, 0.0)
+    high, low = most, 0.5 * most
+    for _ in range(_MOST_HALVINGS):
+        if is_usable(low):
+            break
+        high, low = low, 0.5 * low
+    else:
+        return 0.0
+    while high - low > _RESOLUTION * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_usable(middle) else (low, middle)
+    return low
+
+
+def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
+    judged = question.judge(_PROBE)
+    forward, backward = constant_delay(judged)
+    later = question.at_delay((_MORE * forward, _MORE * backward)).judge(_PROBE)
+    limit = stiffness_limit(judged)
+    most = min(limit / _MORE, stiffness_limit(later)) * _WITHIN
+    if math.isinf(most):
+        # Without a limit nothing is to be kept, but errors may give one.
+        usable = math.inf if errors.allow(question, question.judge(_STIFFEST)) else _STIFFEST
+        most = usable
+    if math.isfinite(most):
+        usable = _largest_usable(lambda stiffness: _is_usable(question, stiffness, errors), most)
+    return DelayLimits(judged, stiffness_limit=limit, usable_stiffness=usable)
+
+
+def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> StiffnessLimits:
     at_once = question.at_delay(0.0)
-    more = 1.0 + RESERVE
     limit = at_once.delay_limit(at_once.judge(stiffness))
-    stiffer = at_once.delay_limit(at_once.judge(more * stiffness))
-    usable = min(limit / more, stiffer)
-    extra = question.network.jitter + question.network.max_gap
+    stiffer = at_once.delay_limit(at_once.judge(_MORE * stiffness))
+    most = min(limit.delay / _MORE, stiffer.delay) * _WITHIN
+
+    def is_usable(delay: float) -> bool:
+        return _is_usable(question.at_delay(delay), stiffness, errors)
+
+    if math.isinf(most):
+        longest = question.at_delay(_LONGEST)
+        usable = math.inf if errors.allow(longest, longest.judge(stiffness)) else _LONGEST
+        most = usable
+    if math.isfinite(most):
+        usable = _largest_usable(is_usable, min(most, _LONGEST / _MORE))
     # Jitter and gaps are part of the delay behind a playout buffer.
-    return StiffnessLimits(stiffness, max(0.0, limit - extra), max(0.0, usable - extra))
+    extra = question.network.jitter + question.network.max_gap
+    return StiffnessLimits(
+        stiffness,
+        delay_limit=max(0.0, limit.delay - extra),
+        delay_limit_proven=limit.proven,
+        usable_delay=max(0.0, usable - extra),
+    )

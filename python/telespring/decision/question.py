@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from telespring._core import check_usual
 from telespring.decision.reserve import RESERVE
-from telespring.decision.sampled_limits import damped, first_change, last_stable
 from telespring.model import Dyad, Network, Operator, OperatorRange
-from telespring.theory.verdicts import AxisTier, AxisVerdict, Verdicts, verdicts
+from telespring.theory.verdicts import (
+    AxisTier,
+    AxisVerdict,
+    DelayLimit,
+    Verdicts,
+    delay_limit,
+    is_stable_over_delays,
+    is_stable_over_stiffnesses,
+    verdicts,
+)
+
+if TYPE_CHECKING:
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = [
-    "LONGEST_DELAY",
     "Question",
+    "are_axes_independent",
     "constant_delay",
     "constant_delay_tier",
     "is_stable",
+    "is_within",
     "refuse_unusual",
     "stiffness_limit",
 ]
-
-#: The longest one-way delay that can be judged, s.
-_LONGEST_POSSIBLE = 100.0
-#: Sampled controllers are judged up to this one-way delay, or the delay in question, where continuous
-#: ones are stable at any, s.
-LONGEST_DELAY = 1.0
-#: Bisections of a limit that is known to a few periods.
-_HALVINGS = 5
 
 
 def is_stable(judged: Verdicts) -> bool:
@@ -76,12 +81,6 @@ class Question:
         return self.network.sample_period, self.network.computing_time
 
     @property
-    def lag(self) -> float:
-        """Mean age of a force that is held for a period, computing time included, s."""
-        period, computing = self.sampling
-        return 0.5 * period + computing
-
-    @property
     def is_held(self) -> bool:
         """Whether anything holds a handle."""
         ranges = self.operator_ranges
@@ -124,59 +123,45 @@ class Question:
         return Dyad(*self.dyad.robots, (one, other), self.dyad.coupling_damping)
 
     def keeps_stiffness_reserve(self, judged: Verdicts) -> bool:
-        """Return whether the dyad is stable up to 5 % more stiffness."""
+        """Return whether it is stable up to 5 % more stiffness; beyond a limit also down to 5 % less."""
         k, limit = judged.stiffness, stiffness_limit(judged)
-        if k < limit:
-            return (1.0 + RESERVE) * k <= limit
-        # Stable above a limit: in an island of stiffnesses, of which the ends are not known.
-        constant = self.at_delay(constant_delay(judged))
-        return all(is_stable(constant.judge(factor * k)) for factor in (1.0 - RESERVE, 1.0 + RESERVE))
+        most = (1.0 + RESERVE) * k
+        if most <= limit:
+            return True
+        # Above a limit it is stable in an island of stiffnesses.
+        least = k if k < limit else (1.0 - RESERVE) * k
+        return is_stable_over_stiffnesses(self.dyad, (least, most), self.network, self.operator_ranges)
 
-    def keeps_delay_reserve(self, judged: Verdicts, delay_limit: float) -> bool:
-        """Return whether the dyad is stable up to 5 % more delay."""
-        forward, backward = constant_delay(judged)
-        mean, period = 0.5 * (forward + backward), self.network.sample_period
-        if mean < delay_limit:
-            # Sampled controllers round each way up to a whole period, which only a verdict knows.
-            if (1.0 + RESERVE) * mean + 2.0 * period < delay_limit or period == 0.0:
-                return (1.0 + RESERVE) * mean < delay_limit
-            more = ((1.0 + RESERVE) * forward, (1.0 + RESERVE) * backward)
-            return is_stable(self.at_delay(more).judge(judged.stiffness))
-        # In a later interval of stable delays a shorter delay may be unstable, too.
-        return all(
-            is_stable(self.at_delay((factor * forward, factor * backward)).judge(judged.stiffness))
-            for factor in (1.0 - RESERVE, 1.0 + RESERVE)
-        )
+    def keeps_delay_reserve(self, judged: Verdicts, limit: DelayLimit) -> bool:
+        """Return whether the dyad is stable up to 5 % more delay; beyond a limit also down to 5 % less.
 
-    def delay_limit(self, judged: Verdicts) -> float:
-        """Return the one-way delay, s, below which every one is stable; infinite if none destabilises.
-
-        Sampling takes damping and adds delay, both to first order in the period: the limit is that of the
-        continuous dyad with this damping less, at every operator. Near it, or twice the longest delay in
-        question, the sampled controllers themselves are judged.
+        Both ways grow by that share.
         """
-        continuous = min(axis.maximum_delay for axis in judged.axes)
-        period, k = self.network.sample_period, judged.stiffness
-        if period == 0.0 or continuous == 0.0:
-            return continuous
-        slower = damped(self.dyad, -k * self.lag)
-        if slower is None:
-            limit = 0.0
-        else:
-            question = replace(self, dyad=slower, network=Network(0.0))
-            limit = min(axis.maximum_delay for axis in question.judge(k).axes) - self.lag
-        limit = min(limit, continuous)
+        mean = 0.5 * sum(constant_delay(judged))
+        if is_within((1.0 + RESERVE) * mean, limit):
+            return True
+        # Beyond a limit it is stable in an island of delays: a shorter delay may be unstable, too.
+        factors = (1.0 if is_within(mean, limit) else 1.0 - RESERVE, 1.0 + RESERVE)
+        return is_stable_over_delays(self.dyad, judged.stiffness, self.network, factors, self.operator_ranges)
 
-        def stable(delay: float) -> bool:
-            return is_stable(self.at_delay(delay).judge(k))
+    def delay_limit(self, judged: Verdicts) -> DelayLimit:
+        """Return the first delay, the mean of both ways, that is unstable at the stiffness judged.
 
-        longest = min(max(LONGEST_DELAY, 2.0 * max(constant_delay(judged))), _LONGEST_POSSIBLE)
-        if limit > longest:
-            return limit if stable(longest) else first_change(stable, longest)
-        low, high = limit - 4.0 * period, limit + period
-        if not (low >= 0.0 and stable(low) and not stable(high)):
-            return first_change(stable, max(high, period))
-        return last_stable(stable, low, high, _HALVINGS)
+        Both ways grow in the proportion that they have in the network.
+        """
+        return delay_limit(self.dyad, judged.stiffness, self.network, self.operator_ranges)
+
+
+def are_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
+    """Return whether identification found the axes of both robots independent; None if it is not known."""
+    independent = [None if record is None else record.independent for record in records]
+    return False if False in independent else None if None in independent else True
+
+
+def is_within(delay: float, limit: DelayLimit) -> bool:
+    """Return whether a mean delay, s, is below a limit, or at one that is itself stable."""
+    # A delay that is a whole number of periods remains one in spite of rounding.
+    return delay <= limit.delay * (1.0 + 1e-9) if limit.attained else delay < limit.delay
 
 
 def refuse_unusual(

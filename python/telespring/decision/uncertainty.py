@@ -183,10 +183,12 @@ def stable_probability(
     *,
     draws: int = DRAWS,
     seed: int = SEED,
+    sampling: tuple[float, float] = (0.0, 0.0),
 ) -> Probability:
     """Estimate the probability that a stiffness and a constant delay are stable on all axes.
 
     `uncertainty` is None for a robot that is known exactly. Of the one-way delays (s) only the mean matters.
+    `sampling` is as in `margin_uncertainty`.
 
     Examples
     --------
@@ -200,7 +202,7 @@ def stable_probability(
     True
     """
     parameters = sample_parameters(dyad, uncertainty, draws=draws, seed=seed)
-    return Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay))))
+    return Probability.of(_stable_draws(parameters, dyad, stiffness, float(np.mean(delay)), sampling))
 
 
 def _stable_draws(

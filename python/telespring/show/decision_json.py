@@ -15,7 +15,7 @@ from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 from telespring.theory.verdicts import DelayBudget, Verdict
 
-__all__ = ["decision_json", "uncertainty_json"]
+__all__ = ["decision_json", "sampled_bound_json", "uncertainty_json"]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:
@@ -60,6 +60,8 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "stiffness_unbounded": math.isinf(decision.stiffness_limit),
             "delay": finite_or_none(decision.delay_limit),
             "delay_unbounded": math.isinf(decision.delay_limit),
+            "delay_attained": decision.delay_limit_attained,
+            "delay_proven": decision.delay_limit_proven,
             "added_damping": finite_or_none(decision.added_damping),
         },
         "decay": None
@@ -94,6 +96,9 @@ def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
         "maximum_stiffness": finite_or_none(axis.maximum_stiffness),
         "maximum_stiffness_unbounded": math.isinf(axis.maximum_stiffness),
         "stable_delays": [list(interval) for interval in own.stable_delays],
+        "sampled_stable_delays": None
+        if own.sampled_stable_delays is None
+        else [[start, finite_or_none(end)] for start, end in own.sampled_stable_delays],
         "spectral_abscissa": finite_or_none(own.spectral_abscissa),
         "sampled_abscissa": None if axis.sampled_abscissa is None else finite_or_none(axis.sampled_abscissa),
         "crossings": [
@@ -126,11 +131,34 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         "stiffness_allowed": None if bound is None else finite_or_none(bound),
         "stiffness_unbounded": bound is not None and math.isinf(bound),
         "attained": attained,
+        **(
+            {}
+            if name == "paper"
+            else sampled_bound_json(
+                tier, decision.stiffness_limit, is_sampled=decision.sampled_stable is not None
+            )
+        ),
         "axis": None if axis is None else axes[axis],
         "satisfied": satisfied,
         "assumption_met": tier.assumption_met,
         "assumption": tier.assumption,
         "available": bound is not None,
+    }
+
+
+def sampled_bound_json(tier: Verdict, limit: float, *, is_sampled: bool) -> dict[str, Any]:
+    """Return which controllers the bound of a tier is for, and the bound with those in question.
+
+    `stiffness_allowed` of one constant delay is that of continuous controllers, even where those in question
+    sample; `limit` is the bound with them. For any constant delay there is no rule with sampled ones.
+    """
+    is_continuous = tier.tier in ("any constant delay", "constant delay")
+    bound: float | None = tier.stiffness_bound
+    if is_sampled and is_continuous:
+        bound = limit if tier.tier == "constant delay" else None
+    return {
+        "controllers": "sampled" if is_sampled and not is_continuous else "continuous",
+        "stiffness_limit": None if bound is None else finite_or_none(bound),
     }
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
-from telespring.decision.reserve import RESERVE
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.show.decision_json import sampled_bound_json
 from telespring.show.tiers import TIERS
 
 __all__ = ["limits_json"]
@@ -22,12 +23,15 @@ def limits_json(found: Limits) -> dict[str, Any]:
         "is_delay_given": found.is_delay_given,
         "sample_period": found.delays[0].verdicts.network.sample_period,
         "over_operator_ranges": found.over_operator_ranges,
+        "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
+        "axes_independent": found.axes_independent,
         "delays": [_delay_json(row, found.axes) for row in found.delays],
         "stiffness": None
         if given is None
         else {
             "stiffness": given.stiffness,
             "delay_limit": finite_or_none(given.delay_limit),
+            "delay_limit_proven": given.delay_limit_proven,
             "usable_delay": finite_or_none(given.usable_delay),
             "unbounded": math.isinf(given.delay_limit),
         },
@@ -47,6 +51,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         "stiffness_limit": finite_or_none(row.stiffness_limit),
         "usable_stiffness": finite_or_none(row.usable_stiffness),
         "unbounded": math.isinf(row.stiffness_limit),
+        "soft_springs_fail_by_sampling": row.soft_springs_fail_by_sampling,
         "verdicts": {
             TIERS[tier.tier].key: {
                 "stiffness_allowed": finite_or_none(
@@ -54,6 +59,9 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
                 ),
                 "stiffness_unbounded": tier.stiffness_bound is not None and math.isinf(tier.stiffness_bound),
                 "attained": tier.attained,
+                **sampled_bound_json(
+                    tier, row.stiffness_limit, is_sampled=row.verdicts.sampled_stable is not None
+                ),
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
                 "assumption_met": tier.assumption_met,
                 "available": tier.stiffness_bound is not None,

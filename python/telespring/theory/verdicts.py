@@ -20,6 +20,7 @@ from telespring._core import (
     AxisTier,
     AxisVerdict,
     DelayBudget,
+    DelayLimit,
     OperatorPoint,
     PaperVerdict,
     Remedies,
@@ -32,12 +33,13 @@ from telespring._core import (
 from telespring._types import Delay, Tier
 
 if TYPE_CHECKING:
-    from telespring.model import Dyad, OperatorRange
+    from telespring.model import Dyad, Network, OperatorRange
 
 __all__ = [
     "AxisTier",
     "AxisVerdict",
     "DelayBudget",
+    "DelayLimit",
     "OperatorPoint",
     "PaperVerdict",
     "Remedies",
@@ -47,6 +49,9 @@ __all__ = [
     "Tier",
     "Verdict",
     "Verdicts",
+    "delay_limit",
+    "is_stable_over_delays",
+    "is_stable_over_stiffnesses",
     "verdicts",
 ]
 
@@ -133,3 +138,95 @@ def verdicts(
     """
     network = core.Network(delay, jitter, max_gap, sample_period, computing_time)
     return core.verdicts(dyad, stiffness, network, operator_range)
+
+
+def delay_limit(
+    dyad: Dyad,
+    stiffness: float,
+    network: Network,
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None = None,
+) -> DelayLimit:
+    """Find the first delay at which a dyad becomes unstable, with the controllers that it has.
+
+    The delays of both ways grow in the proportion that `network` gives them, behind its playout buffer
+    where it has jitter or gaps (equal where it has no delay); the limit is the mean of both. A sampled
+    controller uses a
+    sample of its partner from its next tick on: each way counts in whole periods, rounded up, and the limit
+    is the last whole number of them before a multiplier of the one-period map leaves the unit circle. The
+    continuous dyad must be stable up to it, too. No period is tried: all crossings of the circle are roots of
+    one polynomial. Beyond the limit a dyad may be stable again: `DyadAxis.stable_delays` and
+    `DyadAxis.sampled_stable_delays` list all intervals.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        Robots and operators.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    network : Network
+        The proportion of both delays, s, and the timing of the controllers.
+    operator_range : OperatorRange or pair of OperatorRange, optional
+        Operators that replace the dyad's own. The limit then holds for every operator of the range.
+        `proven` is
+        False where the search was cut off or the limit may be more than 5 % and a period below `least_found`.
+
+    Returns
+    -------
+    DelayLimit
+        `delay` in s, and whether it is `attained` (itself stable) and `proven`.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is out of its range or a range does not have the dyad's axes.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> round(ts.delay_limit(ts.hman(), 71.2, ts.Network(0.1)).delay, 4)
+    0.1673
+    >>> limit = ts.delay_limit(ts.hman(), 71.2, ts.Network((0.05, 0.15), sample_period=0.001))
+    >>> round(limit.delay, 4), limit.attained
+    (0.1647, True)
+    """
+    return core.delay_limit(dyad, stiffness, network, operator_range)
+
+
+def is_stable_over_delays(
+    dyad: Dyad,
+    stiffness: float,
+    network: Network,
+    factors: tuple[float, float],
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None = None,
+) -> bool:
+    """Return whether a dyad is proven to be stable at every delay between two multiples of the network's.
+
+    With the network's controllers, for every operator, and with nothing unstable in between: also beyond the
+    first limit, where single verdicts at both ends would not show it.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ts.is_stable_over_delays(ts.hman(), 71.2, ts.Network(0.1, sample_period=0.001), (0.95, 1.05))
+    True
+    """
+    return core.is_stable_over_delays(dyad, stiffness, network, factors, operator_range)
+
+
+def is_stable_over_stiffnesses(
+    dyad: Dyad,
+    stiffnesses: tuple[float, float],
+    network: Network,
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None = None,
+) -> bool:
+    """Return whether a dyad is proven to be stable at every stiffness of a range, N/m, over a network.
+
+    With the network's controllers, for every operator, and with nothing unstable in between.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> ts.is_stable_over_stiffnesses(ts.hman(), (60.0, 80.0), ts.Network(0.1, sample_period=0.001))
+    True
+    """
+    return core.is_stable_over_stiffnesses(dyad, stiffnesses, network, operator_range)

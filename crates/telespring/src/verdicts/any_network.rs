@@ -9,9 +9,21 @@ use super::zero_order_hold::SampledPlant;
 use super::{Network, sampled_gain};
 use crate::model::{DyadAxis, Side};
 
-/// The largest stiffness (N/m) of tier 1, any network, for one axis, and whether it is attained; `None` if
-/// there is no rule (a coupling damper with a grounded operator, or with a computing time).
-pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<(f64, bool)> {
+/// The bound of tier 1 for one axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AxisBound {
+    /// Every smaller stiffness (N/m) satisfies the rule.
+    pub proven: f64,
+    /// True if this stiffness itself does.
+    pub attained: bool,
+    /// The rule fails at this stiffness (N/m) at the latest.
+    pub found: f64,
+}
+
+/// The largest stiffness of tier 1, any network, for one axis; `None` if there is no rule (a coupling damper with a grounded
+/// operator, or with a computing time).
+pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<AxisBound> {
+    let exact = |bound: f64, attained: bool| AxisBound { proven: bound, attained, found: bound };
     let damper = axis.coupling_damping;
     if damper > 0.0 && (!axis.is_free() || network.computing_time() > 0.0) {
         return None;
@@ -21,16 +33,17 @@ pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<(f64
             .sides
             .map(|side| SampledPlant::new(&side, network.sample_period(), network.computing_time()));
         return Some(if axis.is_free() {
-            (sampled_gain::free_stiffness(&held, damper), true)
+            exact(sampled_gain::free_stiffness(&held, damper), true)
         } else {
-            (sampled_gain::grounded_stiffness(axis, &held), false)
+            let unit = sampled_gain::grounded_stiffness(axis, &held);
+            AxisBound { proven: unit.proven, attained: false, found: unit.found }
         });
     }
     Some(if axis.is_free() {
         let [first, second] = axis.sides.map(|side| free_side_stiffness(&side, damper));
-        (first.min(second), true)
+        exact(first.min(second), true)
     } else {
-        (unit_gain_stiffness(&axis.sides), false)
+        exact(unit_gain_stiffness(&axis.sides), false)
     })
 }
 

@@ -23,6 +23,9 @@ use super::sampled_gain::free_stiffness;
 use super::zero_order_hold::SampledPlant;
 use crate::model::Side;
 
+/// A bound counts as tight if the rule fails at this multiple of it.
+const LOOSE: f64 = 1.05;
+
 /// A bound of tier 1 over a range of operators.
 pub(super) struct RangeBound {
     /// The largest stiffness, N/m, and whether it is attained; `None` if there is no rule.
@@ -41,7 +44,13 @@ pub(super) fn range_bound(region: &OperatorBox, network: &Network) -> RangeBound
     let axis = region.axis(&worst);
     let exact = |is_proven: bool, worst: OperatorPair| {
         let bound = any_network::stiffness_bound(&region.axis(&worst), network);
-        RangeBound { bound, least_found: bound.map(|(bound, _)| bound), worst, is_proven }
+        RangeBound {
+            bound: bound.map(|bound| (bound.proven, bound.attained)),
+            least_found: bound.map(|bound| bound.found),
+            worst,
+            // A proof that ends early says so.
+            is_proven: is_proven && bound.is_none_or(|bound| LOOSE * bound.proven >= bound.found),
+        }
     };
     if axis.coupling_damping > 0.0 && region.has_grounded() {
         return RangeBound { bound: None, least_found: None, worst, is_proven: true };
@@ -51,7 +60,8 @@ pub(super) fn range_bound(region: &OperatorBox, network: &Network) -> RangeBound
     }
     if axis.coupling_damping > 0.0 {
         let bound = |at: &OperatorPair| {
-            any_network::stiffness_bound(&region.axis(at), network).map_or(f64::INFINITY, |(bound, _)| bound)
+            any_network::stiffness_bound(&region.axis(at), network)
+                .map_or(f64::INFINITY, |bound| bound.proven)
         };
         let corners = region.corners();
         let least = corners.into_iter().min_by(|a, b| bound(a).total_cmp(&bound(b))).unwrap_or(worst);

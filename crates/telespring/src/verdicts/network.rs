@@ -186,10 +186,26 @@ impl Network {
     /// The delays behind the playout buffer in whole sample periods, rounded up, as a sampled controller
     /// applies them.
     pub(super) fn whole_ticks(&self) -> [u64; 2] {
-        // A delay given as a multiple of the period stays one in spite of rounding.
-        const ROUNDING: f64 = 1e-9;
-        self.buffered().map(|delay| (delay / self.sample_period - ROUNDING).ceil().max(0.0) as u64)
+        self.buffered().map(|delay| ticks_of(delay, self.sample_period))
     }
+
+    /// The round trip behind a playout buffer in whole sample periods, s.
+    pub(super) fn held_round_trip(&self) -> f64 {
+        let [forward, backward] = self.whole_ticks();
+        (forward + backward) as f64 * self.sample_period
+    }
+
+    /// The same controllers over a constant delay, without jitter and gaps.
+    pub(super) fn with_delay(&self, delay: Delay) -> Self {
+        Self { delay, jitter: 0.0, max_gap: 0.0, ..*self }
+    }
+}
+
+/// A delay (s) in whole periods (s), rounded up; one given as a multiple of the period stays one in spite of rounding.
+pub(super) fn ticks_of(delay: f64, period: f64) -> u64 {
+    const ROUNDING: f64 = 1e-9;
+    let ticks = delay / period;
+    (ticks - ROUNDING.max(8.0 * f64::EPSILON * ticks)).ceil().max(0.0) as u64
 }
 
 /// The largest delay that every criterion accepts, s.

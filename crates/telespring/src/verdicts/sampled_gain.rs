@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::gain::{largest_holding, unit_gain_stiffness};
 use super::zero_order_hold::SampledPlant;
 use crate::characteristic::exp_m1;
-use crate::model::DyadAxis;
+use crate::model::{DyadAxis, Side};
 
 /// The stiffness (N/m) up to which two free, sampled sides never widen their common hull.
 ///
@@ -68,13 +68,28 @@ fn breakaway_stiffness(side: &SampledPlant) -> f64 {
 }
 
 /// The stiffness at which the product of both sampled gains reaches 1.
+pub(super) struct UnitGain {
+    /// Up to this stiffness (N/m) the product is proven to stay below 1.
+    pub proven: f64,
+    /// It reaches 1 at this stiffness (N/m), if not before.
+    pub found: f64,
+}
+
+/// The levels that are tried before a bisection for the stiffness at which the gain reaches 1.
+const LEVELS: u32 = 24;
+/// The most steps of the proof.
+const MAX_STEPS: u32 = 5000;
+
+/// The stiffness at which the product of both sampled gains reaches 1, with at least one grounded side.
 ///
-/// It is not proven that the sampled gain grows with k. The levels below the continuous bound are therefore
-/// checked in order, and the first that fails starts the bisection.
-pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> f64 {
-    const LEVELS: u32 = 24;
+/// A search finds it; it is not known that the gains grow with k. The proof therefore walks up to it. With T = kG/(1 + kG)
+/// the response of a side, dT/dk = T (1 − T)/k, so that the gain γ = ‖T‖₁ satisfies |dγ/d ln k| ≤ γ (1 + γ): up to r k the
+/// quotient γ/(1 + γ) grows at most r-fold. From a product below 1 it thus stays below 1 up to
+/// r = 1/(γ₁/(1 + γ₁) + γ₂/(1 + γ₂)), which exceeds 1.
+pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> UnitGain {
     let continuous = unit_gain_stiffness(&axis.sides);
-    let holds = |k: f64| sides.iter().map(|side| log_gain(side, k)).sum::<f64>() < 0.0;
+    let gains = |k: f64| sides.each_ref().map(|side| log_gain(side, k));
+    let holds = |k: f64| gains(k).iter().sum::<f64>() < 0.0;
     let mut low = 0.0;
     let mut high = continuous;
     for level in 1..=LEVELS {
@@ -89,7 +104,48 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
         let middle = 0.5 * (low + high);
         if holds(middle) { low = middle } else { high = middle }
     }
-    low
+    let found = low;
+    let mut proven = proven_start(axis, sides, found);
+    for _ in 0..MAX_STEPS {
+        let gains = gains(proven);
+        let product = gains.iter().sum::<f64>();
+        if proven == 0.0 || !(product < 0.0) || proven >= found * (1.0 - 1e-12) {
+            break;
+        }
+        let [first, second] = gains.map(|gain| 1.0 / (1.0 + (-gain).exp()));
+        // r − 1 without cancellation.
+        let growth = -product.exp_m1() * (1.0 - first) * (1.0 - second) / (first + second);
+        proven *= 1.0 + growth * (1.0 - 1e-9);
+    }
+    UnitGain { proven: proven.min(found), found }
+}
+
+/// A stiffness (N/m) up to which the product of both sampled gains is known to stay below 1; 0 if none is.
+///
+/// Without computing time no response overshoots up to k + k_h = the bound of the side without ground. Otherwise: a free side
+/// has gain 1 up to its bound, and a grounded one with a gain below 1/3 at some k has one below 1/2 at any smaller k, since
+/// k ‖G‖₁ ≤ γ/(1 − γ).
+fn proven_start(axis: &DyadAxis, sides: &[SampledPlant; 2], found: f64) -> f64 {
+    let mut start = found;
+    for (side, plant) in axis.sides.iter().zip(sides) {
+        let ungrounded = Side { ground_stiffness: 0.0, ..*side };
+        let free = if plant.has_computing_time {
+            if side.ground_stiffness > 0.0 { 0.0 } else { breakaway_stiffness(plant) }
+        } else {
+            let alone = SampledPlant::new(&ungrounded, plant.period, 0.0);
+            largest_holding(|k| keeps_hull(&alone, k, 0.0))
+        };
+        let mut own = free - side.ground_stiffness;
+        if side.ground_stiffness > 0.0 {
+            let mut soft = found;
+            while soft > 1e-12 * found && !(log_gain(plant, soft) < -(3.0_f64.ln())) {
+                soft *= 0.5;
+            }
+            own = own.max(if soft > 1e-12 * found { soft } else { 0.0 });
+        }
+        start = start.min(own.max(0.0));
+    }
+    start
 }
 
 /// The poles of the sampled local loop: a pair, w² + `linear` w + `constant` with w = z − 1, and with a computing

@@ -19,19 +19,19 @@ use crate::model::{DyadAxis, Side};
 
 /// A factor on the unit circle: re[0] + re[1] v + re[2] v² + j sin θ (im[0] + im[1] v), v = 1 − cos θ.
 #[derive(Debug, Clone, Copy)]
-struct CircleFactor {
-    re: [f64; 3],
-    im: [f64; 2],
+pub(super) struct CircleFactor {
+    pub re: [f64; 3],
+    pub im: [f64; 2],
 }
 
 impl CircleFactor {
     /// z⁻¹ p(w) on the circle for a polynomial in w = z − 1 of degree 1, constant term first.
-    fn linear(p0: f64, p1: f64) -> Self {
+    pub fn linear(p0: f64, p1: f64) -> Self {
         Self { re: [p0, p1 - p0, 0.0], im: [p1 - p0, 0.0] }
     }
 
     /// z⁻² p(w) on the circle for a polynomial in w = z − 1 of degree 2, constant term first.
-    fn quadratic(p0: f64, p1: f64, p2: f64) -> Self {
+    pub fn quadratic(p0: f64, p1: f64, p2: f64) -> Self {
         // In y = 1 − z⁻¹ = v + j sin θ it is p0 + (p1 − 2 p0) y + (p0 − p1 + p2) y².
         let (first, second) = (p1 - 2.0 * p0, p0 - p1 + p2);
         Self { re: [p0, first - 2.0 * second, 2.0 * second], im: [first, 2.0 * second] }
@@ -43,7 +43,7 @@ impl CircleFactor {
     }
 
     /// The value at an angle with its v and sin θ, and the sum of the moduli of its terms.
-    fn value(&self, v: f64, sine: f64) -> (Complex64, f64) {
+    pub fn value(&self, v: f64, sine: f64) -> (Complex64, f64) {
         let value = Complex64::new(
             self.re[0] + v * (self.re[1] + v * self.re[2]),
             sine * (self.im[0] + v * self.im[1]),
@@ -104,16 +104,16 @@ impl Arc {
 }
 
 /// 1 − cos θ without cancellation, for an angle on the unit circle.
-fn versine(angle: f64) -> f64 {
+pub(super) fn versine(angle: f64) -> f64 {
     let half = (0.5 * angle).sin();
     2.0 * half * half
 }
 
 /// The factors of one side on the unit circle.
 #[derive(Debug, Clone, Copy)]
-struct CircleSide {
+pub(super) struct CircleSide {
     /// q: the side alone.
-    alone: CircleFactor,
+    pub alone: CircleFactor,
     /// ν: the returned force per unit of stiffness.
     spring: CircleFactor,
     /// c μ: the returned force of the coupling damper.
@@ -122,7 +122,7 @@ struct CircleSide {
 
 impl CircleSide {
     /// The factors of one side under a network's controllers with a coupling damper.
-    fn new(side: &Side, network: &Network, damper: f64) -> Self {
+    pub fn new(side: &Side, network: &Network, damper: f64) -> Self {
         let period = network.sample_period();
         let plant = SampledPlant::new(side, period, network.computing_time());
         let force = |stiffness: f64, damping: f64| match plant.numerator(stiffness, damping)[..] {
@@ -141,7 +141,7 @@ impl CircleSide {
     }
 
     /// n and q + n at a stiffness.
-    fn at(&self, stiffness: f64) -> [CircleFactor; 2] {
+    pub fn at(&self, stiffness: f64) -> [CircleFactor; 2] {
         let coupling = CircleFactor::plus(&self.damper, stiffness, &self.spring);
         [coupling, CircleFactor::plus(&self.alone, 1.0, &coupling)]
     }

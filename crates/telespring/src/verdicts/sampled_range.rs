@@ -20,12 +20,6 @@ pub(super) struct SampledAxis {
     pub is_proven: bool,
 }
 
-/// The round trip behind a playout buffer in whole sample periods, s.
-fn held_round_trip(network: &Network) -> f64 {
-    let [forward, backward] = network.whole_ticks();
-    (forward + backward) as f64 * network.sample_period()
-}
-
 /// A stiffness (N/m) up to which every member is stable, from the rule of tier 2 with the samples' ages at this
 /// constant delay; 0 if that rule does not apply.
 fn soft_stiffness(family: &Family, network: &Network) -> f64 {
@@ -68,7 +62,7 @@ fn first_unstable_stiffness(
     if start >= limit {
         return Ok(CertifiedBound { value: limit, sides: None, is_finished: true });
     }
-    Ok(family.first_stiffness(Some(held_round_trip(network)), start, limit))
+    Ok(family.first_stiffness(Some(network.held_round_trip()), start, limit))
 }
 
 /// The sampled dyad on one axis at a stiffness `k` (N/m). `limit` is the bound of tier 4, with the operators
@@ -112,7 +106,7 @@ pub(super) fn sampled_axis(
     } else if k < certified.value {
         Some(true)
     } else {
-        match family.crossing(k, Some(held_round_trip(network))) {
+        match family.crossing(k, Some(network.held_round_trip())) {
             Crossing::Excluded => Some(true),
             Crossing::Found => Some(false),
             Crossing::Unresolved => None,
@@ -152,8 +146,8 @@ pub(super) fn stabilising_damping(region: &OperatorBox, network: &Network, k: f6
     }
     // With this much damping the rule of tier 2 holds on both sides.
     let own = network.oldest_own_sample();
-    let oldest = 0.5 * held_round_trip(network) + 2.0 * own;
+    let oldest = 0.5 * network.held_round_trip() + 2.0 * own;
     let least = family.sides[0].damping.0.min(family.sides[1].damping.0);
     let enough = (k * oldest * (1.0 + 1e-9) - least).max(0.0);
-    Some(if enough == 0.0 { 0.0 } else { family.last_damping(k, held_round_trip(network), enough).value })
+    Some(if enough == 0.0 { 0.0 } else { family.last_damping(k, network.held_round_trip(), enough).value })
 }

@@ -18,6 +18,8 @@ pub(super) struct SampledPlant {
     pub new_force: [f64; 2],
     /// Γ_old: the effect of the previous force, which acts until the computing time has passed.
     pub old_force: [f64; 2],
+    /// The sample period, s.
+    pub period: f64,
     /// True if a computing time makes the previous force act.
     pub has_computing_time: bool,
 }
@@ -27,13 +29,13 @@ impl SampledPlant {
     pub fn new(side: &Side, period: f64, computing_time: f64) -> Self {
         let (change, whole) = exact_step(side, period);
         if computing_time == 0.0 {
-            return Self { change, new_force: whole, old_force: [0.0; 2], has_computing_time: false };
+            return Self { change, new_force: whole, old_force: [0.0; 2], period, has_computing_time: false };
         }
         let (late_change, new_force) = exact_step(side, period - computing_time);
         let (_, early) = exact_step(side, computing_time);
         let old_force =
             [0, 1].map(|row| early[row] + late_change[row][0] * early[0] + late_change[row][1] * early[1]);
-        Self { change, new_force, old_force, has_computing_time: true }
+        Self { change, new_force, old_force, period, has_computing_time: true }
     }
 
     /// The characteristic polynomial of one held side alone in w, constant term first; with a computing time it

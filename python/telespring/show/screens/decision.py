@@ -10,7 +10,6 @@ from rich.padding import Padding
 from rich.text import Text
 
 from telespring.decision.decide import Decision
-from telespring.decision.question import LONGEST_DELAY
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.decision_details import decision_details
@@ -21,6 +20,7 @@ from telespring.show.screens.questions import (
     given_delay,
     hand_effect,
     sampling_clause,
+    sampling_note,
     tier_bounds,
 )
 from telespring.show.screens.robots import robot_notes
@@ -155,33 +155,31 @@ def _margins(decision: Decision) -> str:
 def _delay_margin(decision: Decision) -> str:
     delay, end = decision.mean_delay, decision.delay_limit
     if math.isinf(end):
-        if decision.over_operator_ranges and decision.sampled_stable is not None:
-            return "With continuous controllers no constant delay, however long, destabilises it."
-        if decision.sampled_stable is None:
-            return "No constant delay, however long, destabilises it."
-        # Sampled controllers are judged up to a delay, continuous ones at all.
-        longest = format_time(max(LONGEST_DELAY, *decision.constant_delay), 6)
-        return f"No constant delay up to {longest} destabilises it, and none with continuous controllers."
+        return "No constant delay, however long, destabilises it."
     if delay < end:
         growth = format_time(end - delay, 3, rounding="down")
         return f"The delay may grow by {growth}, to {format_time(end, rounding='down')}."
-    # A later interval of stable delays, known for continuous controllers and one pair of operators per axis.
+    if decision.delay_limit_attained and math.isclose(delay, end):
+        return "The delay may not grow: it is the last whole number of sample periods."
+    # A later interval of stable delays, known for one pair of operators per axis.
     around = [(axis.worst_case.stable_around, axis.name) for axis in decision.axes]
     known = [(interval, name) for interval, name in around if interval is not None]
     if len(known) < len(around):
         return ""
     start, start_axis = max((interval[0], name) for interval, name in known)
     end, end_axis = min((interval[1], name) for interval, name in known)
-    limits = ["continuous controllers"] if decision.sampled_stable is not None else []
-    limits += ["the worst case of each axis"] if decision.over_operator_ranges else []
-    given = f"With {' and '.join(limits)} the" if limits else "The"
+    given = "with the worst case of each axis the" if decision.over_operator_ranges else "the"
     fall, low = format_time(delay - start, rounding="down"), format_time(start, rounding="up")
     if end >= max(decision.horizon, 2.0 * delay):
         growth = f"to {format_time(end, rounding='down')} at least"
     else:
         by = format_time(end - delay, rounding="down")
         growth = f"by {by}, to {format_time(end, rounding='down')} (axis {end_axis})"
-    return f"{given} delay may grow {growth}, and shrink by {fall}, to {low} (axis {start_axis})."
+    first = format_time(decision.delay_limit, rounding="down")
+    return (
+        f"It is stable again beyond a first limit of {first}: {given} delay may grow {growth}, and "
+        f"shrink by {fall}, to {low} (axis {start_axis})."
+    )
 
 
 def _verdict_table(decision: Decision) -> Fitting:
@@ -230,6 +228,7 @@ def _verdict_notes(decision: Decision) -> list[Text]:
         notes.append(Text(f"This network allows {allowed_text}{unbuffered} ({allowed.tier})."))
     if decision.sampled_stable is not None:
         notes.append(Text(CONTINUOUS_TIERS))
+        notes.append(Text(sampling_note(decision.verdicts)))
     if decision.over_operator_ranges:
         notes.append(Text("Every limit is the worst over the ranges of operators."))
     notes.append(_paper_note(decision))

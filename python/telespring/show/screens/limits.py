@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.text import Text
 
 from telespring.decision.limits import DelayLimits, Limits, StiffnessLimits
-from telespring.decision.reserve import RESERVE
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.quantities import format_stiffness, format_time
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
@@ -19,6 +19,7 @@ from telespring.show.screens.questions import (
     given_delay,
     hand_effect,
     sampling_clause,
+    sampling_note,
     tier_bounds,
 )
 from telespring.show.tiers import TIERS
@@ -26,6 +27,7 @@ from telespring.show.tiers import TIERS
 __all__ = ["limits_screen"]
 
 _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
+_PROBABLY = f", and with a probability of at least {100 * LEAST_PROBABILITY:.0f} %"
 
 
 def limits_screen(found: Limits, title: str, held: str = "held", notes: Sequence[str] = ()) -> RenderableType:
@@ -49,6 +51,8 @@ def limits_screen(found: Limits, title: str, held: str = "held", notes: Sequence
         parts.append(Text("Give --delay or --ping for your own network."))
     if period > 0.0:
         parts.append(Text(CONTINUOUS_TIERS))
+        if found.is_delay_given:
+            parts.append(Text(sampling_note(found.delays[0].verdicts)))
     if found.over_operator_ranges:
         parts.append(Text("Every limit is the worst over the ranges of operators."))
     return Group(*parts)
@@ -60,39 +64,55 @@ def _usable(found: Limits, held: str) -> list[Text]:
     lines = []
     for name, case in cases:
         if case.is_delay_given and case.stiffness is None:
-            lines.append(Text.assemble((name, "bold"), _usable_stiffness(case.delays[0])))
+            lines.append(Text.assemble((name, "bold"), _usable_stiffness(case.delays[0], _kept(case))))
         if case.stiffness is not None:
-            lines.append(Text.assemble((name, "bold"), _usable_delay(case.stiffness)))
+            lines.append(Text.assemble((name, "bold"), _usable_delay(case.stiffness, _kept(case))))
     if not lines:
-        lines.append(Text(f"What each delay allows, with {_RESERVE}:"))
+        lines.append(Text(f"What each delay allows, with {_kept(found)}:"))
     return lines
 
 
-def _usable_stiffness(row: DelayLimits) -> Text:
+def _kept(found: Limits) -> str:
+    """Say what is kept in reserve; where robots have errors, stability must be probable, too."""
+    return _RESERVE + (_PROBABLY if found.robots_have_errors else "")
+
+
+def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
     where = "at this constant delay"
     if row.buffered:
         delay = given_delay(row.constant_delay).removesuffix(" each way")
         where = f"at a constant delay of {delay} (behind a playout buffer)"
     if math.isinf(row.usable_stiffness):
         return Text.assemble(("You may use any stiffness", "bold green"), f" {where}.")
+    if row.soft_springs_fail_by_sampling:
+        why = (
+            "even a soft spring is unstable, because a held force feeds more into the motion than the "
+            "damping takes. A stiffer spring may be stable; give --stiffness."
+        )
+        return Text.assemble(("No stiffness is low enough", "bold red"), f" {where}: {why}")
+    if row.stiffness_limit == 0.0:
+        return Text.assemble(("No stiffness is stable", "bold red"), f" {where}, however soft the spring.")
     if row.usable_stiffness == 0.0:
-        return Text.assemble(("No stiffness is stable", "bold red"), f" {where}: the robots have no damping.")
+        return Text.assemble(
+            ("No stiffness is safe", "bold red"),
+            f" {where} with {kept}. The limit itself is {format_stiffness(row.stiffness_limit)}.",
+        )
     return Text.assemble(
         (f"You may use up to {format_stiffness(row.usable_stiffness)}", "bold green"),
-        f" {where}, with {_RESERVE}. The limit itself is {format_stiffness(row.stiffness_limit)}.",
+        f" {where}, with {kept}. The limit itself is {format_stiffness(row.stiffness_limit)}.",
     )
 
 
-def _usable_delay(row: StiffnessLimits) -> Text:
+def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
     if math.isinf(row.usable_delay):
         return Text.assemble(
             ("Any constant delay", "bold green"), " is stable at this stiffness, however long."
         )
     if row.usable_delay <= 0.0:
-        return Text.assemble(("No delay", "bold red"), f" is stable at this stiffness with {_RESERVE}.")
+        return Text.assemble(("No delay", "bold red"), f" is stable at this stiffness with {kept}.")
     return Text.assemble(
         (f"The delay may be up to {format_time(row.usable_delay, rounding='down')} each way", "bold green"),
-        f" at {format_stiffness(row.stiffness)}, with {_RESERVE}. The limit itself is "
+        f" at {format_stiffness(row.stiffness)}, with {kept}. The limit itself is "
         f"{format_time(row.delay_limit, rounding='down')}.",
     )
 

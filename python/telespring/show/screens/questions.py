@@ -17,6 +17,7 @@ __all__ = [
     "given_delay",
     "hand_effect",
     "sampling_clause",
+    "sampling_note",
     "tier_bounds",
 ]
 
@@ -60,6 +61,29 @@ def tier_bounds(judged: Verdicts) -> list[TierBound]:
             row = row._replace(bound=limit, attained=False, axis=worst, is_satisfied=is_stable(judged))
         rows.append(row)
     return rows
+
+
+def sampling_note(judged: Verdicts) -> str:
+    """Say which numbers sampled controllers put into the rules, and how they change the closed forms.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> sampling_note(ts.verdicts(ts.hman(), 20.0, 0.04, sample_period=0.001))[:76]
+    'A force is held: the own sample is up to h = 1 ms old, the partner samples T'
+    """
+    h = judged.network.sample_period + judged.network.computing_time
+    age = sum(budget.total for budget in judged.delay_budget)
+    note = (
+        f"A force is held: the own sample is up to h = {format_time(h, 6)} old, the partner samples "
+        f"T₁+T₂ = {format_time(age, 6)} in all."
+    )
+    if judged.tier("bounded varying delay").stiffness_bound is None:
+        return note
+    return (
+        f"{note} The limit for a bounded varying delay is that of b₁ − kh and b₂ − kh, and the one for any "
+        "network is below its continuous form."
+    )
 
 
 def given_delay(delay: tuple[float, float]) -> str:

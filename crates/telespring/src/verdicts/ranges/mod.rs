@@ -96,6 +96,21 @@ impl Family {
         self.search(Unknown::RoundTrip, &Self::at(stiffness, Some(0.0)), 0.0, 1.0 / fastest, limit)
     }
 
+    /// Whether no member has a root on the axis at a stiffness (N/m) for any round trip of a range (s).
+    pub fn excludes_round_trips(&self, stiffness: f64, (from, to): (f64, f64)) -> bool {
+        if to <= from {
+            return self.crossing(stiffness, Some(from)) == Crossing::Excluded;
+        }
+        let found = self.search(Unknown::RoundTrip, &Self::at(stiffness, Some(from)), from, to - from, to);
+        found.is_finished && found.value >= to
+    }
+
+    /// Whether no member has a root on the axis at a round trip (s) for any stiffness of a range (N/m).
+    pub fn excludes_stiffnesses(&self, (from, to): (f64, f64), round_trip: f64) -> bool {
+        let found = self.search(Unknown::Stiffness, &Self::at(from, Some(round_trip)), from, to - from, to);
+        found.is_finished && found.value >= to
+    }
+
     /// The damping (N·s/m), added to both robots, above which no member has a root on the axis up to `most`.
     pub fn last_damping(&self, stiffness: f64, round_trip: f64, most: f64) -> CertifiedBound {
         let given = Self::at(stiffness, Some(round_trip));
