@@ -97,7 +97,11 @@ def _check_lag(
     shared = axes[0].time_shift
     if fit.shared_lag and shared is not None and abs(shared.value) > _SURE_OF_LAG * shared.standard_error:
         low, high = shared.interval
-        warnings.append(diagnostic("late force", lag=shared.value, low=low, high=high))
+        warnings.append(
+            diagnostic("late force", lag=shared.value, low=low, high=high)
+            if shared.value > 0.0
+            else diagnostic("late position", lag=-shared.value, low=-high, high=-low)
+        )
     if not fit.shared_lag:
         warnings.append(
             diagnostic(

@@ -97,7 +97,7 @@ def _refuse_wrong_time_stamps(time: FloatArray, origin: Origin) -> None:
         )
         raise InvalidInput(
             "time",
-            f"{usual:g} s from sample to sample",
+            f"{usual:.3g} s from sample to sample",
             f"the rate must be {_LOWEST_RATE:g} to {_HIGHEST_RATE:g} Hz, with time stamps in seconds",
             remedy,
         )
@@ -109,7 +109,7 @@ def _refuse_wrong_units(position: FloatArray, force: FloatArray, origin: Origin)
     if travel > _LONGEST_TRAVEL:
         raise InvalidInput(
             origin.column("position", int(travels.argmax())),
-            f"a travel of {travel:.4g} m",
+            f"a travel of {travel:.3g} m",
             f"a robot held by a person travels less than {_LONGEST_TRAVEL:g} m",
             "If the positions are in mm, give --position-scale 0.001; in cm, 0.01. If they are angles in "
             "degrees or rad, give the metres of travel per degree or rad.",
@@ -119,7 +119,7 @@ def _refuse_wrong_units(position: FloatArray, force: FloatArray, origin: Origin)
     if largest > _LARGEST_FORCE:
         raise InvalidInput(
             origin.column("force", int(peaks.argmax())),
-            f"up to {largest:.4g} N",
+            f"up to {largest:.3g} N",
             f"the force on a robot held by a person is less than {_LARGEST_FORCE:g} N",
             "If the forces are in mN or in counts, give --force-scale with the newtons per unit.",
         )

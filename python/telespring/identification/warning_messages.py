@@ -51,7 +51,7 @@ _MESSAGES = {
         "estimates leave them out."
     ),
     "long gaps": (
-        "Long gaps: {count}, the longest {longest:.4g ms} after {place}. The estimates are from the "
+        "Long gaps: {count}, the longest {longest:.3g ms} after {place}. The estimates are from the "
         "{pieces} stretches between them together."
     ),
     "samples between gaps": "Samples between two close gaps, left out: {count}.",
@@ -127,8 +127,12 @@ _MESSAGES = {
         "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
     ),
     "late force": (
-        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}; below 0 the position "
-        "lags). The estimates allow for it."
+        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The estimates allow for "
+        "it."
+    ),
+    "late position": (
+        "The position lags the force by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The estimates allow for "
+        "it."
     ),
     "force lag": (
         "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "

@@ -262,7 +262,7 @@ def check_recorded_metres(file: str, quantity: str, values: FloatArray) -> None:
     if typical > _LARGEST_POSITION:
         refuse(
             f"{file}: {quantity}",
-            f"typically {typical:.4g}",
+            f"typically {typical:.2g}",
             f"positions in m are required, and no robot reaches {_LARGEST_POSITION:g} m",
             "Divide by 1000 if they are in mm.",
         )
