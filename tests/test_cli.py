@@ -354,7 +354,7 @@ def test_law_what_the_screen_advises_is_safe_at_the_digits_it_shows() -> None:
 def test_law_in_a_later_interval_both_ends_are_told(tmp_path: Path) -> None:
     """The interval of this dyad is that of the doctest of `ts.stable_delays`: 1.7738 s to 2.1128 s."""
     screen = flat(run("decide", written(tmp_path, RETURNING), "--continuous").stdout)
-    assert "The delay may grow by 212.7 ms, to 2.112 s (axis x), and shrink by 126.2 ms, to 1.774 s" in screen
+    assert "the delay may grow by 212.7 ms, to 2.112 s (axis x), and shrink by 126.2 ms, to 1.774 s" in screen
 
 
 def test_law_a_later_interval_is_open_at_its_start() -> None:

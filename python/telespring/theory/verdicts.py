@@ -204,6 +204,29 @@ def is_stable_over_delays(
     With the network's controllers, for every operator, and with nothing unstable in between: also beyond the
     first limit, where single verdicts at both ends would not show it.
 
+    Parameters
+    ----------
+    dyad : Dyad
+        Robots and operators.
+    stiffness : float
+        Stiffness of the virtual spring, N/m.
+    network : Network
+        Both delays, s, and the timing of the controllers.
+    factors : (float, float)
+        The smallest and the largest multiple of both delays.
+    operator_range : OperatorRange or pair of OperatorRange, optional
+        Operators that replace the dyad's own.
+
+    Returns
+    -------
+    bool
+        True only if it is proven.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is out of its range or a range does not have the dyad's axes.
+
     Examples
     --------
     >>> import telespring as ts
@@ -222,6 +245,27 @@ def is_stable_over_stiffnesses(
     """Return whether a dyad is proven to be stable at every stiffness of a range, N/m, over a network.
 
     With the network's controllers, for every operator, and with nothing unstable in between.
+
+    Parameters
+    ----------
+    dyad : Dyad
+        Robots and operators.
+    stiffnesses : (float, float)
+        The smallest and the largest stiffness, N/m.
+    network : Network
+        Both delays, s, and the timing of the controllers.
+    operator_range : OperatorRange or pair of OperatorRange, optional
+        Operators that replace the dyad's own.
+
+    Returns
+    -------
+    bool
+        True only if it is proven.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is out of its range or a range does not have the dyad's axes.
 
     Examples
     --------
