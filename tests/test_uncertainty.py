@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import telespring as ts
-from telespring.decision.decide import decide
+from questions import decide
 from telespring.decision.uncertainty import (
     DRAWS,
     Probability,

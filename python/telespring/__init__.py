@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
+from telespring.answer import Answer, decide
 from telespring.model import (
     Agent,
     Arm,
@@ -74,6 +75,7 @@ from telespring.theory.verdicts import (
 
 __all__ = [
     "Agent",
+    "Answer",
     "ApproximationWarning",
     "Arm",
     "AxisTier",
@@ -121,6 +123,7 @@ __all__ = [
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
+    "decide",
     "frequency_grid",
     "frequency_response",
     "hman",

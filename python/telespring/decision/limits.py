@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from telespring.decision.question import (
-    Question,
-    constant_delay,
-    refuse_unusual,
-    stiffness_limit,
-)
+from telespring.decision.question import LONGEST_DELAY, Question, constant_delay, stiffness_limit
 from telespring.decision.reserve import RESERVE
-from telespring.model import Dyad, Network, OperatorRange
+from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
+from telespring.model import Network
 from telespring.theory.verdicts import Verdicts
 
 __all__ = ["COMMON_DELAYS", "DelayLimits", "Limits", "StiffnessLimits", "limits"]
@@ -37,11 +33,14 @@ class DelayLimits:
     usable_stiffness
         The largest stiffness that keeps the reserve of stiffness and delay, N/m; infinite if there is no
         limit, 0 if there is none.
+    varying
+        What holds without a playout buffer; None if the delay does not vary. Its status means nothing.
     """
 
     verdicts: Verdicts
     stiffness_limit: float
     usable_stiffness: float
+    varying: VaryingDelay | None = None
 
     @property
     def delay(self) -> tuple[float, float]:
@@ -71,11 +70,14 @@ class StiffnessLimits:
         Shorter one-way delays are stable, s; infinite if none destabilises, 0 if none is stable.
     usable_delay
         The longest one-way delay that keeps the reserve of stiffness and delay, s.
+    usable_delay_while_varying
+        The same without a playout buffer, jitter and gaps on top of it; None if the delay does not vary.
     """
 
     stiffness: float
     delay_limit: float
     usable_delay: float
+    usable_delay_while_varying: float | None = None
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,8 @@ class Limits:
         What the stiffness in question allows; None if none is.
     over_operator_ranges
         Whether the limits are the worst over ranges of operators.
+    has_playout_buffer
+        Whether a playout buffer is promised, which makes the delay constant.
     free
         The limits with free handles; None if the handles are free, or if it was not requested.
     """
@@ -103,34 +107,29 @@ class Limits:
     is_delay_given: bool
     stiffness: StiffnessLimits | None
     over_operator_ranges: bool
+    has_playout_buffer: bool = False
     free: Limits | None = None
 
 
 def limits(
-    dyad: Dyad,
-    delay: float | tuple[float, float] | None = None,
+    question: Question,
     stiffness: float | None = None,
     *,
-    jitter: float = 0.0,
-    max_gap: float = 0.0,
-    sample_period: float = 0.001,
-    computing_time: float = 0.0,
-    operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+    delays: Sequence[float] | None = None,
     compare_free: bool = False,
-    allow_unusual: bool = False,
 ) -> Limits:
-    """Find the stiffness that may be used at a delay, or at common delays, or the delay at a stiffness.
+    """Find the stiffness that may be used at a delay, or at several, or the delay at a stiffness.
 
     Parameters
     ----------
-    dyad
-        The two robots and what holds them.
-    delay
-        One-way delay each way, s, or the pair (forward, backward); None lists `COMMON_DELAYS`.
+    question
+        The dyad, what holds it, and its network.
     stiffness
         Also find the delay that this stiffness allows, N/m.
-    jitter, max_gap, sample_period, computing_time, operator_ranges, compare_free, allow_unusual
-        As for `telespring.decision.decide.decide`.
+    delays
+        One-way delays to list instead of the network's own, s, such as `COMMON_DELAYS`.
+    compare_free
+        Whether to answer the question for free handles too, if they are held.
 
     Returns
     -------
@@ -140,41 +139,33 @@ def limits(
     Raises
     ------
     telespring.InvalidInput
-        If a value is out of range, or no laboratory has it.
+        If a value is out of range.
 
     Examples
     --------
     >>> import telespring as ts
     >>> from telespring.decision.decide import decide
-    >>> found = limits(ts.hman(), 0.1).delays[0]
+    >>> question = Question(ts.hman(), ts.Network(0.1, sample_period=0.001))
+    >>> found = limits(question).delays[0]
     >>> round(found.stiffness_limit, 1), round(found.usable_stiffness, 1)
     (99.7, 95.0)
-    >>> decide(ts.hman(), 0.999 * found.usable_stiffness, 0.1).status
+    >>> decide(question, 0.999 * found.usable_stiffness).status
     'stable'
     """
-    asked: Sequence[float | tuple[float, float]] = COMMON_DELAYS if delay is None else (delay,)
-    networks = [Network(each, jitter, max_gap, sample_period, computing_time) for each in asked]
-    if not allow_unusual:
-        refuse_unusual(dyad, networks[0], operator_ranges, stiffness)
-    questions = [Question(dyad, network, operator_ranges) for network in networks]
+    network = question.network
+    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    asked: Sequence[float | tuple[float, float]] = (network.delay,) if delays is None else delays
+    questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None
-    if compare_free and questions[0].is_held:
-        free = limits(
-            Dyad(*dyad.robots, coupling_damping=dyad.coupling_damping),
-            delay,
-            stiffness,
-            jitter=jitter,
-            max_gap=max_gap,
-            sample_period=sample_period,
-            computing_time=computing_time,
-            allow_unusual=True,
-        )
+    if compare_free and question.is_held:
+        free = limits(question.with_operators(None), stiffness, delays=delays)
     return Limits(
-        axes=tuple(str(name) for name in dyad.axes),
-        delays=tuple(_delay_limits(question) for question in questions),
-        is_delay_given=delay is not None,
-        stiffness=None if stiffness is None else _stiffness_limits(questions[0], stiffness),
-        over_operator_ranges=operator_ranges is not None,
+        axes=tuple(str(name) for name in question.dyad.axes),
+        delays=tuple(_delay_limits(each) for each in questions),
+        is_delay_given=delays is None,
+        stiffness=None if stiffness is None else _stiffness_limits(question, stiffness),
+        over_operator_ranges=question.operator_ranges is not None,
+        has_playout_buffer=question.has_playout_buffer,
         free=free,
     )
 
@@ -186,7 +177,10 @@ def _delay_limits(question: Question) -> DelayLimits:
     later = question.at_delay((more * forward, more * backward)).judge(_PROBE)
     limit = stiffness_limit(judged)
     return DelayLimits(
-        judged, stiffness_limit=limit, usable_stiffness=min(limit / more, stiffness_limit(later))
+        judged,
+        stiffness_limit=limit,
+        usable_stiffness=min(limit / more, stiffness_limit(later)),
+        varying=varying_delay(question, judged),
     )
 
 
@@ -198,4 +192,5 @@ def _stiffness_limits(question: Question, stiffness: float) -> StiffnessLimits:
     usable = min(limit / more, stiffer)
     extra = question.network.jitter + question.network.max_gap
     # Jitter and gaps are part of the delay behind a playout buffer.
-    return StiffnessLimits(stiffness, max(0.0, limit - extra), max(0.0, usable - extra))
+    varying = None if extra == 0.0 else usable_delay_while_varying(question, stiffness, LONGEST_DELAY)
+    return StiffnessLimits(stiffness, max(0.0, limit - extra), max(0.0, usable - extra), varying)
