@@ -17,8 +17,8 @@ from typer.testing import CliRunner, Result
 
 import telespring as ts
 from conftest import PaperStudy
-from telespring import cli
 from questions import decide
+from telespring import cli
 
 UNKNOWN_KEY = """
 robot1 = {mass = 1.0, damping = 5.0}

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
-from telespring.answer import Answer, decide
 from telespring.model import (
     Agent,
     Arm,
@@ -149,11 +148,15 @@ __all__ = [
 serve_moved_modules()
 if TYPE_CHECKING:
     from telespring import plot as plot
+    from telespring.answer import Answer as Answer
+    from telespring.answer import decide as decide
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until somebody draws.
-    __getattr__ = old_names(__name__, submodules=("plot",))
+    # Importing matplotlib takes long, so `plot` waits until it is used; an answer waits, too.
+    __getattr__ = old_names(
+        __name__, submodules=("plot",), late={"Answer": "telespring.answer", "decide": "telespring.answer"}
+    )
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "plot"]
+    return sorted([*__all__, "plot"])

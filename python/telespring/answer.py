@@ -1,4 +1,4 @@
-"""The answer of `telespring decide` and of `telespring.decide`: one object that prints, shows and saves itself."""
+"""The answer of the command `decide` and of `telespring.decide`: one object that shows itself."""
 
 from __future__ import annotations
 
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Answer", "answer_study", "decide"]
 
 _COLUMNS = 80
+_ARMS_LEFT_OUT = "The limits are without the arms and agents that hold the handles in the study's rehearsal."
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -67,7 +68,7 @@ class Answer:
 
     @property
     def status(self) -> Status | None:
-        """"stable", "marginal", "unstable" or "not proven"; None if no stiffness and delay was judged."""
+        """The word "stable", "marginal", "unstable" or "not proven"; None where limits were asked."""
         return None if self.decision is None else self.decision.status
 
     @property
@@ -185,8 +186,8 @@ def decide(
 ) -> Answer:
     """Decide whether a dyad is stable, by what margin, and what to change; or what may be used.
 
-    This is the command `telespring decide`: controllers are sampled every 1 ms unless a network says otherwise,
-    and the answer for free handles stands beside that for held ones.
+    This is the command `telespring decide`: controllers are sampled every 1 ms unless a network says
+    otherwise, and the answer for free handles stands beside that for held ones.
 
     Parameters
     ----------
@@ -244,7 +245,9 @@ def decide(
     elif isinstance(subject, Dyad):
         study, dyad, ranges = None, subject, None
         is_delay_given = delay is not None
-        network = delay if isinstance(delay, Network) else Network(delay or 0.0, sample_period=_sample_period())
+        network = (
+            delay if isinstance(delay, Network) else Network(delay or 0.0, sample_period=_sample_period())
+        )
     else:
         raise InvalidInput(
             "subject",
@@ -329,6 +332,8 @@ def _answer(
                 )
         delays = None if is_delay_given else COMMON_DELAYS
         found = limits(question, stiffness, delays=delays, compare_free=True)
+        if study is not None and study.names_arms_or_agents:
+            notes = (*notes, _ARMS_LEFT_OUT)
         return Answer(None, found, heading, holders, notes)
     if horizon is not None and not 0.0 < horizon <= 1000.0:
         raise InvalidInput(

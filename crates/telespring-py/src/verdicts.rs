@@ -335,15 +335,17 @@ fn answer_in_short(verdicts: &core::Verdicts) -> String {
         out += &format!(" {name}={} ({bound})", word(verdict.satisfied));
     }
     if let Some(stable) = verdicts.sampled_stable {
-        out += &format!(" sampled_stable={}", word(stable));
+        let bounds = verdicts.axes.iter().filter_map(|axis| axis.sampled_stiffness_bound);
+        let limit = four_digits_down(bounds.fold(f64::INFINITY, f64::min));
+        out += &format!(" sampled_stable={} (limit {limit} N/m)", word(stable));
     }
     out + ">"
 }
 
 /// A limit to four digits, rounded down.
 fn four_digits_down(limit: f64) -> f64 {
-    if limit == 0.0 {
-        return 0.0;
+    if limit == 0.0 || limit.is_infinite() {
+        return limit;
     }
     let scale = 10_f64.powi(3 - limit.log10().floor() as i32);
     (limit * scale).floor() / scale

@@ -101,9 +101,7 @@ AllowUnusual = Annotated[
 
 
 @contextmanager
-def refusals(
-    options: dict[str, str] | None = None, written: dict[str, str] | None = None
-) -> Iterator[None]:
+def refusals(options: dict[str, str] | None = None, written: dict[str, str] | None = None) -> Iterator[None]:
     """Report refused input and unusable files in a few lines, and exit with status 2.
 
     `options` names the option that gave a field of the study: a refusal then names the option. `written` has
@@ -134,9 +132,7 @@ def refusals(
         raise typer.Exit(130) from None
 
 
-def _named_by_option(
-    refused: InvalidInput, options: dict[str, str], written: dict[str, str]
-) -> InvalidInput:
+def _named_by_option(refused: InvalidInput, options: dict[str, str], written: dict[str, str]) -> InvalidInput:
     for field, option in options.items():
         if refused.field == field or refused.field.startswith((f"{field}.", f"{field}[")):
             renamed = refused.at(option)
@@ -149,8 +145,8 @@ def _named_by_option(
         # Who wrote a unit meant it: another is no remedy.
         renamed = renamed.at(renamed.field)
         renamed.value = f"{text} ({renamed.value})"
-        guess, if_meant, rest = renamed.remedy.partition("If it is meant")
-        if if_meant and guess:
+        _, if_meant, rest = renamed.remedy.partition("If it is meant")
+        if if_meant:
             renamed.remedy = f"Check the number and its unit. {if_meant}{rest}"
     return renamed
 

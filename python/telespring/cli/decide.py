@@ -45,7 +45,9 @@ def decide_command(
     ping_jitter: Annotated[
         float | None,
         typer.Option(
-            parser=_TIME, metavar="TIME", help="The largest ping less the smallest; each way counts with all of it."
+            parser=_TIME,
+            metavar="TIME",
+            help="The largest ping less the smallest; each way counts with all of it.",
         ),
     ] = None,
     robot: Robots = None,
@@ -72,8 +74,8 @@ def decide_command(
         bool | None,
         typer.Option(
             "--playout-buffer/--no-playout-buffer",
-            help="Both sides hold every sample until it is as old as the latest one can be, which makes the delay "
-            "constant; without it the answer is for a delay that varies.",
+            help="Both sides hold every sample until it is as old as the latest one can be, which makes the "
+            "delay constant; without it the answer is for a delay that varies.",
             show_default="as the study says, or none",
         ),
     ] = None,
@@ -109,9 +111,9 @@ def decide_command(
         bool,
         typer.Option(
             "--check",
-            help="Exit with status 1 unless the answer is STABLE: with 5 % of stiffness and delay in reserve, with "
-            "probability 0.95 if the robots have errors, with free handles beside held ones, in the arms that "
-            "the study names, and with jitter without a playout buffer unless one is stated.",
+            help="Exit with status 1 unless the answer is STABLE: with 5 % of stiffness and delay in "
+            "reserve, with probability 0.95 if the robots have errors, with free handles beside held ones, in "
+            "the arms that the study names, and with jitter without a playout buffer unless one is stated.",
         ),
     ] = False,
     figure: Annotated[
@@ -131,7 +133,7 @@ def decide_command(
 
     Without a stiffness the answer is the stiffness that you may use; without a delay, what each delay allows.
 
-    Options replace what the study file says. Without a file and robots, the robots are the paper's two H-MANs.
+    Options replace what the study file says. Without a file and robots, they are the paper's two H-MANs.
 
     Exit status: 0 for any answer; 1 with --check unless the answer is STABLE; 2 for refused input.
 

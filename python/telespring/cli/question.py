@@ -93,15 +93,15 @@ class StudyOptions:
         ping_jitter: float | None = None,
         check_unusual: bool = True,
     ) -> None:
-        """Take the delays and their jitter, one-way or as a round trip, and say how a round trip is shared."""
+        """Take the delays and their jitter, one-way or as a round trip; say how a round trip is shared."""
         _refuse_doubled(ping, delay, backward, jitter, ping_jitter)
         if check_unusual:
             _refuse_unusual_ping(ping, ping_jitter)
         if ping is not None:
             delay = 0.5 * ping
             self.notes.append(
-                f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Only the sum of "
-                "both ways matters."
+                f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Only the sum "
+                "of both ways matters."
             )
         if ping_jitter is not None:
             jitter = ping_jitter

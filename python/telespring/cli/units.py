@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import typer
 
@@ -71,7 +71,7 @@ class WithUnit(float):
 
     text: str
 
-    def __new__(cls, value: float, text: str) -> WithUnit:
+    def __new__(cls, value: float, text: str) -> Self:
         """Make the number, in the SI unit, and keep its text."""
         number_ = super().__new__(cls, value)
         number_.text = text

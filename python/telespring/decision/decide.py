@@ -396,7 +396,11 @@ def decide(
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
         free=decide(
-            question.with_operators(None), stiffness, horizon=horizon, uncertainty=uncertainty, records=records
+            question.with_operators(None),
+            stiffness,
+            horizon=horizon,
+            uncertainty=uncertainty,
+            records=records,
         )
         if compare_free and question.is_held
         else None,

@@ -78,7 +78,10 @@ def varying_delay(
     allowed = judged.stiffness_allowed
     limit, attained = (0.0, False) if allowed is None else (allowed.stiffness, allowed.attained)
     return VaryingDelay(
-        _status(question, judged, limit, uncertainty), limit, attained, None if allowed is None else allowed.tier
+        _status(question, judged, limit, uncertainty),
+        limit,
+        attained,
+        None if allowed is None else allowed.tier,
     )
 
 
@@ -123,7 +126,7 @@ def _is_probable(
             mass = mass + deviations * np.asarray(known.mass_sd)
             damping = np.maximum(damping - deviations * np.asarray(known.damping_sd), 0.0)
         robots.append(Robot(np.maximum(mass, _LIGHTEST), damping, axes=robot.axes))
-    dyad = Dyad(*robots, question.dyad.operators, question.dyad.coupling_damping)
+    dyad = Dyad(robots[0], robots[1], question.dyad.operators, question.dyad.coupling_damping)
     return _is_proven(replace(question, dyad=dyad).judge(k))
 
 

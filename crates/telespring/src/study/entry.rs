@@ -218,7 +218,9 @@ impl<'r, 'a> Entry<'r, 'a> {
         let Some(value) = value else {
             let written = self.value.get_ref().as_str().and_then(|text| quantity.read_with_unit(text));
             let remedy = match written {
-                Some(value) => format!("Write {value}: a study has numbers in {}, without quotes.", quantity.unit()),
+                Some(value) => {
+                    format!("Write {value}: a study has numbers in {}, without quotes.", quantity.unit())
+                }
                 None if quantity.unit().is_empty() => "Write the number without quotes.".to_owned(),
                 None => format!("Write the number alone, in {}, without quotes.", quantity.unit()),
             };

@@ -151,7 +151,7 @@ def _changes_for(decision: Decision) -> tuple[str, list[str]]:
 
 
 def _changes_while_varying(decision: Decision, varying: VaryingDelay) -> tuple[str, list[str]]:
-    """Write what makes a network with jitter stable: a buffer, less stiffness, or what helps behind a buffer."""
+    """Write what makes a network with jitter stable: less stiffness, or a buffer and what helps behind it."""
     if decision.status == "stable":
         return "To guarantee stability beyond this network: ", _stronger_guarantees(decision)
     lines = []

@@ -38,8 +38,12 @@ def answer_lines(decision: Decision, held: str) -> list[Text]:
             continue
         buffer = f"with a playout buffer of {delay_clause(case.constant_delay)}"
         if not case.has_playout_buffer:
-            lines.append(_named(f"{name}, without a playout buffer" if name else "Without a playout buffer",
-                                _varying_delay_answer(case)))
+            lines.append(
+                _named(
+                    f"{name}, without a playout buffer" if name else "Without a playout buffer",
+                    _varying_delay_answer(case),
+                )
+            )
         lines.append(_named(f"{name}, {buffer}" if name else f"W{buffer[1:]}", _constant_delay_answer(case)))
     return lines
 

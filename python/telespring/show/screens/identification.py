@@ -51,8 +51,8 @@ def identification_screen(identification: Identification, title: str) -> Rendera
 
 
 _CONDITION_NUMBER = (
-    "The condition number says how well the movement tells the parameters apart: the smaller the better, and 1 "
-    "is ideal."
+    "The condition number says how well the movement tells the parameters apart: the smaller the better, "
+    "and 1 is ideal."
 )
 
 

@@ -59,7 +59,10 @@ def fitting_table(
 
 
 def _table(
-    headings: Sequence[str], rows: Sequence[Sequence[str | Text]], right: Sequence[int], columns: Sequence[int]
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str | Text]],
+    right: Sequence[int],
+    columns: Sequence[int],
 ) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for i in columns:

@@ -58,7 +58,7 @@ def limits_screen(
         parts.append(_tier_table(found))
         parts.append(Text("Give a stiffness too to see its margins, and what to change."))
     else:
-        parts += _delay_tables(found, held)
+        parts += _delay_tables(found)
         parts.append(Text("Give the delay or the ping of your own network for more."))
     if network.sample_period > 0.0:
         parts.append(Text(CONTINUOUS_TIERS))
@@ -85,7 +85,9 @@ def _usable(found: Limits, held: str) -> list[Text]:
             lines.append(_named(name, buffered))
             continue
         if not is_promised:
-            lines.append(_named(f"{name}, without a playout buffer" if name else "Without a playout buffer", without))
+            lines.append(
+                _named(f"{name}, without a playout buffer" if name else "Without a playout buffer", without)
+            )
         buffer = "with a playout buffer"
         if case.is_delay_given:
             buffer += f" of {delay_clause(row.constant_delay)}"
@@ -114,11 +116,13 @@ def _usable_while_varying(varying: VaryingDelay) -> Text:
     if math.isinf(usable):
         return Text.assemble(("You may use any stiffness", "bold green"), " however the delay varies.")
     if usable == 0.0:
-        return Text.assemble(("No stiffness is proven", "bold yellow"), " to be stable while the delay varies.")
+        return Text.assemble(
+            ("No stiffness is proven", "bold yellow"), " to be stable while the delay varies."
+        )
     return Text.assemble(
         (f"You may use up to {format_stiffness(usable)}", "bold green"),
-        f" however the delay varies, with {_RESERVE}. More than {format_stiffness(varying.stiffness_limit)} is "
-        "not proven.",
+        f" however the delay varies, with {_RESERVE}. More than {format_stiffness(varying.stiffness_limit)} "
+        "is not proven.",
     )
 
 
@@ -167,7 +171,7 @@ def _tier_table(found: Limits) -> Fitting:
         ]
         headings = ("network", "rule", "k, N/m", "axis", "yours")
         return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
-    rows = [
+    beside = [
         (
             own.verdict.tier,
             allowed_stiffness(free.bound, free.attained),
@@ -177,10 +181,10 @@ def _tier_table(found: Limits) -> Fitting:
         for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
     ]
     headings = ("network", "free, N/m", "held, N/m", "a hand")
-    return fitting_table(TABLE_TITLE, headings, rows, right=(1, 2))
+    return fitting_table(TABLE_TITLE, headings, beside, right=(1, 2))
 
 
-def _delay_tables(found: Limits, held: str) -> list[RenderableType]:
+def _delay_tables(found: Limits) -> list[RenderableType]:
     """List what each delay allows; free and held handles side by side, without and with a buffer, too."""
     varies = found.delays[0].varying is not None
     if found.free is None:
@@ -198,7 +202,7 @@ def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
 
 
 def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) -> Fitting:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for one, other in zip(free.delays, held.delays, strict=True):
         usable = [_usable_of(row, is_buffered=is_buffered) for row in (one, other)]
         rows.append(
@@ -214,14 +218,14 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
 
 def _delay_table(found: Limits) -> Fitting:
     varies = found.delays[0].varying is not None and not found.has_playout_buffer
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for row in found.delays:
         values = [row.usable_stiffness, row.stiffness_limit]
         if varies:
             values = [_usable_of(row, is_buffered=False), row.usable_stiffness]
         cells = [format_stiffness(value).removesuffix(" N/m") for value in values]
-        for tier in (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network")):
-            cells.append(allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1])
+        tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
+        cells += [allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1] for tier in tiers]
         rows.append((delay_clause(row.delay), *cells))
     own = ("you may use\nN/m", "limit\nN/m")
     if varies:
