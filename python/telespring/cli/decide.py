@@ -112,8 +112,8 @@ def decide_command(
         typer.Option(
             "--check",
             help="Exit with status 1 unless the answer is STABLE: with 5 % of stiffness and delay in "
-            "reserve, with probability 0.95 if the robots have errors, with free handles beside held ones, in "
-            "the arms that the study names, and with jitter without a playout buffer unless one is stated.",
+            "reserve, with probability 0.95 if the robots have errors, with free handles beside held ones, "
+            "in the arms that the study names, and without a playout buffer unless one is stated.",
         ),
     ] = False,
     figure: Annotated[

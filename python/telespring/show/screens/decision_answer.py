@@ -9,7 +9,13 @@ from rich.text import Text
 from telespring.decision.decide import Decision
 from telespring.decision.question import LONGEST_DELAY
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
-from telespring.show.quantities import format_doubling_time, format_number, format_stiffness, format_time
+from telespring.show.quantities import (
+    format_doubling_time,
+    format_number,
+    format_probability,
+    format_stiffness,
+    format_time,
+)
 from telespring.show.screens.questions import allowed_stiffness, delay_clause
 
 __all__ = ["answer_lines"]
@@ -86,7 +92,7 @@ def _constant_delay_answer(decision: Decision) -> Text:
     where = "at this constant delay"
     match status:
         case "stable":
-            why = f" {where}, with {_percent(RESERVE)} in reserve"
+            why = f" {where}, with {_percent(RESERVE)} in reserve{_probability(decision)}"
         case "marginal":
             why = f": stable {where}, but {_missing_reserve(decision)}"
         case "not proven" if decision.axes_independent is False:
@@ -98,6 +104,15 @@ def _constant_delay_answer(decision: Decision) -> Text:
             unstable = f"{'axis' if len(names) == 1 else 'axes'} {' and '.join(names)}"
             return Text.assemble((word, style), f" on {unstable} {where}{_growth(decision)}.")
     return Text.assemble((word, style), f"{why}. {_margins(decision)}".rstrip())
+
+
+def _probability(decision: Decision) -> str:
+    """Write the probability of a stable answer, where the robots have errors."""
+    if decision.uncertainty is None:
+        return ""
+    stable = decision.uncertainty.stable
+    told = format_probability(stable.value, stable.standard_error, stable.draws).partition(" (")[0]
+    return f" and a probability {'of ' if told[0].isdigit() else ''}{told}"
 
 
 def _missing_reserve(decision: Decision) -> str:

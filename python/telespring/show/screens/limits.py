@@ -180,8 +180,8 @@ def _tier_table(found: Limits) -> Fitting:
         )
         for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
     ]
-    headings = ("network", "free, N/m", "held, N/m", "a hand")
-    return fitting_table(TABLE_TITLE, headings, beside, right=(1, 2))
+    columns = ("network", "free, N/m", "held, N/m", "a hand")
+    return fitting_table(TABLE_TITLE, columns, beside, right=(1, 2))
 
 
 def _delay_tables(found: Limits) -> list[RenderableType]:
@@ -227,8 +227,6 @@ def _delay_table(found: Limits) -> Fitting:
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
         cells += [allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1] for tier in tiers]
         rows.append((delay_clause(row.delay), *cells))
-    own = ("you may use\nN/m", "limit\nN/m")
-    if varies:
-        own = ("no buffer\nN/m", "with buffer\nN/m")
+    own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
     headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")
     return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4), optional=(3,))

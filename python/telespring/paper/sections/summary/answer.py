@@ -9,6 +9,7 @@ from telespring.decision.decide import decide
 from telespring.decision.question import Question
 from telespring.decision.reserve import RESERVE
 from telespring.model import Study
+from telespring.show.decision_json import varying_json
 
 __all__ = ["answer_study"]
 
@@ -23,7 +24,10 @@ def answer_study(study: Study) -> dict[str, Any]:
         "axis": decision.worst_axis.name,
         "stiffness": decision.stiffness,
         "constant_delay_in_use": decision.mean_delay,
+        "constant_delay_status": decision.constant_delay_status,
         "is_buffered": decision.buffered,
+        "has_playout_buffer": decision.has_playout_buffer,
+        "varying_delay": varying_json(decision.varying),
         "sample_period": study.network.sample_period,
         "reserve": RESERVE,
         "stiffness_limit": finite_or_none(decision.stiffness_limit),
