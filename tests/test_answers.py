@@ -265,6 +265,17 @@ def test_law_a_study_keeps_its_unusual_values_out_of_a_decision() -> None:
         ts.decide(ts.Study.paper(), delay=80.0)
     with pytest.raises(ts.InvalidInput, match="Dyad or a Study"):
         ts.decide(3.0)  # type: ignore[arg-type]
+    for arguments, field in (
+        ({"stiffness": "a", "delay": 0.04}, "stiffness"),
+        ({"stiffness": 150.0, "delay": "x"}, "delay"),
+        ({"stiffness": 150.0, "delay": 0.04, "operator_range": ts.Operator()}, "operator_range"),
+        ({"stiffness": 150.0, "delay": 0.04, "horizon": -1.0}, "horizon"),
+        ({"stiffness": -150.0, "delay": 0.04}, "stiffness"),
+    ):
+        bad: Any = arguments
+        with pytest.raises(ts.InvalidInput, match=f"^{field}") as refused:
+            ts.decide(mine(), **bad)
+        assert refused.value.remedy
 
 
 # -- what the answer rests on

@@ -18,9 +18,7 @@ DOCUMENTS = ["README.md", "NOTATION.md", "CHANGELOG.md", "CONTRIBUTING.md", "doc
 
 
 def test_ref_the_readme_example_runs_and_says_what_the_paper_has(root: Path) -> None:
-    examples = re.findall(
-        r"```python\n(.*?)```", (root / "README.md").read_text(encoding="utf-8"), re.DOTALL
-    )
+    examples = re.findall(r"```python\n(.*?)```", (root / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     printed = []
     for example in examples:
         assert len(example.splitlines()) <= 14

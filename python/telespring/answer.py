@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from telespring._core import Dyad, Network, Study
+from telespring._core import Coupling, Dyad, Network, OperatorRange, Study
 from telespring._errors import InvalidInput
 from telespring._html import table
 from telespring._types import Delay
@@ -31,7 +31,6 @@ from telespring.show.screens.questions import delay_clause, describe_robots
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from telespring.model import OperatorRange
     from telespring.study.robot_file import RobotRecord
 
 __all__ = ["Answer", "answer_study", "decide"]
@@ -255,8 +254,10 @@ def decide(
             "a Dyad or a Study is required",
             "Pass Dyad(Robot(mass, damping), Robot(mass, damping)).",
         )
+    if stiffness is not None:
+        stiffness = Coupling(stiffness).stiffness  # refuses what is no stiffness
     if operator_range is not None:
-        ranges = operator_range if isinstance(operator_range, tuple) else (operator_range, operator_range)
+        ranges = _both(operator_range)
     if not allow_unusual and (study is None or operator_range is not None):
         refuse_unusual(dyad, network, ranges, stiffness)
     question = Question(dyad, network, ranges, bool(playout_buffer))
@@ -355,6 +356,20 @@ def _answer(
         condition = (decision.stiffness, decision.constant_delay)
         decision = replace(decision, arms=arm_stability(study, [condition], modules))
     return Answer(decision, None, heading, holders, notes)
+
+
+def _both(
+    given: OperatorRange | tuple[OperatorRange, OperatorRange],
+) -> tuple[OperatorRange, OperatorRange]:
+    pair = tuple(given) if isinstance(given, tuple | list) else (given, given)
+    if len(pair) != 2 or not all(isinstance(each, OperatorRange) for each in pair):
+        raise InvalidInput(
+            "operator_range",
+            repr(given)[:60],
+            "an OperatorRange, a pair of them, or None is required",
+            "Pass OperatorRange(low, high), two operators.",
+        )
+    return pair[0], pair[1]
 
 
 def _changed(
