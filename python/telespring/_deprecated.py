@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
@@ -41,10 +41,12 @@ def serve_moved_modules() -> None:
     sys.meta_path.insert(0, _MovedModules())
 
 
-def old_names(module: str, submodules: Sequence[str] = ()) -> Callable[[str], Any]:
+def old_names(
+    module: str, submodules: Sequence[str] = (), late: Mapping[str, str] | None = None
+) -> Callable[[str], Any]:
     """Return a `__getattr__` for a module some of whose names or submodules have moved.
 
-    `submodules` are imported when they are first used.
+    `submodules` are imported when they are first used, and so are the modules of the names in `late`.
 
     Examples
     --------
@@ -58,6 +60,10 @@ def old_names(module: str, submodules: Sequence[str] = ()) -> Callable[[str], An
         old = f"{module}.{name}"
         if name in submodules:
             return import_module(old)
+        if late is not None and name in late:
+            value = getattr(import_module(late[name]), name)
+            setattr(sys.modules[module], name, value)
+            return value
         if old in RENAMED:
             home, _, path = RENAMED[old].partition(":")
             _warn_of_old_path(old, f"{home}.{path}")

@@ -200,13 +200,14 @@ macro_rules! words {
 
 /// A frozen Python class: around a type of the core, or with fields of its own where these are arrays.
 ///
-/// `computed` lists attributes that the constructor does not take, `methods` what else the class offers. With
-/// `as tuple` the record also reads, unpacks and compares as the tuple of its fields.
+/// `computed` lists attributes that the constructor does not take, `methods` what else the class offers; `repr`
+/// replaces the list of attributes that `repr()` gives otherwise. With `as tuple` the record also reads, unpacks and compares as the tuple of its fields.
 macro_rules! record {
     // around a type of the core
     ($(#[$doc:meta])* $class:ident($core:path) $(as $tuple:ident)? { $($(#[$about:meta])* $field:ident,)* }
      $(computed { $($(#[$more_about:meta])* $more:ident = $compute:expr,)* })?
-     $(methods { $($method:tt)* })?) => {
+     $(methods { $($method:tt)* })?
+     $(repr { $repr:expr })?) => {
         #[pyclass(frozen, module = "telespring")]
         #[derive(Debug, Clone, PartialEq)]
         $(#[$doc])*
@@ -239,13 +240,14 @@ macro_rules! record {
 
         $crate::records::record! { @tuple $class [$($tuple)?]
             { type Core = $core; Self(Core { $($field: $crate::records::read(stringify!($field), $field)?),* }) }
-            { $($($method)*)? }
+            { $($($method)*)? } [$($repr)?]
             $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
     };
     // with fields of its own
     ($(#[$doc:meta])* $class:ident $(as $tuple:ident)? { $($(#[$about:meta])* $field:ident: $type:ty,)* }
      $(computed { $($(#[$more_about:meta])* $more:ident = $compute:expr,)* })?
-     $(methods { $($method:tt)* })?) => {
+     $(methods { $($method:tt)* })?
+     $(repr { $repr:expr })?) => {
         #[pyclass(frozen, module = "telespring")]
         #[derive(Debug, PartialEq)]
         $(#[$doc])*
@@ -253,13 +255,13 @@ macro_rules! record {
 
         $crate::records::record! { @tuple $class [$($tuple)?]
             { Self { $($field: $crate::records::read(stringify!($field), $field)?),* } }
-            { $($($method)*)? }
+            { $($($method)*)? } [$($repr)?]
             $($(#[$about])* $field,)* ; $($($(#[$more_about])* $more = $compute,)*)? }
     };
-    (@tuple $class:ident [] $build:block { $($method:tt)* } $($rest:tt)*) => {
-        $crate::records::record! { @class $class $build { $($method)* } |_, _| false; $($rest)* }
+    (@tuple $class:ident [] $build:block { $($method:tt)* } [$($repr:expr)?] $($rest:tt)*) => {
+        $crate::records::record! { @class $class $build { $($method)* } [$($repr)?] |_, _| false; $($rest)* }
     };
-    (@tuple $class:ident [tuple] $build:block { $($method:tt)* } $($rest:tt)*) => {
+    (@tuple $class:ident [tuple] $build:block { $($method:tt)* } [$($repr:expr)?] $($rest:tt)*) => {
         $crate::records::record! { @class $class $build {
             fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
                 Ok(self.__getnewargs__(py)?.len())
@@ -274,11 +276,11 @@ macro_rules! record {
             }
 
             $($method)*
-        } |record: &$class, other: &Bound<'_, PyAny>| {
+        } [$($repr)?] |record: &$class, other: &Bound<'_, PyAny>| {
             record.__getnewargs__(other.py()).and_then(|own| own.as_any().eq(other)).unwrap_or(false)
         }; $($rest)* }
     };
-    (@class $class:ident $build:block { $($method:tt)* } $equals_tuple:expr;
+    (@class $class:ident $build:block { $($method:tt)* } [$($repr:expr)?] $equals_tuple:expr;
      $($(#[$about:meta])* $field:ident,)* ; $($(#[$more_about:meta])* $more:ident = $compute:expr,)*) => {
         #[pymethods]
         impl $class {
@@ -319,6 +321,10 @@ macro_rules! record {
             }
 
             fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                let own: &[fn(&Self) -> String] = &[$($repr)?];
+                if let Some(own) = own.first() {
+                    return Ok(own(self));
+                }
                 let fields = [
                     $(format!("{}={}", stringify!($field), $crate::records::short(&self.$field(py)?)?)),*
                 ];

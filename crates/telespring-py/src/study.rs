@@ -678,6 +678,12 @@ impl Study {
         self.0.has_delay()
     }
 
+    /// Whether the study promises a playout buffer, which makes its delay constant.
+    #[getter]
+    fn has_playout_buffer(&self) -> bool {
+        self.0.has_playout_buffer()
+    }
+
     /// The uncertainty of each robot's parameters; None if they are certain.
     #[getter]
     fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {

@@ -311,6 +311,44 @@ record! {
             self.0.tier(Tier::from_python(name)?).to_python(py)
         }
     }
+    repr { |verdicts| answer_in_short(&verdicts.0) }
+}
+
+/// The answer of each tier with its bound, N/m, as `repr` shows the verdicts.
+fn answer_in_short(verdicts: &core::Verdicts) -> String {
+    let word = |value: bool| if value { "True" } else { "False" };
+    let delay = verdicts.network.delay();
+    let mut out = format!(
+        "<Verdicts stiffness={:?} delay=({:?}, {:?}) sample_period={:?}",
+        verdicts.stiffness,
+        delay.forward(),
+        delay.backward(),
+        verdicts.network.sample_period()
+    );
+    for verdict in &verdicts.tiers {
+        let bound = match verdict.stiffness_bound {
+            None => "no rule".to_owned(),
+            Some(bound) if bound.is_infinite() => "no limit".to_owned(),
+            Some(bound) => format!("limit {} N/m", four_digits_down(bound)),
+        };
+        let name = verdict.tier.name().replace(' ', "_");
+        out += &format!(" {name}={} ({bound})", word(verdict.satisfied));
+    }
+    if let Some(stable) = verdicts.sampled_stable {
+        let bounds = verdicts.axes.iter().filter_map(|axis| axis.sampled_stiffness_bound);
+        let limit = four_digits_down(bounds.fold(f64::INFINITY, f64::min));
+        out += &format!(" sampled_stable={} (limit {limit} N/m)", word(stable));
+    }
+    out + ">"
+}
+
+/// A limit to four digits, rounded down.
+fn four_digits_down(limit: f64) -> f64 {
+    if limit == 0.0 || limit.is_infinite() {
+        return limit;
+    }
+    let scale = 10_f64.powi(3 - limit.log10().floor() as i32);
+    (limit * scale).floor() / scale
 }
 
 record! {

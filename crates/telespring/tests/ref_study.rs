@@ -125,8 +125,8 @@ fn ref_messages_verbatim() {
         ),
         (
             with("mass = [1.0, 2.0]", "mass = \"1 kg\""),
-            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is required. Write \
-             numbers without quotes or units. See line 3.",
+            "robot1.mass = \"1 kg\": a number or a list of numbers, one per axis, is required. Write 1: \
+             a study has numbers in kg, without quotes. See line 3.",
         ),
         (
             with("damping = [5.0, 6.0]", "damping = [5.0, 6.0, 7.0]"),

@@ -24,8 +24,10 @@ __all__ = [
     "AllowUnusual",
     "Backward",
     "Delay",
+    "Ping",
     "Robot1",
     "Robot2",
+    "Robots",
     "Stiffness",
     "StudyFile",
     "print_json",
@@ -62,18 +64,35 @@ Backward = Annotated[
         help="One-way delay from robot 2 to robot 1, if it differs.",
     ),
 ]
+Ping = Annotated[
+    float | None,
+    typer.Option(
+        "--ping",
+        parser=number(TIME),
+        metavar="TIME",
+        help="Round trip, such as 80ms, instead of --delay: half of it each way.",
+    ),
+]
+Robots = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--robot",
+        metavar="ROBOT",
+        help="Write it twice, for robots 1 and 2: mass,damping (kg, N·s/m) such as 1.2,6, axes apart by '/' "
+        "such as 1.2,6/1.4,8; or a file written by `identify`; or hman1, hman2, the paper's.",
+    ),
+]
 Robot1 = Annotated[
     str | None,
     typer.Option(
         "--robot1",
         metavar="ROBOT",
-        help="Robot 1: a file written by `identify`, or mass,damping (kg, N·s/m), axes apart by '/': "
-        "1.2,6/1.4,8.",
+        help="Robot 1 only, written like --robot.",
     ),
 ]
 Robot2 = Annotated[
     str | None,
-    typer.Option("--robot2", metavar="ROBOT", help="Robot 2, likewise; hman2: the paper's."),
+    typer.Option("--robot2", metavar="ROBOT", help="Robot 2 only, written like --robot."),
 ]
 AllowUnusual = Annotated[
     bool,
@@ -82,15 +101,16 @@ AllowUnusual = Annotated[
 
 
 @contextmanager
-def refusals(options: dict[str, str] | None = None) -> Iterator[None]:
+def refusals(options: dict[str, str] | None = None, written: dict[str, str] | None = None) -> Iterator[None]:
     """Report refused input and unusable files in a few lines, and exit with status 2.
 
-    `options` names the option that gave a field of the study: a refusal then names the option.
+    `options` names the option that gave a field of the study: a refusal then names the option. `written` has
+    the numbers of options that were written with a unit.
     """
     try:
         yield
     except InvalidInput as refused:
-        refusal_screen(screen_console(stderr=True), _named_by_option(refused, options or {}))
+        refusal_screen(screen_console(stderr=True), _named_by_option(refused, options or {}, written or {}))
         raise typer.Exit(2) from None
     except OSError as error:
         if error.filename is None:
@@ -112,13 +132,23 @@ def refusals(options: dict[str, str] | None = None) -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def _named_by_option(refused: InvalidInput, options: dict[str, str]) -> InvalidInput:
+def _named_by_option(refused: InvalidInput, options: dict[str, str], written: dict[str, str]) -> InvalidInput:
     for field, option in options.items():
         if refused.field == field or refused.field.startswith((f"{field}.", f"{field}[")):
             renamed = refused.at(option)
             renamed.remedy = renamed.remedy.removesuffix(" See [robot] in the robot's text.")
-            return renamed
-    return refused
+            break
+    else:
+        renamed = refused
+    text = written.get(renamed.field)
+    if text is not None:
+        # Who wrote a unit meant it: another is no remedy.
+        renamed = renamed.at(renamed.field)
+        renamed.value = f"{text} ({renamed.value})"
+        _, if_meant, rest = renamed.remedy.partition("If it is meant")
+        if if_meant:
+            renamed.remedy = f"Check the number and its unit. {if_meant}{rest}"
+    return renamed
 
 
 def robot_records(*robots: str | Path | None) -> tuple[RobotRecord | None, RobotRecord | None]:

@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from telespring._core import check_usual
 from telespring._errors import InvalidInput
 from telespring.cli.common import (
     AllowUnusual,
     Backward,
     Delay,
+    Ping,
     Robot1,
     Robot2,
+    Robots,
     Stiffness,
     StudyFile,
     print_json,
     refusals,
 )
 from telespring.cli.figure_file import check_figure_name, save_figure
-from telespring.cli.grip import describe_grips, read_grip
+from telespring.cli.grip import read_grip
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console, show
 from telespring.cli.units import RATE, TIME, number
 from telespring.model import Study
-from telespring.show.quantities import format_time
 
 if TYPE_CHECKING:
-    from telespring.decision.decide import Decision
+    from telespring.answer import Answer
 
 __all__ = ["decide_command"]
 
@@ -42,41 +41,43 @@ def decide_command(
     stiffness: Stiffness = None,
     delay: Delay = None,
     backward: Backward = None,
-    ping: Annotated[
-        float | None,
-        typer.Option(parser=_TIME, metavar="TIME", help="Round trip instead of --delay: half each way."),
-    ] = None,
+    ping: Ping = None,
     ping_jitter: Annotated[
         float | None,
-        typer.Option(parser=_TIME, metavar="TIME", help="Largest ping less the smallest: all each way."),
-    ] = None,
-    robot: Annotated[
-        list[str] | None,
         typer.Option(
-            "--robot",
-            metavar="ROBOT",
-            help="Write it twice, for robots 1 and 2: mass,damping (kg, N·s/m), such as 1.2,6, axes apart by "
-            "'/'; or a file written by `identify`; or hman1, hman2, the paper's.",
+            parser=_TIME,
+            metavar="TIME",
+            help="The largest ping less the smallest; each way counts with all of it.",
         ),
     ] = None,
+    robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     grip: Annotated[
         str | None,
         typer.Option(
             metavar="LOW:HIGH",
-            help="Stiffness of the hands that hold the handles, N/m, such as 50:300; with damping and mass "
-            "50:300,0:5,0:0.5. Free handles are shown beside.",
+            help="How stiffly hands hold the handles: 50:300 is any hand from 50 to 300 N/m, beside free "
+            "handles (damping in N·s/m and mass in kg may follow: 50:300,0:5,0:0.5).",
         ),
     ] = None,
     grip1: Annotated[str | None, typer.Option(metavar="LOW:HIGH", help="The same for robot 1 only.")] = None,
     grip2: Annotated[str | None, typer.Option(metavar="LOW:HIGH", help="The same for robot 2 only.")] = None,
     jitter: Annotated[
         float | None,
-        typer.Option(parser=_TIME, metavar="TIME", help="Largest delay of a packet beyond --delay."),
+        typer.Option(parser=_TIME, metavar="TIME", help="Longest time that a packet takes beyond --delay."),
     ] = None,
     max_gap: Annotated[
         float | None, typer.Option(parser=_TIME, metavar="TIME", help="Longest time without a new sample.")
+    ] = None,
+    playout_buffer: Annotated[
+        bool | None,
+        typer.Option(
+            "--playout-buffer/--no-playout-buffer",
+            help="Both sides hold every sample until it is as old as the latest one can be, which makes the "
+            "delay constant; without it the answer is for a delay that varies.",
+            show_default="as the study says, or none",
+        ),
     ] = None,
     sample_period: Annotated[
         float | None,
@@ -110,8 +111,9 @@ def decide_command(
         bool,
         typer.Option(
             "--check",
-            help="Exit with status 1 unless the dyad is stable with 5 % of stiffness and delay in reserve "
-            "(and with probability 0.95 if the robots have errors); with --grip also with free handles.",
+            help="Exit with status 1 unless the answer is STABLE: with 5 % of stiffness and delay in "
+            "reserve, with probability 0.95 if the robots have errors, with free handles beside held ones, "
+            "in the arms that the study names, and without a playout buffer unless one is stated.",
         ),
     ] = False,
     figure: Annotated[
@@ -127,31 +129,28 @@ def decide_command(
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,
 ) -> None:
-    """Decide whether a dyad is stable, by what margin, and what to change; or what stiffness you may use.
+    """Decide whether a dyad is stable, by what margin, and what to change; or what you may use.
 
-    Without a stiffness, the answer is the stiffness that you may use; without a delay, the delay. Options
-    override the study file. Without a file and without robots, the robots are the paper's two H-MANs.
+    Without a stiffness the answer is the stiffness that you may use; without a delay, what each delay allows.
 
-    Exit status: 0 for any answer; 1 with --check unless the answer is "stable"; 2 for refused input.
+    Options replace what the study file says. Without a file and robots, they are the paper's two H-MANs.
 
-    Examples: telespring decide --robot 1.2,6 --robot 2,9 --ping 80ms
+    Exit status: 0 for any answer; 1 with --check unless the answer is STABLE; 2 for refused input.
+
+    Example: telespring decide --robot 1.2,6 --robot 2,9 --ping 80ms
     """
     asked = StudyOptions(study)
-    with refusals(asked.options):
+    with refusals(asked.options, asked.written):
         if figure is not None:
             check_figure_name(figure)
         asked.take_robots(robot, robot1, robot2)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
-        if ping is not None or ping_jitter is not None:
-            if not allow_unusual:
-                _refuse_unusual_ping(ping, ping_jitter)
-            delay, jitter = _take_ping(asked, ping, ping_jitter, delay, backward, jitter)
-        asked.take_delay(delay, backward)
-        if ping is not None:
-            asked.options["network.delay"] = "--ping"
-        asked.take("network", "jitter", jitter, "--jitter" if ping_jitter is None else "--ping-jitter")
+        asked.take_ping(
+            ping, delay, backward, jitter=jitter, ping_jitter=ping_jitter, check_unusual=not allow_unusual
+        )
         asked.take("network", "max_gap", max_gap, "--max-gap")
+        asked.take("network", "playout_buffer", playout_buffer, "--playout-buffer")
         if continuous and sample_period:
             raise InvalidInput(
                 "--continuous",
@@ -162,14 +161,18 @@ def decide_command(
         asked.take("controller", "sample_period", 0.0 if continuous else sample_period, "--sample-period")
         if continuous:
             asked.take("controller", "computing_time", 0.0, "--continuous")
-        held = _take_grips(asked, grip, grip1, grip2)
+        _take_grips(asked, grip, grip1, grip2)
         read = asked.read()
-        is_stable = _answer(asked, read, held, horizon, decay_rate, check=check, as_json=as_json)
+        answer = _answer(asked, read, horizon, decay_rate, check=check)
+        if as_json:
+            print_json(answer.to_dict())
+        else:
+            show(answer.screen())
         if figure is not None:
             _write_map(read, figure)
             if not as_json:
                 screen_console().print(f"Figure: {figure}", markup=False)
-    if check and not is_stable:
+    if check and not answer.is_stable:
         raise typer.Exit(1)
 
 
@@ -191,163 +194,38 @@ def _write_map(study: Study, path: Path) -> None:
     save_figure(drawing, path)
 
 
-def _refuse_unusual_ping(ping: float | None, ping_jitter: float | None) -> None:
-    """Refuse a ping that no laboratory has as it was written, not the half of it that goes one way."""
-    if ping is not None:
-        try:
-            check_usual("delay", "--ping", 0.5 * ping)
-        except InvalidInput:
-            check_usual("delay", "--ping", ping)
-    if ping_jitter is not None:
-        check_usual("time span", "--ping-jitter", ping_jitter)
-
-
-def _take_ping(
-    asked: StudyOptions,
-    ping: float | None,
-    ping_jitter: float | None,
-    delay: float | None,
-    backward: float | None,
-    jitter: float | None,
-) -> tuple[float | None, float | None]:
-    """Turn a round trip into one-way delays, and say how."""
-    if ping is not None and (delay is not None or backward is not None):
-        raise InvalidInput(
-            "--ping",
-            format_time(ping, 6),
-            "it gives the delay both ways",
-            "Leave out --delay and --backward, or --ping.",
-        )
-    if ping_jitter is not None and jitter is not None:
-        raise InvalidInput(
-            "--ping-jitter",
-            format_time(ping_jitter, 6),
-            "it gives the jitter of both ways",
-            "Leave out --jitter or --ping-jitter.",
-        )
-    if ping is not None:
-        delay = 0.5 * ping
-        asked.notes.append(
-            f"A ping of {format_time(ping, 6)} is {format_time(delay, 6)} each way; how it is shared does "
-            "not matter, only the sum of both delays does."
-        )
-    if ping_jitter is not None:
-        jitter = ping_jitter
-        asked.notes.append(
-            f"A jitter of {format_time(jitter, 6)} of the ping may all fall on one way: both have it."
-        )
-    return delay, jitter
-
-
-def _take_grips(asked: StudyOptions, both: str | None, one: str | None, other: str | None) -> str | None:
-    """Take the grips, and describe them; None without one."""
+def _take_grips(asked: StudyOptions, both: str | None, one: str | None, other: str | None) -> None:
+    """Take how hands hold the handles."""
     if both is not None and (one is not None or other is not None):
         raise InvalidInput("--grip", both, "it holds for both robots", "Leave out --grip1 and --grip2.")
-    grips = []
     for number_, own, option in ((1, one, "--grip1"), (2, other, "--grip2")):
         written, option = (both, "--grip") if both is not None else (own, option)
-        keys = None if written is None else read_grip(written, option)
-        for key, value in (keys or {}).items():
+        for key, value in ({} if written is None else read_grip(written, option)).items():
             asked.take(f"operator{number_}", key, value, option)
-        grips.append(keys)
-    return None if grips == [None, None] else describe_grips(grips[0], grips[1])
 
 
 def _answer(
-    asked: StudyOptions,
-    read: Study,
-    held: str | None,
-    horizon: float | None,
-    decay_rate: float | None,
-    *,
-    check: bool,
-    as_json: bool,
-) -> bool:
-    """Print the answer; return whether it is stable with the reserve, and with free handles beside a grip."""
-    # The delay is 0 where none is given, and not used.
-    timed = read if read.has_delay else read.replace(network={"delay": 0.0})
-    network = timed.network
-    common: dict[str, Any] = {
-        "jitter": network.jitter,
-        "max_gap": network.max_gap,
-        "sample_period": network.sample_period,
-        "computing_time": network.computing_time,
-        "operator_ranges": read.operator_ranges,
-        "compare_free": True,
-        # The study has refused unusual values, or allowed them.
-        "allow_unusual": True,
-    }
-    title, label = asked.title(read), held or "held"
-    if not (read.has_stiffness and read.has_delay):
-        from telespring.decision.limits import limits
-        from telespring.show.limits_json import limits_json
-        from telespring.show.screens.limits import limits_screen
+    asked: StudyOptions, read: Study, horizon: float | None, decay_rate: float | None, *, check: bool
+) -> Answer:
+    """Answer the question, which --check needs whole."""
+    from telespring.answer import answer_study
 
-        unanswerable = [
-            ("--check", check),
-            ("--decay-rate", decay_rate is not None),
-            ("--horizon", horizon is not None),
-        ]
-        for option, is_given in unanswerable:
-            if is_given:
-                raise InvalidInput(
-                    option,
-                    "without a stiffness and a delay",
-                    "it concerns one stiffness and one delay",
-                    "Give --stiffness and --delay, or leave it out.",
-                )
-        found = limits(
-            read.dyad,
-            read.delay if read.has_delay else None,
-            read.stiffness if read.has_stiffness else None,
-            uncertainty=read.uncertainty,
-            records=asked.records(),
-            **common,
-        )
-        if as_json:
-            print_json(limits_json(found))
-        else:
-            show(limits_screen(found, title, label, asked.notes))
-        return True
-
-    from telespring.decision.decide import decide
-    from telespring.show.decision_json import decision_json
-    from telespring.show.screens.decision import decision_screen
-
-    if horizon is not None and not 0.0 < horizon <= 1000.0:
+    if check and not (read.has_stiffness and read.has_delay):
         raise InvalidInput(
-            "--horizon",
-            str(horizon),
-            "a horizon must be a number above 0 and up to 1000 s",
-            "Omit --horizon for the default.",
+            "--check",
+            "without a stiffness and a delay",
+            "it concerns one stiffness and one delay",
+            "Give --stiffness and --delay (or --ping), or leave it out.",
         )
-    if decay_rate is not None:
-        asked.options["decay_rate"] = "--decay-rate"
-    decision = decide(
-        read.dyad,
-        read.stiffness,
-        read.delay,
+    asked.options |= {"horizon": "--horizon", "decay_rate": "--decay-rate"}
+    asked.note_robots(read)
+    return answer_study(
+        read,
+        name=asked.heading(read),
+        robot_names=asked.robot_names(read),
+        records=asked.records(),
+        notes=tuple(asked.notes),
         horizon=horizon,
         decay_rate=decay_rate,
-        uncertainty=read.uncertainty,
-        records=asked.records(),
-        **common,
+        modules=None if asked.file is None else asked.file.parent,
     )
-    if asked.file is not None:
-        decision = _decision_with_arms(decision, read, asked.file)
-    if as_json:
-        print_json(decision_json(decision))
-    else:
-        show(decision_screen(decision, title, label, asked.notes))
-    free = decision.free if held is not None else None
-    return decision.status == "stable" and (free is None or free.status == "stable")
-
-
-def _decision_with_arms(decision: Decision, study: Study, study_file: Path) -> Decision:
-    """Add the stability in arms if the study file itself describes what holds the handles."""
-    from telespring.decision.arm_stability import arm_stability
-
-    if study.experiment is None or not study.names_arms_or_agents:
-        return decision
-    condition = (decision.stiffness, decision.constant_delay)
-    return replace(decision, arms=arm_stability(study, [condition], study_file.parent))

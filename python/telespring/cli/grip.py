@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import typer
 
 from telespring._errors import InvalidInput
 from telespring.cli.units import DAMPING, MASS, STIFFNESS, read_interval
-from telespring.show.screens.questions import describe_grip
 
-__all__ = ["describe_grips", "read_grip"]
-
-Grip = Mapping[str, object]
+__all__ = ["read_grip"]
 
 _PARTS = (("stiffness", STIFFNESS), ("damping", DAMPING), ("mass", MASS))
 
@@ -43,14 +38,3 @@ def read_grip(written: str, option: str) -> dict[str, object]:
             raise InvalidInput(option, written, f"the {key} is a number or low:high", str(refused)) from None
         keys[key] = low if low == high else {"min": low, "max": high}
     return keys
-
-
-def describe_grips(one: Grip | None, other: Grip | None) -> str:
-    """Describe how the handles are held, in a few words."""
-    if one is not None and one == other:
-        stiffness = one["stiffness"]
-        if isinstance(stiffness, Mapping):
-            return describe_grip((stiffness["min"], stiffness["max"]))
-        assert isinstance(stiffness, float)
-        return describe_grip((stiffness, stiffness))
-    return "held"

@@ -12,7 +12,7 @@ from rich.text import Text
 from telespring.cli.common import print_json
 from telespring.cli.figure_file import check_figure_name, save_figure
 from telespring.cli.terminal import show
-from telespring.cli.units import FREQUENCY, TIME, number
+from telespring.cli.units import FORCE, FREQUENCY, LENGTH, TIME, number
 
 if TYPE_CHECKING:
     from telespring.identification.results import Method
@@ -55,7 +55,13 @@ def identify_command(
         ),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Samples per second, for a log without times.", show_default=False)
+        float | None,
+        typer.Option(
+            parser=number(FREQUENCY),
+            metavar="Hz",
+            help="Samples per second, for a log without times.",
+            show_default=False,
+        ),
     ] = None,
     run: Annotated[
         str | None, typer.Option(help="Use one run of several, by number or name.", show_default=False)
@@ -63,10 +69,27 @@ def identify_command(
     run_column: Annotated[
         str | None, typer.Option(help="Column that tells the run of a sample.", show_default=False)
     ] = None,
-    time_scale: Annotated[float, typer.Option(help="Seconds per unit of the time column.")] = 1.0,
-    position_scale: Annotated[float, typer.Option(help="Metres per unit of the position columns.")] = 1.0,
+    time_scale: Annotated[
+        float,
+        typer.Option(
+            parser=number(TIME), metavar="TIME", help="One unit of the time column, such as 1ms or 0.001 (s)."
+        ),
+    ] = 1.0,
+    position_scale: Annotated[
+        float,
+        typer.Option(
+            parser=number(LENGTH),
+            metavar="LENGTH",
+            help="One unit of the position columns, such as 1mm or 0.001 (m).",
+        ),
+    ] = 1.0,
     force_scale: Annotated[
-        float, typer.Option(help="Newtons per unit of the force columns; -1 reverses the force.")
+        float,
+        typer.Option(
+            parser=number(FORCE),
+            metavar="FORCE",
+            help="One unit of the force columns, such as 1mN or 0.001 (N); -1 reverses the force.",
+        ),
     ] = 1.0,
     force_delay: Annotated[
         float | None,

@@ -6,10 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from telespring._core import check_usual
 from telespring._errors import InvalidInput
 from telespring.cli.common import robot_records
 from telespring.cli.robots import GivenRobot, read_robots
+from telespring.cli.units import WithUnit
 from telespring.model import Study
+from telespring.show.quantities import format_time
 
 if TYPE_CHECKING:
     from telespring.study.robot_file import RobotRecord
@@ -31,6 +34,8 @@ class StudyOptions:
         Robots 1 and 2 of the command line.
     options
         The option that gave a field of the study, for refusals.
+    written
+        Numbers of options as they were written, if with a unit, for refusals.
     notes
         Sentences that say how the options were understood.
     """
@@ -38,6 +43,7 @@ class StudyOptions:
     file: Path | None
     robots: tuple[GivenRobot | None, GivenRobot | None] = (None, None)
     options: dict[str, str] = field(default_factory=dict)
+    written: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     _sections: dict[str, Any] = field(default_factory=dict)
     _backward: float | None = None
@@ -56,6 +62,9 @@ class StudyOptions:
         """Take one value from an option, unless it is None."""
         if value is None:
             return
+        if isinstance(value, WithUnit):
+            self.written[option] = value.text
+            value = float(value)
         self._sections.setdefault(section, {})[key] = value
         self.options[f"{section}.{key}"] = option
 
@@ -73,6 +82,37 @@ class StudyOptions:
                 "network.delay.backward": "--backward",
                 **self.options,
             }
+
+    def take_ping(
+        self,
+        ping: float | None,
+        delay: float | None,
+        backward: float | None,
+        *,
+        jitter: float | None = None,
+        ping_jitter: float | None = None,
+        check_unusual: bool = True,
+    ) -> None:
+        """Take the delays and their jitter, one-way or as a round trip; say how a round trip is shared."""
+        _refuse_doubled(ping, delay, backward, jitter, ping_jitter)
+        if check_unusual:
+            _refuse_unusual_ping(ping, ping_jitter)
+        if ping is not None:
+            delay = 0.5 * ping
+            self.notes.append(
+                f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Only the sum "
+                "of both ways matters."
+            )
+        if ping_jitter is not None:
+            jitter = ping_jitter
+            self.notes.append(
+                f"A ping that varies by {format_time(jitter, 6)} may do so on one way alone: each way counts "
+                "with all of it."
+            )
+        self.take_delay(delay, backward)
+        if ping is not None:
+            self.options["network.delay"] = "--ping"
+        self.take("network", "jitter", jitter, "--jitter" if ping_jitter is None else "--ping-jitter")
 
     def allow_unusual(self, *, is_allowed: bool) -> None:
         """Accept values that no laboratory has."""
@@ -115,6 +155,64 @@ class StudyOptions:
         ]
         return f"{study.name}, with {' and '.join(named)}" if named else study.name
 
+    def heading(self, study: Study) -> str:
+        """Name the study without its robots; empty where only the robots are given."""
+        if self.file is not None:
+            return study.name
+        return "" if any(self.robots) else _PAPER_TITLE
+
+    def robot_names(self, study: Study) -> tuple[str | None, str | None]:
+        """Name the robots: by the command line, or as the study does."""
+        one, other = (
+            named if robot is None else robot.label
+            for robot, named in zip(self.robots, study.robot_names, strict=True)
+        )
+        return one, other
+
+    def note_robots(self, study: Study) -> None:
+        """Say which robots of the command line have one number for several axes."""
+        axes = study.dyad.axes
+        for number, robot in enumerate(self.robots, start=1):
+            if robot is not None and robot.is_for_every_axis and len(axes) > 1:
+                self.notes.append(
+                    f"Robot {number} is given by one mass and one damping: they count for each of the axes "
+                    f"{' and '.join(axes)}."
+                )
+
     def records(self) -> tuple[RobotRecord | None, RobotRecord | None]:
         """Read what identification recorded about the robots of the command line."""
         return robot_records(*(None if robot is None else robot.source for robot in self.robots))
+
+
+def _refuse_doubled(
+    ping: float | None,
+    delay: float | None,
+    backward: float | None,
+    jitter: float | None,
+    ping_jitter: float | None,
+) -> None:
+    if ping is not None and (delay is not None or backward is not None):
+        raise InvalidInput(
+            "--ping",
+            format_time(ping, 6),
+            "it gives the delay both ways",
+            "Leave out --delay and --backward, or --ping.",
+        )
+    if ping_jitter is not None and jitter is not None:
+        raise InvalidInput(
+            "--ping-jitter",
+            format_time(ping_jitter, 6),
+            "it gives the jitter of both ways",
+            "Leave out --jitter or --ping-jitter.",
+        )
+
+
+def _refuse_unusual_ping(ping: float | None, ping_jitter: float | None) -> None:
+    """Refuse a ping that no laboratory has as it was written, not the half of it that goes one way."""
+    if ping is not None:
+        try:
+            check_usual("delay", "--ping", 0.5 * ping)
+        except InvalidInput:
+            check_usual("delay", "--ping", ping)
+    if ping_jitter is not None:
+        check_usual("time span", "--ping-jitter", ping_jitter)

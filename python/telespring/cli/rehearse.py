@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from telespring._errors import InvalidInput
-from telespring.cli.common import AllowUnusual, Robot1, Robot2
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console
 from telespring.decision.arm_stability import arm_stability
@@ -40,6 +40,7 @@ def rehearse(
         int | None,
         typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
     ] = None,
+    robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     fresh: Annotated[
@@ -55,7 +56,7 @@ def rehearse(
 
     console = screen_console()
     asked = StudyOptions(study)
-    asked.take_robots(None, robot1, robot2)
+    asked.take_robots(robot, robot1, robot2)
     asked.allow_unusual(is_allowed=allow_unusual)
     rehearsed = asked.read(Study.paper())
     modules = None if study is None else study.parent

@@ -14,6 +14,7 @@ from telespring.cli.common import (
     AllowUnusual,
     Robot1,
     Robot2,
+    Robots,
     StudyFile,
     print_notes,
     refusals,
@@ -29,6 +30,7 @@ Out = Annotated[Path, typer.Option(help="Folder for report.html, study.json and 
 
 def reproduce_command(
     study: StudyFile = None,
+    robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     out: Out = Path("out/study"),
@@ -46,7 +48,7 @@ def reproduce_command(
         from telespring.paper import STEPS, analyse, write
         from telespring.show.screens.reproduction import allowed_stiffnesses
 
-        asked.take_robots(None, robot1, robot2)
+        asked.take_robots(robot, robot1, robot2)
         asked.allow_unusual(is_allowed=allow_unusual)
         read, records = asked.read(Study.paper()), asked.records()
         with Progress(
@@ -77,6 +79,7 @@ def reproduce_command(
 
 def study_command(
     study: StudyFile = None,
+    robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     out: Out = Path("out/study"),
@@ -84,4 +87,4 @@ def study_command(
 ) -> None:
     """Run `telespring reproduce` under its earlier name."""
     print("`telespring study` is now `telespring reproduce`.", file=sys.stderr)
-    reproduce_command(study, robot1, robot2, out, allow_unusual)
+    reproduce_command(study, robot, robot1, robot2, out, allow_unusual)

@@ -23,14 +23,20 @@ class GivenRobot(NamedTuple):
     source
         The robot file, or the text of one.
     name
-        What the screen calls it.
+        What the title of a study calls it.
     option
         The option that gave it.
+    label
+        Its name beside its values; None if it has none.
+    is_for_every_axis
+        Whether one mass and one damping stand for as many axes as the other robot has.
     """
 
     source: Path | str
     name: str
     option: str
+    label: str | None = None
+    is_for_every_axis: bool = False
 
 
 def read_robot(written: str, option: str) -> GivenRobot:
@@ -43,9 +49,10 @@ def read_robot(written: str, option: str) -> GivenRobot:
     """
     paper = {"hman1": hman().robots[0], "hman2": hman().robots[1]}
     if written in paper:
-        return GivenRobot(_robot_text(paper[written]), f"the paper's H-MAN {written[-1]}", option)
+        name = f"the paper's H-MAN {written[-1]}"
+        return GivenRobot(_robot_text(paper[written]), name, option, label=name)
     if Path(written).suffix == ".toml" or Path(written).is_file():
-        return GivenRobot(Path(written), Path(written).stem, option)
+        return GivenRobot(Path(written), Path(written).stem, option, label=Path(written).name)
     masses, dampings = [], []
     # Not the slash of a unit such as N*s/m.
     for axis in re.split(r"/(?=\s*[\d.+-])", written):
@@ -68,7 +75,7 @@ def read_robot(written: str, option: str) -> GivenRobot:
     mass_text, damping_text = (str(values if len(values) > 1 else values[0]) for values in (masses, dampings))
     text = f"[robot]\nmass = {mass_text}\ndamping = {damping_text}\n"
     name = " and ".join(f"{m:g} kg, {b:g} N·s/m" for m, b in zip(masses, dampings, strict=True))
-    return GivenRobot(text, name, option)
+    return GivenRobot(text, name, option, is_for_every_axis=len(masses) == 1)
 
 
 def _robot_text(robot: Robot) -> str:

@@ -15,8 +15,10 @@ from telespring.cli.common import (
     AllowUnusual,
     Backward,
     Delay,
+    Ping,
     Robot1,
     Robot2,
+    Robots,
     Stiffness,
     StudyFile,
     print_notes,
@@ -38,6 +40,8 @@ def simulate_command(
     stiffness: Stiffness = None,
     delay: Delay = None,
     backward: Backward = None,
+    ping: Ping = None,
+    robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,
     force: Annotated[
@@ -66,7 +70,7 @@ def simulate_command(
     """
     console = screen_console()
     asked = StudyOptions(study)
-    with refusals(asked.options):
+    with refusals(asked.options, asked.written):
         from telespring.show.screens.simulation import simulation_summary
         from telespring.theory.simulation import simulate
 
@@ -74,11 +78,12 @@ def simulate_command(
             raise InvalidInput(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
-        asked.take_robots(None, robot1, robot2)
+        asked.take_robots(robot, robot1, robot2)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
-        asked.take_delay(delay, backward)
+        asked.take_ping(ping, delay, backward, check_unusual=not allow_unusual)
         read = asked.read(Study.paper())
+        asked.note_robots(read)
         stiffness, delays = read.stiffness, read.delay
         forces = _step_forces(force, len(read.dyad.axes))
         if not allow_unusual:
@@ -94,6 +99,8 @@ def simulate_command(
                 motion.to_netcdf(unfinished, engine="h5netcdf")
         for line in simulation_summary(motion, read.dyad, asked.title(read), stiffness, delays, forces):
             console.print(line)
+        for note in asked.notes:
+            console.print(note, markup=False)
         print_notes(console, asked.records())
         console.print(f"Written: {out}", markup=False)
 

@@ -6,14 +6,14 @@ import math
 import re
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import typer
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["MASS", "Interval", "Unit", "number", "read_interval", "read_number"]
+__all__ = ["MASS", "Interval", "Unit", "WithUnit", "number", "read_interval", "read_number"]
 
 
 class Unit(NamedTuple):
@@ -26,6 +26,7 @@ class Unit(NamedTuple):
 
 TIME = Unit("s", "a time", "0.08 or 80ms")
 MASS = Unit("kg", "a mass", "1.2 or 1200g")
+LENGTH = Unit("m", "a length", "0.001 or 1mm")
 DAMPING = Unit("N*s/m", "a damping", "6 or '6 N*s/m'")
 STIFFNESS = Unit("N/m", "a stiffness", "71.2 or 0.0712N/mm")
 FORCE = Unit("N", "a force", "1 or 1000mN")
@@ -59,6 +60,24 @@ def _registry() -> UnitRegistry[float]:
     return registry
 
 
+class WithUnit(float):
+    """A number that was written with a unit, which a refusal repeats.
+
+    Attributes
+    ----------
+    text
+        As it was written.
+    """
+
+    text: str
+
+    def __new__(cls, value: float, text: str) -> Self:
+        """Make the number, in the SI unit, and keep its text."""
+        number_ = super().__new__(cls, value)
+        number_.text = text
+        return number_
+
+
 def read_number(text: str, unit: Unit) -> float:
     """Read a number with or without its unit, as a value in the SI unit.
 
@@ -81,7 +100,7 @@ def read_number(text: str, unit: Unit) -> float:
     value, written = float(found[1]), found[2]
     if not written:
         return value
-    return _to_si(value, written, unit)
+    return WithUnit(_to_si(value, written, unit), text.strip())
 
 
 def _to_si(value: float, written: str, unit: Unit) -> float:

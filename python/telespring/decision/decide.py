@@ -15,13 +15,14 @@ from telespring.decision.question import (
     are_axes_independent,
     constant_delay,
     constant_delay_tier,
+    is_instability_proven,
     is_stable,
-    refuse_unusual,
     stiffness_limit,
 )
 from telespring.decision.reserve import LEAST_PROBABILITY, Status
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
-from telespring.model import Dyad, DyadAxis, Network, OperatorRange
+from telespring.decision.varying_delay import VaryingDelay, varying_delay
+from telespring.model import DyadAxis
 from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
@@ -126,6 +127,9 @@ class AxisDecision:
 class Decision:
     """The answer for one dyad, stiffness and network.
 
+    The margins are those at a constant delay: with jitter or gaps that behind a playout buffer. What holds
+    without one is in `varying`.
+
     Attributes
     ----------
     verdicts
@@ -149,6 +153,10 @@ class Decision:
         stable now, infinite if no damping is known to suffice.
     over_operator_ranges
         Whether operators are ranges.
+    has_playout_buffer
+        Whether a playout buffer is promised, which makes the delay constant.
+    varying
+        The answer without a playout buffer; None if the delay does not vary.
     decay_rate
         The rate, 1/s, at which every motion but the common drift should decay; None if none was given.
     decay_stiffness
@@ -179,6 +187,8 @@ class Decision:
     delay_limit_proven: bool
     added_damping: float
     over_operator_ranges: bool
+    has_playout_buffer: bool = False
+    varying: VaryingDelay | None = None
     decay_rate: float | None = None
     decay_stiffness: tuple[tuple[float, float], ...] = ()
     uncertainty: MarginUncertainty | None = None
@@ -214,7 +224,18 @@ class Decision:
 
     @property
     def status(self) -> Status:
-        """The answer in one word: "stable", "marginal", "unstable" or "not proven"."""
+        """The answer in one word: "stable", "marginal", "unstable" or "not proven".
+
+        A playout buffer that nobody promised does not count.
+        """
+        if self.varying is None or self.has_playout_buffer:
+            return self.constant_delay_status
+        is_good = self.varying.status in {"stable", "marginal"}
+        return "not proven" if is_good and self.axes_independent is False else self.varying.status
+
+    @property
+    def constant_delay_status(self) -> Status:
+        """The answer at a constant delay, which with jitter or gaps needs a playout buffer."""
         if not self.stable:
             return "unstable" if self.is_instability_proven else "not proven"
         if not self.is_proven:
@@ -231,11 +252,7 @@ class Decision:
     @property
     def is_instability_proven(self) -> bool:
         """Whether some operator in question is unstable; if not, a search over ranges was cut off."""
-        constant = self.verdicts.tier("constant delay")
-        sampled = (axis.verdict.sampled for axis in self.axes)
-        return (not constant.satisfied and constant.proven) or any(
-            each is not None and not each.stable for each in sampled
-        )
+        return is_instability_proven(self.verdicts)
 
     @property
     def keeps_reserve(self) -> bool:
@@ -312,37 +329,23 @@ class Decision:
 
 
 def decide(
-    dyad: Dyad,
+    question: Question,
     stiffness: float,
-    delay: float | tuple[float, float],
     *,
-    jitter: float = 0.0,
-    max_gap: float = 0.0,
-    sample_period: float = 0.001,
-    computing_time: float = 0.0,
-    operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
     horizon: float | None = None,
     decay_rate: float | None = None,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     compare_free: bool = False,
-    allow_unusual: bool = False,
 ) -> Decision:
-    """Judge one dyad, stiffness and network, and compute the margins.
+    """Judge a stiffness in a question, and compute the margins.
 
     Parameters
     ----------
-    dyad
-        The two robots and what holds them.
+    question
+        The dyad, what holds it, and its network.
     stiffness
         Stiffness of the virtual spring, N/m.
-    delay
-        One-way delay each way, s, or the pair (forward, backward).
-    jitter, max_gap, sample_period, computing_time
-        What adds to the delay, s: its variation, the longest wait for a newer sample, the period of the
-        controllers (0 for continuous ones), and the time from reading the samples to applying the force.
-    operator_ranges
-        A study's ranges of operators, over which the verdicts are the worst; None for the dyad's own.
     horizon
         List stable intervals up to this one-way delay, s. The default is 1 s, or twice the delay if that
         is more.
@@ -354,8 +357,6 @@ def decide(
         What identification recorded, as `robot_record` reads it.
     compare_free
         Whether to answer the question for free handles too, if they are held.
-    allow_unusual
-        Whether to accept values that no laboratory has, such as a delay of 80 s.
 
     Returns
     -------
@@ -365,18 +366,16 @@ def decide(
     Raises
     ------
     telespring.InvalidInput
-        If a value is out of range, or no laboratory has it.
+        If a value is out of range.
 
     Examples
     --------
     >>> import telespring as ts
-    >>> [decide(ts.hman(), k, 0.1).status for k in (71.2, 97.0, 110.0)]
+    >>> from telespring.decision.question import Question
+    >>> question = Question(ts.hman(), ts.Network(0.1, sample_period=0.001))
+    >>> [decide(question, k).status for k in (71.2, 97.0, 110.0)]
     ['stable', 'marginal', 'unstable']
     """
-    network = Network(delay, jitter, max_gap, sample_period, computing_time)
-    if not allow_unusual:
-        refuse_unusual(dyad, network, operator_ranges, stiffness)
-    question = Question(dyad, network, operator_ranges)
     # Checks every value before anything is derived from it.
     judged = question.judge(stiffness)
     forward, backward = constant_delay(judged)
@@ -401,7 +400,9 @@ def decide(
         delay_limit_attained=longest.attained,
         delay_limit_proven=longest.proven,
         added_damping=0.0 if is_stable(judged) else judged.remedies.damping or math.inf,
-        over_operator_ranges=operator_ranges is not None,
+        over_operator_ranges=question.operator_ranges is not None,
+        has_playout_buffer=question.has_playout_buffer,
+        varying=varying_delay(question, judged, uncertainty),
         decay_rate=decay_rate,
         decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(worst, mean, decay_rate)),
         uncertainty=None
@@ -412,17 +413,11 @@ def decide(
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
         free=decide(
-            Dyad(*dyad.robots, coupling_damping=dyad.coupling_damping),
+            question.with_operators(None),
             stiffness,
-            delay,
-            jitter=jitter,
-            max_gap=max_gap,
-            sample_period=sample_period,
-            computing_time=computing_time,
             horizon=horizon,
             uncertainty=uncertainty,
             records=records,
-            allow_unusual=True,
         )
         if compare_free and question.is_held
         else None,

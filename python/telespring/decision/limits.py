@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
+    LONGEST_DELAY,
     Question,
     are_axes_independent,
     constant_delay,
     is_stable,
-    refuse_unusual,
     stiffness_limit,
 )
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.decision.uncertainty import RobotUncertainty, stable_probability
-from telespring.model import Dyad, Network, OperatorRange
+from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
+from telespring.model import Network
 from telespring.theory.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -33,12 +35,8 @@ _PROBE = 1.0
 #: Stiffness or delay with the reserve, and a factor that keeps rounding on the stable side of a limit.
 _MORE = 1.0 + RESERVE
 _WITHIN = 1.0 - 1e-9
-#: Where there is no limit, errors of the robots are examined at this stiffness, N/m, and one-way delay, s.
+#: Where there is no limit, errors of the robots are examined at this stiffness, N/m.
 _STIFFEST = 1e5
-_LONGEST = 100.0
-#: How closely what may be used is found below what the limits allow, and the halvings to a first value.
-_RESOLUTION = 1e-3
-_MOST_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -55,11 +53,14 @@ class DelayLimits:
         The largest stiffness that keeps the reserve of stiffness and delay, N/m, with the probability that
         `decide` asks for if the robots have errors: `decide` calls it stable. Infinite if there is no
         limit, 0 if there is none.
+    varying
+        What holds without a playout buffer; None if the delay does not vary. Its status means nothing.
     """
 
     verdicts: Verdicts
     stiffness_limit: float
     usable_stiffness: float
+    varying: VaryingDelay | None = None
 
     @property
     def delay(self) -> tuple[float, float]:
@@ -75,9 +76,8 @@ class DelayLimits:
     def soft_springs_fail_by_sampling(self) -> bool:
         """Whether sampling alone makes every soft spring unstable, so that no stiffness is low enough.
 
-        A held force feeds a handle without damping of its own with a power in proportion to k, which
-        the partner
-        takes in proportion to k² only; a heavily damped partner hardly moves. A stiffer spring may be stable.
+        A held force feeds a handle without damping of its own with a power in proportion to k; the partner
+        takes power in proportion to k² only. A stiffer spring may be stable.
         """
         continuous = self.verdicts.tier("constant delay").stiffness_bound
         return self.stiffness_limit == 0.0 and continuous is not None and continuous > 0.0
@@ -103,12 +103,15 @@ class StiffnessLimits:
     usable_delay
         The longest one-way delay that keeps the reserve of stiffness and delay, s, with the probability that
         `decide` asks for if the robots have errors: `decide` calls it stable.
+    usable_delay_while_varying
+        The same without a playout buffer, jitter and gaps on top of it; None if the delay does not vary.
     """
 
     stiffness: float
     delay_limit: float
     delay_limit_proven: bool
     usable_delay: float
+    usable_delay_while_varying: float | None = None
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,8 @@ class Limits:
     axes_independent
         Whether identification found the axes of both robots independent; None if it is not known. If it
         is False, the limits hold axis by axis only.
+    has_playout_buffer
+        Whether a playout buffer is promised, which makes the delay constant.
     free
         The limits with free handles; None if the handles are free, or if it was not requested.
     """
@@ -143,37 +148,33 @@ class Limits:
     over_operator_ranges: bool
     robots_have_errors: bool = False
     axes_independent: bool | None = None
+    has_playout_buffer: bool = False
     free: Limits | None = None
 
 
 def limits(
-    dyad: Dyad,
-    delay: float | tuple[float, float] | None = None,
+    question: Question,
     stiffness: float | None = None,
     *,
-    jitter: float = 0.0,
-    max_gap: float = 0.0,
-    sample_period: float = 0.001,
-    computing_time: float = 0.0,
-    operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+    delays: Sequence[float] | None = None,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     compare_free: bool = False,
-    allow_unusual: bool = False,
 ) -> Limits:
-    """Find the stiffness that may be used at a delay, or at common delays, or the delay at a stiffness.
+    """Find the stiffness that may be used at a delay, or at several, or the delay at a stiffness.
 
     Parameters
     ----------
-    dyad
-        The two robots and what holds them.
-    delay
-        One-way delay each way, s, or the pair (forward, backward); None lists `COMMON_DELAYS`.
+    question
+        The dyad, what holds it, and its network.
     stiffness
         Also find the delay that this stiffness allows, N/m.
-    jitter, max_gap, sample_period, computing_time, operator_ranges, uncertainty, records, compare_free,
-    allow_unusual
+    delays
+        One-way delays to list instead of the network's own, s, such as `COMMON_DELAYS`.
+    uncertainty, records
         As for `telespring.decision.decide.decide`.
+    compare_free
+        Whether to answer the question for free handles too, if they are held.
 
     Returns
     -------
@@ -183,47 +184,39 @@ def limits(
     Raises
     ------
     telespring.InvalidInput
-        If a value is out of range, or no laboratory has it.
+        If a value is out of range.
 
     Examples
     --------
     >>> import telespring as ts
     >>> from telespring.decision.decide import decide
-    >>> found = limits(ts.hman(), 0.1).delays[0]
+    >>> question = Question(ts.hman(), ts.Network(0.1, sample_period=0.001))
+    >>> found = limits(question).delays[0]
     >>> round(found.stiffness_limit, 1), round(found.usable_stiffness, 1)
     (99.7, 95.0)
-    >>> decide(ts.hman(), 0.999 * found.usable_stiffness, 0.1).status
+    >>> decide(question, 0.999 * found.usable_stiffness).status
     'stable'
     """
-    asked: Sequence[float | tuple[float, float]] = COMMON_DELAYS if delay is None else (delay,)
-    networks = [Network(each, jitter, max_gap, sample_period, computing_time) for each in asked]
-    if not allow_unusual:
-        refuse_unusual(dyad, networks[0], operator_ranges, stiffness)
-    questions = [Question(dyad, network, operator_ranges) for network in networks]
+    network = question.network
+    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    asked: Sequence[float | tuple[float, float]] = (network.delay,) if delays is None else delays
+    questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None
-    if compare_free and questions[0].is_held:
+    if compare_free and question.is_held:
         free = limits(
-            Dyad(*dyad.robots, coupling_damping=dyad.coupling_damping),
-            delay,
-            stiffness,
-            jitter=jitter,
-            max_gap=max_gap,
-            sample_period=sample_period,
-            computing_time=computing_time,
-            uncertainty=uncertainty,
-            records=records,
-            allow_unusual=True,
+            question.with_operators(None), stiffness, delays=delays, uncertainty=uncertainty, records=records
         )
     independent = are_axes_independent(records)
     errors = _Errors(uncertainty, known=uncertainty != (None, None) and independent is not False)
     return Limits(
-        axes=tuple(str(name) for name in dyad.axes),
-        delays=tuple(_delay_limits(question, errors) for question in questions),
-        is_delay_given=delay is not None,
-        stiffness=None if stiffness is None else _stiffness_limits(questions[0], stiffness, errors),
-        over_operator_ranges=operator_ranges is not None,
+        axes=tuple(str(name) for name in question.dyad.axes),
+        delays=tuple(_delay_limits(each, errors) for each in questions),
+        is_delay_given=delays is None,
+        stiffness=None if stiffness is None else _stiffness_limits(question, stiffness, errors),
+        over_operator_ranges=question.operator_ranges is not None,
         robots_have_errors=errors.known,
         axes_independent=independent,
+        has_playout_buffer=question.has_playout_buffer,
         free=free,
     )
 
@@ -259,23 +252,6 @@ def _is_usable(question: Question, stiffness: float, errors: _Errors) -> bool:
     )
 
 
-def _largest_usable(is_usable: Callable[[float], bool], most: float) -> float:
-    """Return a value up to `most` that was found usable, as large as a bisection finds; 0 if none is."""
-    if most <= 0.0 or is_usable(most):
-        return max(most, 0.0)
-    high, low = most, 0.5 * most
-    for _ in range(_MOST_HALVINGS):
-        if is_usable(low):
-            break
-        high, low = low, 0.5 * low
-    else:
-        return 0.0
-    while high - low > _RESOLUTION * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_usable(middle) else (low, middle)
-    return low
-
-
 def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
     judged = question.judge(_PROBE)
     forward, backward = constant_delay(judged)
@@ -287,8 +263,13 @@ def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
         usable = math.inf if errors.allow(question, question.judge(_STIFFEST)) else _STIFFEST
         most = usable
     if math.isfinite(most):
-        usable = _largest_usable(lambda stiffness: _is_usable(question, stiffness, errors), most)
-    return DelayLimits(judged, stiffness_limit=limit, usable_stiffness=usable)
+        usable = largest_usable(lambda stiffness: _is_usable(question, stiffness, errors), most)
+    return DelayLimits(
+        judged,
+        stiffness_limit=limit,
+        usable_stiffness=usable,
+        varying=varying_delay(question, judged, errors.robots),
+    )
 
 
 def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> StiffnessLimits:
@@ -301,11 +282,11 @@ def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> 
         return _is_usable(question.at_delay(delay), stiffness, errors)
 
     if math.isinf(most):
-        longest = question.at_delay(_LONGEST)
-        usable = math.inf if errors.allow(longest, longest.judge(stiffness)) else _LONGEST
+        longest = question.at_delay(LONGEST_DELAY)
+        usable = math.inf if errors.allow(longest, longest.judge(stiffness)) else LONGEST_DELAY
         most = usable
     if math.isfinite(most):
-        usable = _largest_usable(is_usable, min(most, _LONGEST / _MORE))
+        usable = largest_usable(is_usable, min(most, LONGEST_DELAY / _MORE))
     # Jitter and gaps are part of the delay behind a playout buffer.
     extra = question.network.jitter + question.network.max_gap
     return StiffnessLimits(
@@ -313,4 +294,7 @@ def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> 
         delay_limit=max(0.0, limit.delay - extra),
         delay_limit_proven=limit.proven,
         usable_delay=max(0.0, usable - extra),
+        usable_delay_while_varying=None
+        if extra == 0.0
+        else usable_delay_while_varying(question, stiffness, LONGEST_DELAY, errors.robots),
     )

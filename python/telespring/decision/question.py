@@ -24,20 +24,34 @@ if TYPE_CHECKING:
     from telespring.study.robot_file import RobotRecord
 
 __all__ = [
+    "LONGEST_DELAY",
     "Question",
     "are_axes_independent",
     "constant_delay",
     "constant_delay_tier",
+    "is_instability_proven",
     "is_stable",
     "is_within",
     "refuse_unusual",
     "stiffness_limit",
 ]
 
+#: The longest delay that is judged, one way, s.
+LONGEST_DELAY = 100.0
+
 
 def is_stable(judged: Verdicts) -> bool:
     """Return whether the constant delay is stable for every operator, sampled controllers included."""
     return judged.tier("constant delay").satisfied and judged.sampled_stable is not False
+
+
+def is_instability_proven(judged: Verdicts) -> bool:
+    """Return whether some operator in question is unstable; if not, a search over ranges was cut off."""
+    constant = judged.tier("constant delay")
+    sampled = (axis.sampled for axis in judged.axes)
+    return (not constant.satisfied and constant.proven) or any(
+        each is not None and not each.stable for each in sampled
+    )
 
 
 def constant_delay(judged: Verdicts) -> tuple[float, float]:
@@ -59,7 +73,7 @@ def stiffness_limit(judged: Verdicts) -> float:
 
 @dataclass(frozen=True)
 class Question:
-    """A dyad over a network, for one pair of operators or for ranges of them.
+    """A dyad over a network, for one pair of operators or for ranges of them; the home of what is asked.
 
     Attributes
     ----------
@@ -69,11 +83,15 @@ class Question:
         The network and the timing of the controllers.
     operator_ranges
         The ranges of both operators; None for the dyad's own.
+    has_playout_buffer
+        Whether both sides promise to hold every sample until it is as old as the latest one, which makes the
+        delay constant.
     """
 
     dyad: Dyad
     network: Network
     operator_ranges: tuple[OperatorRange, OperatorRange] | None = None
+    has_playout_buffer: bool = False
 
     @property
     def sampling(self) -> tuple[float, float]:
@@ -88,19 +106,14 @@ class Question:
         values = ((each.mass, each.damping, each.stiffness) for each in operators)
         return any(bool(array.any()) for arrays in values for array in arrays)
 
+    def with_operators(self, operators: tuple[Operator, Operator] | None) -> Question:
+        """Return the question with these operators; None frees the handles."""
+        dyad = Dyad(*self.dyad.robots, operators, self.dyad.coupling_damping)
+        return replace(self, dyad=dyad, operator_ranges=None)
+
     def judge(self, stiffness: float) -> Verdicts:
         """Return the verdicts at this stiffness, N/m."""
-        network = self.network
-        return verdicts(
-            self.dyad,
-            stiffness,
-            network.delay,
-            network.jitter,
-            network.max_gap,
-            network.sample_period,
-            network.computing_time,
-            self.operator_ranges,
-        )
+        return verdicts(self.dyad, stiffness, self.network, operator_range=self.operator_ranges)
 
     def at_delay(self, delay: float | tuple[float, float]) -> Question:
         """Return the question at this constant delay, s."""

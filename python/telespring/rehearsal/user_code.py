@@ -258,14 +258,25 @@ def _registered_user_module(name: str, module: ModuleType) -> Iterator[None]:
 
 
 def _describe_user_exception(error: BaseException, file: Path | None) -> str:
-    """Describe an exception with the line of the user's file where it was raised, if it was raised there."""
+    """Describe an exception with the line of the user's code where it was raised, if it was raised there."""
     if isinstance(error, SyntaxError) and error.filename is not None:
         place = f" ({Path(error.filename).name}, line {error.lineno})"
         return f"{type(error).__name__}: {error.msg}{place}"
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if file is not None and Path(frame.filename) == file]
+    frames = [
+        frame for frame in traceback.extract_tb(error.__traceback__) if not _is_internal(frame.filename)
+    ]
+    own = [frame for frame in frames if file is not None and Path(frame.filename) == file] or frames
     place = f" ({Path(own[-1].filename).name}, line {own[-1].lineno}, in {own[-1].name})" if own else ""
     return f"{type(error).__name__}: {error}{place}"
+
+
+def _is_internal(file: str) -> bool:
+    """Whether a frame is of this package or of the import system, in which a user has nothing to correct."""
+    return (
+        file == __file__
+        or file.startswith("<frozen ")
+        or Path(file).parent == Path(importlib.__file__).parent
+    )
 
 
 def _create_user_agent(user_class: UserObject, seed: int, stop: Event) -> AgentCallable:

@@ -10,12 +10,13 @@ from telespring.decision.arm_stability import ArmStability
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
+from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 from telespring.theory.verdicts import DelayBudget, Verdict
 
-__all__ = ["decision_json", "sampled_bound_json", "uncertainty_json"]
+__all__ = ["decision_json", "sampled_bound_json", "uncertainty_json", "varying_json"]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:
@@ -31,7 +32,10 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "backward": constant_backward,
             "mean": decision.mean_delay,
             "buffered": decision.buffered,
+            "status": decision.constant_delay_status,
         },
+        "playout_buffer": decision.has_playout_buffer,
+        "varying_delay": varying_json(decision.varying),
         "status": decision.status,
         "stable": decision.stable,
         "reserve": {
@@ -75,6 +79,20 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "warnings": robot_notes(decision),
         "free": None if decision.free is None else decision_json(decision.free),
         "in_arms": None if decision.arms is None else _arm_stability_json(decision.arms),
+    }
+
+
+def varying_json(varying: VaryingDelay | None) -> dict[str, Any] | None:
+    """Return `varying_delay` of `telespring decide --json`."""
+    if varying is None:
+        return None
+    return {
+        "status": varying.status,
+        "stiffness_limit": finite_or_none(varying.stiffness_limit),
+        "stiffness_unbounded": math.isinf(varying.stiffness_limit),
+        "attained": varying.is_attained,
+        "usable_stiffness": finite_or_none(varying.usable_stiffness),
+        "verdict": varying.tier,
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
-from telespring.show.decision_json import sampled_bound_json
+from telespring.show.decision_json import sampled_bound_json, varying_json
 from telespring.show.tiers import TIERS
 
 __all__ = ["limits_json"]
@@ -25,6 +25,7 @@ def limits_json(found: Limits) -> dict[str, Any]:
         "over_operator_ranges": found.over_operator_ranges,
         "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
         "axes_independent": found.axes_independent,
+        "playout_buffer": found.has_playout_buffer,
         "delays": [_delay_json(row, found.axes) for row in found.delays],
         "stiffness": None
         if given is None
@@ -34,6 +35,10 @@ def limits_json(found: Limits) -> dict[str, Any]:
             "delay_limit_proven": given.delay_limit_proven,
             "usable_delay": finite_or_none(given.usable_delay),
             "unbounded": math.isinf(given.delay_limit),
+            "usable_varying_delay": None
+            if given.usable_delay_while_varying is None
+            else finite_or_none(given.usable_delay_while_varying),
+            "usable_varying_delay_unbounded": given.usable_delay_while_varying == math.inf,
         },
         "free": None if found.free is None else limits_json(found.free),
     }
@@ -52,6 +57,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         "usable_stiffness": finite_or_none(row.usable_stiffness),
         "unbounded": math.isinf(row.stiffness_limit),
         "soft_springs_fail_by_sampling": row.soft_springs_fail_by_sampling,
+        "varying_delay": _varying_json(row),
         "verdicts": {
             TIERS[tier.tier].key: {
                 "stiffness_allowed": finite_or_none(
@@ -69,3 +75,9 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
             for tier in row.verdicts.tiers
         },
     }
+
+
+def _varying_json(row: DelayLimits) -> dict[str, Any] | None:
+    """Return what holds without a playout buffer; there is no stiffness to have a status."""
+    found = varying_json(row.varying)
+    return None if found is None else {key: value for key, value in found.items() if key != "status"}

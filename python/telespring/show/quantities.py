@@ -15,6 +15,7 @@ __all__ = [
     "Rounding",
     "Style",
     "digits_within",
+    "format_doubling_time",
     "format_error",
     "format_estimate",
     "format_in_column",
@@ -83,6 +84,21 @@ def format_time(value: float, digits: int = 4, *, rounding: Rounding = "nearest"
     if value < 1.0:
         return f"{format_number(value, digits, rounding=rounding, shift=3)} ms"
     return f"{format_number(value, digits, rounding=rounding)} s"
+
+
+def format_doubling_time(rate: float) -> str:
+    """Write the time in which a motion doubles or halves, from its rate of growth or decay, 1/s.
+
+    Examples
+    --------
+    >>> format_doubling_time(1.0), format_doubling_time(-0.1), format_doubling_time(1 / 1129)
+    ('693 ms', '6.93 s', '13 minutes')
+    """
+    time = math.log(2.0) / abs(rate)
+    if time < 120.0:
+        return format_time(time, 3)
+    unit, name = (60.0, "minutes") if time < 7200.0 else (3600.0, "hours")
+    return f"{format_number(time / unit, 2)} {name}"
 
 
 def format_stiffness(value: float, *, rounding: Rounding = "down") -> str:

@@ -30,6 +30,7 @@ from telespring._core import (
     Verdict,
     Verdicts,
 )
+from telespring._errors import InvalidInput
 from telespring._types import Delay, Tier
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ __all__ = [
 def verdicts(
     dyad: Dyad,
     stiffness: float,
-    delay: Delay,
+    delay: Delay | Network,
     jitter: float = 0.0,
     max_gap: float = 0.0,
     sample_period: float = 0.0,
@@ -70,7 +71,8 @@ def verdicts(
 
     No partner sample in use is older than T_i = delay_i + jitter + max_gap + sample_period +
     computing_time. Tiers 3 and 4 hold for constant delays; with jitter or gaps they need a playout buffer.
-    The verdict on a sampled controller is reported separately.
+    The verdict on a sampled controller is reported separately, and only with a sample period: controllers are
+    continuous unless one is given. (`telespring.decide` samples every 1 ms unless it is told otherwise.)
 
     Parameters
     ----------
@@ -78,14 +80,15 @@ def verdicts(
         Robots and operators.
     stiffness : float
         Stiffness of the virtual spring, N/m.
-    delay : float or (float, float)
-        The constant part of the one-way delay, s, or the pair (forward, backward).
+    delay : float, (float, float) or Network
+        The constant part of the one-way delay, s, or the pair (forward, backward); or a network, which has
+        all that follows up to the computing time.
     jitter : float
         The largest additional delay of a packet, s.
     max_gap : float
         The longest wait for a newer partner sample, s, losses included.
     sample_period : float
-        Sample period of both controllers, s; 0 is a continuous controller.
+        Sample period of both controllers, s; 0, the default, is a continuous controller.
     computing_time : float
         From reading the samples to applying the force, s, within the same period.
     operator_range : OperatorRange or pair of OperatorRange, optional
@@ -127,6 +130,8 @@ def verdicts(
     ('constant delay', True)
     >>> ts.verdicts(ts.hman(), 30.0, 0.1).to_dict()["paper"]["maximum_delay"] is None  # any delay
     True
+    >>> ts.verdicts(ts.hman(), 71.2, ts.Network(0.1, sample_period=0.001)) == verdicts
+    True
 
     Whatever the grip between a free handle and 300 N/m:
 
@@ -136,7 +141,13 @@ def verdicts(
     >>> constant.satisfied, constant.proven
     (True, True)
     """
-    network = core.Network(delay, jitter, max_gap, sample_period, computing_time)
+    if isinstance(delay, core.Network):
+        _refuse_beside_a_network(
+            jitter=jitter, max_gap=max_gap, sample_period=sample_period, computing_time=computing_time
+        )
+        network = delay
+    else:
+        network = core.Network(delay, jitter, max_gap, sample_period, computing_time)
     return core.verdicts(dyad, stiffness, network, operator_range)
 
 
@@ -274,3 +285,9 @@ def is_stable_over_stiffnesses(
     True
     """
     return core.is_stable_over_stiffnesses(dyad, stiffnesses, network, operator_range)
+def _refuse_beside_a_network(**given: float) -> None:
+    for name, value in given.items():
+        if value != 0.0:
+            raise InvalidInput(
+                name, f"{value}", "the network already has it", f"Pass Network(delay, {name}={value}) alone."
+            )

@@ -31,7 +31,7 @@ const fn usual(
 
 const GRAMS: &[(&str, f64)] = &[("g", 1e-3)];
 const MILLISECONDS: &[(&str, f64)] = &[("ms", 1e-3)];
-const PER_MILLIMETRE: &[(&str, f64)] = &[("N/mm", 1e3), ("mN/m", 1e-3)];
+const PER_MILLIMETRE: &[(&str, f64)] = &[("N/mm", 1e3)];
 const LENGTHS: &[(&str, f64)] = &[("cm", 1e-2), ("mm", 1e-3)];
 
 /// Light haptic devices to industrial axes (95 kg and 200 N·s/m have been identified), networks up to a link
@@ -62,6 +62,12 @@ const USUAL: [Usual; 24] = [
     usual(ANGULAR_FREQUENCY, 0.0, 100.0, &[("°/s", PI / 180.0)]),
     usual(MASS_SD, 0.0, 30.0, GRAMS),
 ];
+
+/// A number of some unit in another one; a division by a whole number rounds once: 833.4 g are 0.8334 kg.
+fn converted(value: f64, factor: f64) -> f64 {
+    let inverse = (1.0 / factor).round();
+    if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-12 { value / inverse } else { value * factor }
+}
 
 impl Usual {
     /// Whether laboratories have a value: 0, or a magnitude in the range.
@@ -94,12 +100,35 @@ impl Quantity {
         }
     }
 
+    /// The value of a text that is a number and a unit, this quantity's own or one that it is confused with.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::quantity::{DELAY, STIFFNESS};
+    /// assert_eq!(DELAY.read_with_unit("80 ms"), Some(0.08));
+    /// assert_eq!(STIFFNESS.read_with_unit("71.2N/m"), Some(71.2));
+    /// assert_eq!(DELAY.read_with_unit("80 kg"), None);
+    /// ```
+    pub fn read_with_unit(&self, text: &str) -> Option<f64> {
+        let text = text.trim();
+        let end = text
+            .char_indices()
+            .map(|(start, letter)| start + letter.len_utf8())
+            .rfind(|end| text[..*end].parse::<f64>().is_ok_and(f64::is_finite))?;
+        let (number, unit) = (text[..end].parse::<f64>().ok()?, text[end..].trim());
+        let plain = |unit: &str| unit.replace(['*', '⋅'], "·").replace('μ', "µ");
+        let own = [(self.unit, 1.0), ("", 1.0)];
+        let others = USUAL.iter().find(|usual| usual.quantity == *self).map_or(&[][..], |usual| usual.units);
+        let mut units = own.iter().chain(others);
+        let (_, factor) = units.find(|(name, _)| plain(name) == plain(unit))?;
+        Some(converted(number, *factor))
+    }
+
     /// The refusal of a value that no laboratory has.
     fn unusual(&self, usual: &Usual, field: &str, value: f64) -> InvalidInput {
         let meant = usual.units.iter().find_map(|&(unit, factor)| {
-            // A division by a whole number rounds once: 833.4 g are 0.8334 kg.
-            let converted = if factor < 1.0 { value / (1.0 / factor).round() } else { value * factor };
-            let converted = if unit == "°/s" { value * factor } else { converted };
+            let converted = converted(value, factor);
             usual.contains(converted).then(|| format!("Did you mean {value} {unit}? Write {converted}. "))
         });
         let least = if usual.minimum > 0.0 { format!("{} to ", usual.minimum) } else { "up to ".to_owned() };

@@ -216,7 +216,15 @@ impl<'r, 'a> Entry<'r, 'a> {
             _ => None,
         };
         let Some(value) = value else {
-            return Err(self.reject(format!("{kinds} is required"), "Write numbers without quotes or units."));
+            let written = self.value.get_ref().as_str().and_then(|text| quantity.read_with_unit(text));
+            let remedy = match written {
+                Some(value) => {
+                    format!("Write {value}: a study has numbers in {}, without quotes.", quantity.unit())
+                }
+                None if quantity.unit().is_empty() => "Write the number without quotes.".to_owned(),
+                None => format!("Write the number alone, in {}, without quotes.", quantity.unit()),
+            };
+            return Err(self.reject(format!("{kinds} is required"), remedy));
         };
         let checked = quantity.check(&self.field, value);
         let checked = match checked {

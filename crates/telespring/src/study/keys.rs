@@ -51,7 +51,7 @@ pub(super) const SECTIONS: [(&str, Keys); 14] = [
     ("operator1", OPERATOR),
     ("operator2", OPERATOR),
     ("coupling", Keys::Fixed(&["stiffness", "damping"])),
-    ("network", Keys::Fixed(&["delay", "jitter", "max_gap"])),
+    ("network", Keys::Fixed(&["delay", "jitter", "max_gap", "playout_buffer"])),
     ("controller", Keys::Fixed(&["sample_period", "computing_time"])),
     ("arm1", ARM),
     ("arm2", ARM),

@@ -22,6 +22,7 @@
 //! delay = 0.05                  # s, one way; or {forward = 0.04, backward = 0.06}
 //! jitter = 0.01                 # s, the maximum additional delay of a packet, default 0
 //! max_gap = 0.02                # s, the longest wait for a newer sample, default 0
+//! playout_buffer = true         # a buffer makes the delay constant, default false
 //!
 //! [controller]
 //! sample_period = 0.001         # s, the default; 0 is a continuous controller
@@ -105,6 +106,8 @@ pub struct Study {
     /// False if the delay of the network is 0 only because none is given.
     has_delay: bool,
     network: Network,
+    /// Whether both sides play the samples out at a constant age.
+    has_playout_buffer: bool,
     setup: Setup,
     protocol: ProtocolChoice,
     allows_unusual: bool,
@@ -140,6 +143,7 @@ impl Study {
             dyad,
             operator_ranges: None,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
+            has_playout_buffer: false,
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
             allows_unusual: false,
@@ -189,6 +193,9 @@ impl Study {
             stiffness,
             has_delay: reader.get("network", "delay").is_some(),
             network: read_network(&reader)?,
+            has_playout_buffer: reader
+                .get("network", "playout_buffer")
+                .map_or(Ok(false), |entry| entry.boolean())?,
             setup: laboratory::read_setup(&reader)?,
             protocol: protocol::read_protocol(&reader)?,
             allows_unusual: reader.allows_unusual(),
@@ -231,6 +238,12 @@ impl Study {
     /// Whether the study gives the delay of the network.
     pub fn has_delay(&self) -> bool {
         self.has_delay
+    }
+
+    /// Whether the study promises a playout buffer: both sides hold every sample until it has the age of the
+    /// latest one, so that the delay is constant.
+    pub fn has_playout_buffer(&self) -> bool {
+        self.has_playout_buffer
     }
 
     /// The study's coupling: spring and damper.

@@ -65,6 +65,9 @@ pub(super) fn to_toml(study: &Study) -> String {
     }
     text.write_line("jitter", float_text(study.network.jitter()), "s");
     text.write_line("max_gap", float_text(study.network.max_gap()), "s");
+    if study.has_playout_buffer() {
+        text.write_line("playout_buffer", "true", "");
+    }
     text.write_section("controller");
     text.write_line("sample_period", float_text(study.network.sample_period()), "s");
     text.write_line("computing_time", float_text(study.network.computing_time()), "s");

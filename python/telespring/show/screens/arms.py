@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from telespring.decision.arm_stability import ArmStability, ConditionStability, PoseSample
 from telespring.decision.equivalent_operators import EquivalentOperators
-from telespring.show.quantities import format_pair, format_position, format_time
+from telespring.show.quantities import format_doubling_time, format_pair, format_position
 
 __all__ = [
     "PATH_SECTIONS",
@@ -37,8 +37,7 @@ def describe_arm_pace(condition: ConditionStability) -> str:
     rate = condition.spectral_abscissa
     if rate == 0.0:
         return "neither growing nor decaying"
-    how = "growing" if rate > 0.0 else "decaying"
-    return f"{how} by a factor of e every {format_time(1.0 / abs(rate), 3)}"
+    return f"{'doubling' if rate > 0.0 else 'halving'} every {format_doubling_time(rate)}"
 
 
 def describe_arm_poses(poses: PoseSample) -> str:

@@ -21,7 +21,7 @@ from telespring.show.screens.layout import fitting_table
 from telespring.show.screens.robots import outside_probability
 from telespring.theory.verdicts import DelayBudget, OperatorPoint
 
-__all__ = ["decision_details"]
+__all__ = ["arms_note", "decision_details"]
 
 #: So many stable intervals are listed per axis.
 _INTERVALS = 6
@@ -177,6 +177,19 @@ def _describe_uncertainty(decision: Decision) -> list[RenderableType]:
     return [Padding(sentence, (1, 0, 0, 0)), table]
 
 
+def arms_note(decision: Decision) -> str:
+    """Say that the arms and agents of the rehearsal are not in the answer, where they may change it."""
+    arms = decision.arms
+    if arms is None:
+        return ""
+    held = "In the rehearsal the study's arms and agents hold the handles"
+    if arms.operators is None:
+        return f"{held}. The answer leaves them out; stability with them is {describe_arm_stability(arms)}"
+    if all(condition.stable for condition in arms.conditions):
+        return ""
+    return f"{held}. The answer leaves them out; with them the dyad is UNSTABLE, as the last lines show."
+
+
 def _describe_in_arms(decision: Decision) -> list[Padding]:
     """Show how the arms and agents that the study file names change the answer."""
     arms = decision.arms
@@ -184,7 +197,7 @@ def _describe_in_arms(decision: Decision) -> list[Padding]:
         return []
     held = "In the rehearsal, arms and agents hold the handles"
     if arms.operators is None:
-        return [Padding(Text(f"{held}. Stability with them is {describe_arm_stability(arms)}"), (1, 0, 0, 0))]
+        return []  # said before the answer
     (condition,) = arms.conditions
     verdict = ("stable", "bold green") if condition.stable else ("unstable", "bold red")
     places, pace = "", describe_arm_pace(condition)

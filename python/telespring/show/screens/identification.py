@@ -44,20 +44,27 @@ def identification_screen(identification: Identification, title: str) -> Rendera
         *_log_table(identification),
         _identification_method_statement(identification),
         *_axis_independence_statement(identification),
+        Text(_CONDITION_NUMBER),
         Text(identification.outside_intervals),
         *(Text.assemble(("Warning: ", "bold yellow"), warning) for warning in identification.warnings),
     )
 
 
+_CONDITION_NUMBER = (
+    "The condition number says how well the movement tells the parameters apart: the smaller the better, "
+    "and 1 is ideal."
+)
+
+
 def _identified_estimate_table(identification: Identification, title: str) -> Fitting:
     table = Table(box=None, pad_edge=False)
     table.add_column("axis", no_wrap=True, min_width=4)
-    for heading in ("parameter", "estimate", "95 % interval", "condition", "R²"):
+    for heading in ("parameter", "estimate", "95 % interval", "condition no.", "R²"):
         table.add_column(heading, justify="left" if heading == "parameter" else "right", no_wrap=True)
     lines = []
     for axis in identification.axes:
         quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
-        line = [f"condition {quality[1]}", f"R² {quality[2]}"]
+        line = [f"condition number {quality[1]}", f"R² {quality[2]}"]
         for key, estimate in reversed(list(axis.estimates.items())):
             value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)
             line.insert(0, f"{_PARAMETERS[key]} {value} {UNITS[key]} ({interval})")

@@ -11,16 +11,22 @@ from rich.text import Text
 
 from telespring.decision.limits import DelayLimits, Limits, StiffnessLimits
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.quantities import format_stiffness, format_time
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
+    TABLE_TITLE,
+    WORST_OPERATOR,
     allowed_stiffness,
-    given_delay,
+    delay_clause,
     hand_effect,
+    network_clause,
+    network_fits,
     sampling_clause,
     sampling_note,
     tier_bounds,
+    variation_clause,
 )
 from telespring.show.tiers import TIERS
 
@@ -30,46 +36,72 @@ _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
 _PROBABLY = f", and with a probability of at least {100 * LEAST_PROBABILITY:.0f} %"
 
 
-def limits_screen(found: Limits, title: str, held: str = "held", notes: Sequence[str] = ()) -> RenderableType:
-    """Lay limits out for the terminal: what may be used, then what each kind of network allows."""
-    period = found.delays[0].verdicts.network.sample_period
-    lines = [title]
+def limits_screen(
+    found: Limits, heading: Sequence[str], held: str = "", notes: Sequence[str] = ()
+) -> RenderableType:
+    """Lay limits out for the terminal: what may be used, then what each kind of network allows.
+
+    `heading` names the study and its robots, `held` says what holds the handles (empty if they are free), and
+    `notes` say how the question was understood.
+    """
+    network = found.delays[0].verdicts.network
+    sampling = sampling_clause(network.sample_period)
     if found.is_delay_given:
-        lines.append(f"{given_delay(found.delays[0].delay)}, {sampling_clause(period)}")
+        asked = f"{network_clause(network)}, {sampling}"
     else:
-        lines.append(f"No delay is given; {sampling_clause(period)}")
-    heading = Text("\n".join(lines), style="bold")
+        varies = variation_clause(network)
+        asked = f"Any delay{f', {varies}' if varies else ''}, {sampling}"
+    text = Text("\n".join([*heading, asked]), style="bold")
     for note in notes:
-        heading.append(f"\n{note}", style="not bold")
-    parts: list[RenderableType] = [heading]
+        text.append(f"\n{note}", style="not bold")
+    parts: list[RenderableType] = [text]
     parts.append(Padding(Group(*_usable(found, held)), (0, 0, 1, 0)))
     if found.is_delay_given:
         parts.append(_tier_table(found))
-        parts.append(Text("Give --stiffness to judge one stiffness, with its margins and what to change."))
+        parts.append(Text("Give a stiffness too to see its margins, and what to change."))
     else:
-        parts.append(_delay_table(found))
-        parts.append(Text("Give --delay or --ping for your own network."))
-    if period > 0.0:
+        parts += _delay_tables(found)
+        parts.append(Text("Give the delay or the ping of your own network for more."))
+    if network.sample_period > 0.0:
         parts.append(Text(CONTINUOUS_TIERS))
         if found.is_delay_given:
             parts.append(Text(sampling_note(found.delays[0].verdicts)))
     if found.over_operator_ranges:
-        parts.append(Text("Every limit is the worst over the ranges of operators."))
+        parts.append(Text(WORST_OPERATOR))
     return Group(*parts)
 
 
 def _usable(found: Limits, held: str) -> list[Text]:
-    cases = [(f"Handles {held}: ", found)]
-    cases = [("", found)] if found.free is None else [("Free handles: ", found.free), *cases]
+    name = f"Handles {held}" if held.startswith("held") else f"Handles held ({held})"
+    cases = [("", found)] if found.free is None else [("Free handles", found.free), (name, found)]
     lines = []
     for name, case in cases:
-        if case.is_delay_given and case.stiffness is None:
-            lines.append(Text.assemble((name, "bold"), _usable_stiffness(case.delays[0], _kept(case))))
+        row, kept = case.delays[0], _kept(case)
+        is_promised = found.has_playout_buffer
         if case.stiffness is not None:
-            lines.append(Text.assemble((name, "bold"), _usable_delay(case.stiffness, _kept(case))))
-    if not lines:
-        lines.append(Text(f"What each delay allows, with {_kept(found)}:"))
-    return lines
+            buffered = _usable_delay(case.stiffness, kept)
+            without = _usable_delay_while_varying(case.stiffness, kept)
+        elif case.is_delay_given:
+            buffered = _usable_stiffness(row, kept)
+            without = None if row.varying is None else _usable_while_varying(row.varying, kept)
+        else:
+            continue
+        if without is None:
+            lines.append(_named(name, buffered))
+            continue
+        if not is_promised:
+            lines.append(
+                _named(f"{name}, without a playout buffer" if name else "Without a playout buffer", without)
+            )
+        buffer = "with a playout buffer"
+        if case.is_delay_given:
+            buffer += f" of {delay_clause(row.constant_delay)}"
+        lines.append(_named(f"{name}, {buffer}" if name else f"W{buffer[1:]}", buffered))
+    return lines or [Text(f"What each delay allows, with {_kept(found)}:")]
+
+
+def _named(name: str, answer: Text) -> Text:
+    return Text.assemble((f"{name}: ", "bold"), answer) if name else answer
 
 
 def _kept(found: Limits) -> str:
@@ -79,9 +111,6 @@ def _kept(found: Limits) -> str:
 
 def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
     where = "at this constant delay"
-    if row.buffered:
-        delay = given_delay(row.constant_delay).removesuffix(" each way")
-        where = f"at a constant delay of {delay} (behind a playout buffer)"
     if math.isinf(row.usable_stiffness):
         return Text.assemble(("You may use any stiffness", "bold green"), f" {where}.")
     if row.soft_springs_fail_by_sampling:
@@ -103,6 +132,37 @@ def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
     )
 
 
+def _usable_while_varying(varying: VaryingDelay, kept: str) -> Text:
+    usable = varying.usable_stiffness
+    if math.isinf(usable):
+        return Text.assemble(("You may use any stiffness", "bold green"), " however the delay varies.")
+    if usable == 0.0:
+        return Text.assemble(
+            ("No stiffness is proven", "bold yellow"), " to be stable while the delay varies."
+        )
+    return Text.assemble(
+        (f"You may use up to {format_stiffness(usable)}", "bold green"),
+        f" however the delay varies, with {kept}. More than {format_stiffness(varying.stiffness_limit)} "
+        "is not proven.",
+    )
+
+
+def _usable_delay_while_varying(row: StiffnessLimits, kept: str) -> Text | None:
+    usable = row.usable_delay_while_varying
+    if usable is None:
+        return None
+    if math.isinf(usable):
+        return Text.assemble(("Any delay", "bold green"), " is stable at this stiffness, however it varies.")
+    if usable == 0.0:
+        return Text.assemble(
+            ("No delay", "bold yellow"), " is proven to be stable at this stiffness while it varies."
+        )
+    return Text.assemble(
+        (f"The delay may be up to {format_time(usable, rounding='down')} each way", "bold green"),
+        f" at {format_stiffness(row.stiffness)}, jitter and gaps on top of it, with {kept}.",
+    )
+
+
 def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
     if math.isinf(row.usable_delay):
         return Text.assemble(
@@ -120,18 +180,19 @@ def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
 def _tier_table(found: Limits) -> Fitting:
     bounds = tier_bounds(found.delays[0].verdicts)
     if found.free is None:
-        rows: list[tuple[str, ...]] = [
+        rows: list[tuple[str | Text, ...]] = [
             (
                 own.verdict.tier,
                 TIERS[own.verdict.tier].formula,
                 allowed_stiffness(own.bound, own.attained),
                 own.axis,
+                network_fits(own.verdict.assumption),
             )
             for own in bounds
         ]
-        headings = ("network", "rule", "k, N/m", "axis")
-        return fitting_table("How stiff can the spring be?", headings, rows, right=(2,))
-    rows = [
+        headings = ("network", "rule", "k, N/m", "axis", "yours")
+        return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
+    beside = [
         (
             own.verdict.tier,
             allowed_stiffness(free.bound, free.attained),
@@ -140,41 +201,53 @@ def _tier_table(found: Limits) -> Fitting:
         )
         for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
     ]
-    headings = ("network", "free handles", "held", "a hand")
-    return fitting_table("How stiff can the spring be, N/m?", headings, rows, right=(1, 2))
+    columns = ("network", "free, N/m", "held, N/m", "a hand")
+    return fitting_table(TABLE_TITLE, columns, beside, right=(1, 2))
+
+
+def _delay_tables(found: Limits) -> list[RenderableType]:
+    """List what each delay allows; free and held handles side by side, without and with a buffer, too."""
+    varies = found.delays[0].varying is not None
+    if found.free is None:
+        return [_delay_table(found)]
+    if not varies or found.has_playout_buffer:
+        return [_hand_table(found.free, found, "", is_buffered=True)]
+    return [
+        _hand_table(found.free, found, "Without a playout buffer", is_buffered=False),
+        _hand_table(found.free, found, "With a playout buffer", is_buffered=True),
+    ]
+
+
+def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
+    return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
+
+
+def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) -> Fitting:
+    rows: list[tuple[str, ...]] = []
+    for one, other in zip(free.delays, held.delays, strict=True):
+        usable = [_usable_of(row, is_buffered=is_buffered) for row in (one, other)]
+        rows.append(
+            (
+                delay_clause(other.delay),
+                *(format_stiffness(value).removesuffix(" N/m") for value in usable),
+                hand_effect(*usable),
+            )
+        )
+    names = ("delay\neach way", "free handles\nN/m", "held\nN/m", "a hand")
+    return fitting_table(title, names, rows, right=(0, 1, 2))
 
 
 def _delay_table(found: Limits) -> Fitting:
-    if found.free is None:
-        rows: list[tuple[str, ...]] = [
-            (
-                given_delay(row.delay).removesuffix(" each way"),
-                format_stiffness(row.usable_stiffness).removesuffix(" N/m"),
-                format_stiffness(row.stiffness_limit).removesuffix(" N/m"),
-                *(
-                    allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1]
-                    for tier in (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
-                ),
-            )
-            for row in found.delays
-        ]
-        headings = (
-            "delay\neach way",
-            "you may use\nN/m",
-            "limit\nN/m",
-            "any constant\ndelay, N/m",
-            "any network\nN/m",
-        )
-        return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4))
-    pairs = zip(found.free.delays, found.delays, strict=True)
-    beside = [
-        (
-            given_delay(row.delay).removesuffix(" each way"),
-            format_stiffness(free.usable_stiffness).removesuffix(" N/m"),
-            format_stiffness(row.usable_stiffness).removesuffix(" N/m"),
-            hand_effect(free.usable_stiffness, row.usable_stiffness),
-        )
-        for free, row in pairs
-    ]
-    names = ("delay\neach way", "free handles\nN/m", "held\nN/m", "a hand")
-    return fitting_table("", names, beside, right=(0, 1, 2))
+    varies = found.delays[0].varying is not None and not found.has_playout_buffer
+    rows: list[tuple[str, ...]] = []
+    for row in found.delays:
+        values = [row.usable_stiffness, row.stiffness_limit]
+        if varies:
+            values = [_usable_of(row, is_buffered=False), row.usable_stiffness]
+        cells = [format_stiffness(value).removesuffix(" N/m") for value in values]
+        tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
+        cells += [allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1] for tier in tiers]
+        rows.append((delay_clause(row.delay), *cells))
+    own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
+    headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")
+    return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4), optional=(3,))

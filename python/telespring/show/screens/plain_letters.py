@@ -49,8 +49,7 @@ def for_encoding(renderable: RenderableType, encoding: str) -> RenderableType:
         return Padding(inner, (renderable.top, renderable.right, renderable.bottom, renderable.left))
     if isinstance(renderable, Fitting):
         title = None if renderable.title is None else for_encoding(renderable.title, encoding)
-        wide, narrow = (for_encoding(each, encoding) for each in (renderable.wide, renderable.narrow))
-        return Fitting(title, wide, narrow)
+        return Fitting(title, *(for_encoding(each, encoding) for each in renderable.choices))
     if isinstance(renderable, Table):
         for column in renderable.columns:
             column.header = for_encoding(column.header, encoding)

@@ -3,26 +3,41 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+from rich.text import Text
 
 from telespring.decision.question import is_stable, stiffness_limit
+from telespring.model import Dyad, Network, Robot
 from telespring.show.quantities import format_number, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
+if TYPE_CHECKING:
+    from telespring._types import Assumption
+
 __all__ = [
     "CONTINUOUS_TIERS",
+    "TABLE_TITLE",
+    "WORST_OPERATOR",
     "TierBound",
     "allowed_stiffness",
-    "describe_grip",
+    "delay_clause",
+    "describe_robots",
     "given_delay",
     "hand_effect",
+    "network_clause",
+    "network_fits",
     "sampling_clause",
     "sampling_note",
     "tier_bounds",
+    "variation_clause",
 ]
 
 #: What the tiers beyond one known delay leave out.
-CONTINUOUS_TIERS = "The rule for any constant delay is that of continuous controllers."
+CONTINUOUS_TIERS = "The limit for any constant delay is that of continuous controllers."
+
+TABLE_TITLE = "How stiff the spring may be, by what the network does"
+WORST_OPERATOR = "Every limit holds for every hand in the range, the worst included."
 
 
 class TierBound(NamedTuple):
@@ -98,6 +113,82 @@ def given_delay(delay: tuple[float, float]) -> str:
     return f"{forward} each way" if delay[0] == delay[1] else f"{forward} forward and {backward} backward"
 
 
+def delay_clause(delay: tuple[float, float]) -> str:
+    """Write a delay within a sentence, without "each way" where both ways are equal.
+
+    Examples
+    --------
+    >>> delay_clause((0.04, 0.04)), delay_clause((0.04, 0.06))
+    ('40 ms', '40 ms forward and 60 ms backward')
+    """
+    return given_delay(delay).removesuffix(" each way")
+
+
+def network_clause(network: Network) -> str:
+    """Write how old a sample becomes on its way.
+
+    Examples
+    --------
+    >>> network_clause(Network(0.04)), network_clause(Network(0.04, jitter=0.01))
+    ('40 ms each way', '40 ms each way and up to 10 ms more (jitter)')
+    """
+    more = variation_clause(network)
+    return f"{given_delay(network.delay)}{f' and {more}' if more else ''}"
+
+
+def network_fits(assumption: Assumption) -> Text:
+    """Write whether a tier is about the network in question, for a narrow column."""
+    match assumption:
+        case "met":
+            return Text("yes")
+        case "met behind playout buffer":
+            return Text("with buffer", style="yellow")
+        case _:
+            return Text("no", style="red")
+
+
+def variation_clause(network: Network) -> str:
+    """Write how much a delay varies; empty if it is constant.
+
+    Examples
+    --------
+    >>> variation_clause(Network(0.04, jitter=0.01, max_gap=0.02))
+    'up to 10 ms more (jitter), gaps of up to 20 ms'
+    """
+    parts = []
+    if network.jitter > 0.0:
+        parts.append(f"up to {format_time(network.jitter, 6)} more (jitter)")
+    if network.max_gap > 0.0:
+        parts.append(f"gaps of up to {format_time(network.max_gap, 6)}")
+    return ", ".join(parts)
+
+
+def describe_robots(dyad: Dyad, names: tuple[str | None, str | None] = (None, None)) -> tuple[str, str]:
+    """Write the mass and damping of both robots, axis by axis, a line each.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> describe_robots(ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot([2.0], [9.0])), ("left", None))
+    ('Robot 1, left: 1.2 kg, 6 N·s/m on x', 'Robot 2: 2 kg, 9 N·s/m on x')
+    """
+    one, other = (
+        f"Robot {number}{f', {name}' if name else ''}: {_describe_axes(robot)}"
+        for number, (robot, name) in enumerate(zip(dyad.robots, names, strict=True), start=1)
+    )
+    return one, other
+
+
+def _describe_axes(robot: Robot) -> str:
+    axes = [
+        (str(name), f"{format_number(mass)} kg, {format_number(damping)} N·s/m")
+        for name, mass, damping in zip(robot.axes, robot.mass, robot.damping, strict=True)
+    ]
+    if len({text for _, text in axes}) == 1:
+        return f"{axes[0][1]} on {' and '.join(name for name, _ in axes)}"
+    return "; ".join(f"{text} on {name}" for name, text in axes)
+
+
 def sampling_clause(period: float) -> str:
     """Write how the controllers work.
 
@@ -135,22 +226,10 @@ def hand_effect(free: float | None, held: float | None) -> str:
     Examples
     --------
     >>> hand_effect(35.6, 120.0), hand_effect(35.6, 27.2), hand_effect(35.6, 35.6)
-    ('helps', 'hurts', 'is no matter')
+    ('helps', 'hurts', 'no difference')
     """
     if free is None or held is None:
-        return "is not known"
+        return "not known"
     if math.isclose(free, held, rel_tol=1e-3) or free == held:
-        return "is no matter"
+        return "no difference"
     return "helps" if held > free else "hurts"
-
-
-def describe_grip(stiffness: tuple[float, float]) -> str:
-    """Write how a grip holds a handle, from the ends of its range, N/m.
-
-    Examples
-    --------
-    >>> describe_grip((50.0, 300.0)), describe_grip((120.0, 120.0))
-    ('held by 50 to 300 N/m', 'held by 120 N/m')
-    """
-    low, high = (format_number(value, 6) for value in stiffness)
-    return f"held by {low} N/m" if low == high else f"held by {low} to {high} N/m"

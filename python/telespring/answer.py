@@ -1,0 +1,399 @@
+"""The answer of the command `decide` and of `telespring.decide`: one object that shows itself."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from telespring._core import Coupling, Dyad, Network, OperatorRange, Study
+from telespring._errors import InvalidInput
+from telespring._html import table
+from telespring._types import Delay
+from telespring.decision.arm_stability import arm_stability
+from telespring.decision.decide import Decision
+from telespring.decision.decide import decide as judge
+from telespring.decision.limits import COMMON_DELAYS, Limits, limits
+from telespring.decision.question import Question, refuse_unusual
+from telespring.decision.reserve import Status
+from telespring.show.decision_json import decision_json
+from telespring.show.limits_json import limits_json
+from telespring.show.screens.decision import decision_screen
+from telespring.show.screens.holders import describe_holders
+from telespring.show.screens.limits import limits_screen
+from telespring.show.screens.questions import delay_clause, describe_robots
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from telespring.study.robot_file import RobotRecord
+
+__all__ = ["Answer", "answer_study", "decide"]
+
+_COLUMNS = 80
+_ARMS_LEFT_OUT = "The limits are without the arms and agents that hold the handles in the study's rehearsal."
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Answer:
+    """Whether a dyad is stable and by what margin; or, without a stiffness or a delay, what may be used.
+
+    `print(answer)` shows what the command `telespring decide` shows, and `to_dict()` is its `--json`.
+
+    Attributes
+    ----------
+    decision
+        Verdicts, margins and remedies; None without a stiffness or without a delay.
+    limits
+        What may be used; None with both.
+    heading
+        Lines that name the study and its robots.
+    holders
+        What holds the handles, in a few words.
+    notes
+        Sentences that say how the question was understood.
+    """
+
+    decision: Decision | None
+    limits: Limits | None
+    heading: tuple[str, ...]
+    holders: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> Status | None:
+        """The word "stable", "marginal", "unstable" or "not proven"; None where limits were asked."""
+        return None if self.decision is None else self.decision.status
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether `telespring decide --check` passes: stable with the reserve, also if a hand lets go.
+
+        The arms and agents that a study names count too, where stability with them is known.
+        """
+        decision = self.decision
+        if decision is None or decision.status != "stable":
+            return False
+        arms = decision.arms
+        is_stable_in_arms = arms is None or all(condition.stable for condition in arms.conditions)
+        return is_stable_in_arms and (decision.free is None or decision.free.status == "stable")
+
+    @property
+    def stiffness_limit(self) -> float | None:
+        """Every smaller stiffness is stable, N/m, without a playout buffer that nobody promised.
+
+        Infinite if there is no limit; None if no delay was given.
+        """
+        if self.decision is not None:
+            varying, limit = self.decision.varying, self.decision.stiffness_limit
+            is_promised = self.decision.has_playout_buffer
+        elif self.limits is not None and self.limits.is_delay_given:
+            varying, limit = self.limits.delays[0].varying, self.limits.delays[0].stiffness_limit
+            is_promised = self.limits.has_playout_buffer
+        else:
+            return None
+        return limit if varying is None or is_promised else varying.stiffness_limit
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what `telespring decide --json` prints, in SI units."""
+        if self.decision is not None:
+            return decision_json(self.decision)
+        assert self.limits is not None
+        return limits_json(self.limits)
+
+    def screen(self) -> RenderableType:
+        """Return what `telespring decide` shows, for a console of rich."""
+        if self.decision is not None:
+            return decision_screen(self.decision, self.heading, self.holders, self.notes)
+        assert self.limits is not None
+        return limits_screen(self.limits, self.heading, self.holders, self.notes)
+
+    def __str__(self) -> str:
+        text = io.StringIO()
+        console = Console(file=text, width=_COLUMNS, highlight=False, color_system=None)
+        console.print(self.screen())
+        return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} {_in_short(value, unit)}" for name, value, unit in self._values())
+        return f"<Answer: {values}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{name}, {unit}" if unit else name: _in_short(value, "") for name, value, unit in self._values()
+        }
+        return table("; ".join(self.heading), rows)
+
+    def _values(self) -> list[tuple[str, float | str, str]]:
+        """List what a short answer says: name, value and unit."""
+        if self.decision is not None:
+            decision = self.decision
+            found: list[tuple[str, float | str, str]] = [
+                ("status", decision.status, ""),
+                ("stiffness", decision.stiffness, "N/m"),
+                ("delay each way", decision.verdicts.network.delay[0], "s"),
+                ("sample period", decision.verdicts.network.sample_period, "s"),
+                ("stiffness limit", self.stiffness_limit or 0.0, "N/m"),
+            ]
+            if decision.delay[0] != decision.delay[1]:
+                found[2] = ("delay, mean of both ways", 0.5 * sum(decision.delay), "s")
+            if decision.varying is None or decision.has_playout_buffer:
+                found.append(("delay limit", decision.delay_limit, "s"))
+            else:
+                found.append(("status with a playout buffer", decision.constant_delay_status, ""))
+            return found
+        assert self.limits is not None
+        found = [("sample period", self.limits.delays[0].verdicts.network.sample_period, "s")]
+        for row in self.limits.delays if self.limits.stiffness is None else ():
+            usable = row.usable_stiffness
+            if row.varying is not None and not self.limits.has_playout_buffer:
+                usable = row.varying.usable_stiffness
+            found.append((f"usable at {delay_clause(row.delay)}", usable, "N/m"))
+        given = self.limits.stiffness
+        if given is not None:
+            usable = given.usable_delay
+            if given.usable_delay_while_varying is not None and not self.limits.has_playout_buffer:
+                usable = given.usable_delay_while_varying
+            found += [("stiffness", given.stiffness, "N/m"), ("usable delay each way", usable, "s")]
+        return found
+
+
+def _in_short(value: float | str, unit: str) -> str:
+    if isinstance(value, str):
+        return value
+    if math.isinf(value):
+        return "no limit"
+    return f"{value:.5g} {unit}".rstrip()
+
+
+def decide(
+    subject: Dyad | Study,
+    stiffness: float | None = None,
+    delay: Delay | Network | None = None,
+    *,
+    operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None = None,
+    playout_buffer: bool | None = None,
+    horizon: float | None = None,
+    decay_rate: float | None = None,
+    modules: Path | None = None,
+    allow_unusual: bool = False,
+) -> Answer:
+    """Decide whether a dyad is stable, by what margin, and what to change; or what may be used.
+
+    This is the command `telespring decide`: controllers are sampled every 1 ms unless a network says
+    otherwise, and the answer for free handles stands beside that for held ones.
+
+    Parameters
+    ----------
+    subject : Dyad or Study
+        The robots and what holds them; or a study, of which stiffness, delay and operators may be replaced.
+    stiffness : float, optional
+        Stiffness of the virtual spring, N/m. Without it the answer is the stiffness that you may use.
+    delay : float, (float, float) or Network, optional
+        One-way delay each way, s, or the pair (forward, backward); or a network, whose controllers are
+        continuous unless it has a sample period. Without it the answer lists what common delays allow.
+    operator_range : OperatorRange or pair of OperatorRange, optional
+        Operators that replace the dyad's own; the answer holds for all of them.
+    playout_buffer : bool, optional
+        Whether both sides hold every sample until it is as old as the latest one can be, so that a delay with
+        jitter or gaps is constant. The default is what the study says, or False.
+    horizon : float, optional
+        List stable delays up to this one, s. The default is 1 s, or twice the delay if that is more.
+    decay_rate : float, optional
+        Also find the stiffnesses at which every motion decays at this rate or faster, 1/s.
+    modules : Path, optional
+        Where a target in Python that the study names is looked up first: the folder of its file.
+    allow_unusual : bool
+        Whether to accept values that no laboratory has, such as a delay of 80 s.
+
+    Returns
+    -------
+    Answer
+        The answer; `print` shows it whole.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is out of range, or no laboratory has it.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> mine = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+    >>> ts.decide(mine, 150.0, 0.04)
+    <Answer: status stable, stiffness 150 N/m, delay each way 0.04 s, sample period 0.001 s, ...>
+    >>> ts.decide(mine, delay=0.04).limits.delays[0].usable_stiffness  # N/m
+    190.4...
+    >>> jittery = ts.Network(0.04, jitter=0.01, sample_period=0.001)
+    >>> [ts.decide(mine, 150.0, jittery, playout_buffer=given).status for given in (True, False)]
+    ['stable', 'not proven']
+    """
+    if isinstance(subject, Study):
+        study = _changed(subject, stiffness, delay, allow_unusual=allow_unusual)
+        dyad, ranges = study.dyad, study.operator_ranges
+        stiffness = study.stiffness if study.has_stiffness else None
+        network = study.network if study.has_delay else _network_without_delay(study)
+        is_delay_given = study.has_delay
+        if playout_buffer is None:
+            playout_buffer = study.has_playout_buffer
+    elif isinstance(subject, Dyad):
+        study, dyad, ranges = None, subject, None
+        is_delay_given = delay is not None
+        network = (
+            delay if isinstance(delay, Network) else Network(delay or 0.0, sample_period=_sample_period())
+        )
+    else:
+        raise InvalidInput(
+            "subject",
+            repr(subject)[:60],
+            "a Dyad or a Study is required",
+            "Pass Dyad(Robot(mass, damping), Robot(mass, damping)).",
+        )
+    if stiffness is not None:
+        stiffness = Coupling(stiffness).stiffness  # refuses what is no stiffness
+    if operator_range is not None:
+        ranges = _both(operator_range)
+    if not allow_unusual and (study is None or operator_range is not None):
+        refuse_unusual(dyad, network, ranges, stiffness)
+    question = Question(dyad, network, ranges, bool(playout_buffer))
+    return _answer(
+        question,
+        stiffness,
+        study=study,
+        is_delay_given=is_delay_given,
+        horizon=horizon,
+        decay_rate=decay_rate,
+        modules=modules,
+    )
+
+
+def answer_study(
+    study: Study,
+    *,
+    name: str | None = None,
+    robot_names: tuple[str | None, str | None] | None = None,
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    notes: tuple[str, ...] = (),
+    horizon: float | None = None,
+    decay_rate: float | None = None,
+    modules: Path | None = None,
+) -> Answer:
+    """Answer the question of a study, whose values were checked as it was read.
+
+    `name` and `robot_names` are shown instead of the study's own, `records` is what identification
+    recorded, and `notes` say how the question was understood.
+    """
+    network = study.network if study.has_delay else _network_without_delay(study)
+    return _answer(
+        Question(study.dyad, network, study.operator_ranges, study.has_playout_buffer),
+        study.stiffness if study.has_stiffness else None,
+        study=study,
+        is_delay_given=study.has_delay,
+        horizon=horizon,
+        decay_rate=decay_rate,
+        modules=modules,
+        name=name,
+        robot_names=robot_names,
+        records=records,
+        notes=notes,
+    )
+
+
+def _answer(
+    question: Question,
+    stiffness: float | None,
+    *,
+    study: Study | None,
+    is_delay_given: bool,
+    horizon: float | None,
+    decay_rate: float | None,
+    modules: Path | None,
+    name: str | None = None,
+    robot_names: tuple[str | None, str | None] | None = None,
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    notes: tuple[str, ...] = (),
+) -> Answer:
+    names = robot_names or ((None, None) if study is None else study.robot_names)
+    title = (study.name if study is not None else "") if name is None else name
+    heading = (*((title,) if title else ()), *describe_robots(question.dyad, names))
+    holders = describe_holders(question.dyad, question.operator_ranges)
+    if stiffness is None or not is_delay_given:
+        for field, value in (("horizon", horizon), ("decay_rate", decay_rate)):
+            if value is not None:
+                raise InvalidInput(
+                    field,
+                    f"{value:g}",
+                    "it concerns one stiffness and one delay",
+                    "Give stiffness and delay, or leave it out.",
+                )
+        delays = None if is_delay_given else COMMON_DELAYS
+        found = limits(question, stiffness, delays=delays, compare_free=True)
+        if study is not None and study.names_arms_or_agents:
+            notes = (*notes, _ARMS_LEFT_OUT)
+        return Answer(None, found, heading, holders, notes)
+    if horizon is not None and not 0.0 < horizon <= 1000.0:
+        raise InvalidInput(
+            "horizon",
+            f"{horizon:g}",
+            "a horizon must be a number above 0 and up to 1000 s",
+            "Leave it out for the default.",
+        )
+    decision = judge(
+        question,
+        stiffness,
+        horizon=horizon,
+        decay_rate=decay_rate,
+        uncertainty=(None, None) if study is None else study.uncertainty,
+        records=records,
+        compare_free=True,
+    )
+    if study is not None and study.names_arms_or_agents and study.experiment is not None:
+        condition = (decision.stiffness, decision.constant_delay)
+        decision = replace(decision, arms=arm_stability(study, [condition], modules))
+    return Answer(decision, None, heading, holders, notes)
+
+
+def _both(
+    given: OperatorRange | tuple[OperatorRange, OperatorRange],
+) -> tuple[OperatorRange, OperatorRange]:
+    pair = tuple(given) if isinstance(given, tuple | list) else (given, given)
+    if len(pair) != 2 or not all(isinstance(each, OperatorRange) for each in pair):
+        raise InvalidInput(
+            "operator_range",
+            repr(given)[:60],
+            "an OperatorRange, a pair of them, or None is required",
+            "Pass OperatorRange(low, high), two operators.",
+        )
+    return pair[0], pair[1]
+
+
+def _changed(
+    study: Study, stiffness: float | None, delay: Delay | Network | None, *, allow_unusual: bool
+) -> Study:
+    changes: dict[str, object] = {}
+    if stiffness is not None:
+        changes["coupling"] = {"stiffness": stiffness}
+    if isinstance(delay, Network):
+        changes["network"] = delay
+    elif delay is not None:
+        forward, backward = delay if isinstance(delay, tuple | list) else (delay, delay)
+        changes["network"] = {"delay": {"forward": forward, "backward": backward}}
+    if allow_unusual:
+        changes["allow_unusual"] = True
+    return study.replace(**changes) if changes else study
+
+
+def _network_without_delay(study: Study) -> Network:
+    return study.replace(network={"delay": 0.0}).network
+
+
+@cache
+def _sample_period() -> float:
+    """Return the sample period of a study that gives none, s."""
+    robot = {"mass": 1.0, "damping": 1.0}
+    return Study.from_toml("", robot1=robot, robot2=robot, network={"delay": 0.0}).network.sample_period

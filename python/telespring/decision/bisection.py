@@ -1,0 +1,34 @@
+"""The largest value at which something holds, found by bisection and itself tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+__all__ = ["largest_usable"]
+
+#: How closely a value is found below what is known to be too large, and the halvings to a first value.
+_RESOLUTION = 1e-3
+_MOST_HALVINGS = 30
+
+
+def largest_usable(is_usable: Callable[[float], bool], most: float) -> float:
+    """Return a value up to `most` that was found usable, as large as a bisection finds; 0 if none is.
+
+    Examples
+    --------
+    >>> 1.998 < largest_usable(lambda value: value <= 2.0, 10.0) <= 2.0
+    True
+    """
+    if most <= 0.0 or is_usable(most):
+        return max(most, 0.0)
+    high, low = most, 0.5 * most
+    for _ in range(_MOST_HALVINGS):
+        if is_usable(low):
+            break
+        high, low = low, 0.5 * low
+    else:
+        return 0.0
+    while high - low > _RESOLUTION * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_usable(middle) else (low, middle)
+    return low

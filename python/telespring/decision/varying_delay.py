@@ -1,0 +1,162 @@
+"""What is proven while the delay varies, where no playout buffer makes it constant."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from telespring.decision.bisection import largest_usable
+from telespring.decision.question import is_instability_proven
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
+from telespring.model import Dyad, Network, Robot
+
+if TYPE_CHECKING:
+    from telespring.decision.question import Question
+    from telespring.decision.uncertainty import RobotUncertainty
+    from telespring.theory.verdicts import Tier, Verdicts
+
+__all__ = ["VaryingDelay", "usable_delay_while_varying", "varying_delay"]
+
+_LIGHTEST = 1e-4
+#: Keeps rounding on the safe side of a bound.
+_WITHIN = 1.0 - 1e-9
+
+
+@dataclass(frozen=True)
+class VaryingDelay:
+    """The answer without a playout buffer: the age of a sample varies within the jitter and the gaps.
+
+    Attributes
+    ----------
+    status
+        "stable" if a tier proves it for every variation, with the reserve of stiffness and, where the robots
+        have errors, with the least probability; "marginal" without one of these; "unstable" if one of the
+        constant delays in the range of the jitter is; else "not proven".
+    stiffness_limit
+        Every smaller stiffness is proven to be stable, N/m; infinite if there is no limit, 0 if no tier has
+        a rule.
+    is_attained
+        Whether this stiffness is itself proven.
+    usable_stiffness
+        The largest stiffness with the reserve and, where the robots have errors, with the least probability,
+        N/m: it is called stable.
+    tier
+        The tier that proves it; None if none has a rule.
+    """
+
+    status: Status
+    stiffness_limit: float
+    is_attained: bool
+    usable_stiffness: float
+    tier: Tier | None
+
+
+def varying_delay(
+    question: Question,
+    judged: Verdicts,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+) -> VaryingDelay | None:
+    """Judge a question without a playout buffer; None if its delay does not vary.
+
+    More delay needs no judgement of its own: a tier that depends on the delay allows a stiffness that falls
+    with it no faster than in proportion, so that the reserve of stiffness is one of delay, too.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> from telespring.decision.question import Question
+    >>> question = Question(ts.hman(), ts.Network(0.08, jitter=0.02, sample_period=0.001))
+    >>> [varying_delay(question, question.judge(k)).status for k in (60.0, 73.0, 90.0, 140.0)]
+    ['stable', 'marginal', 'not proven', 'unstable']
+    """
+    if question.network.is_constant:
+        return None
+    limit, attained, tier = _allowed(judged)
+    worse = _worse_robots(question, uncertainty)
+    worst_limit = limit if worse is question else _allowed(worse.judge(judged.stiffness))[0]
+    return VaryingDelay(
+        _status(question, judged, limit, worse),
+        limit,
+        attained,
+        _WITHIN * min(limit / (1.0 + RESERVE), worst_limit),
+        tier,
+    )
+
+
+def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
+    allowed = judged.stiffness_allowed
+    return (0.0, False, None) if allowed is None else (allowed.stiffness, allowed.attained, allowed.tier)
+
+
+def _status(question: Question, judged: Verdicts, limit: float, worse: Question) -> Status:
+    k = judged.stiffness
+    if _is_proven(judged):
+        has_reserve = (1.0 + RESERVE) * k <= limit
+        return "stable" if has_reserve and _is_proven(worse.judge(k)) else "marginal"
+    # A constant delay is one of the ways in which the delay may vary.
+    jitter = question.network.jitter
+    forward, backward = question.network.delay
+    for delay in ((forward, backward), (forward + jitter, backward + jitter)):
+        if is_instability_proven(question.at_delay(delay).judge(k)):
+            return "unstable"
+    return "not proven"
+
+
+def _is_proven(judged: Verdicts) -> bool:
+    return any(tier.satisfied and tier.assumption_met for tier in judged.tiers)
+
+
+def _worse_robots(
+    question: Question, uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None]
+) -> Question:
+    """Return the question for robots that are heavier and less damped than all but a few: at most 5 %.
+
+    More damping never harms in the tier of a bounded delay, nor does less mass in that of any network.
+    """
+    if uncertainty == (None, None):
+        return question
+    parameters = 2 * sum(len(robot.axes) for robot in question.dyad.robots)
+    deviations = NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / parameters)
+    robots = []
+    for robot, known in zip(question.dyad.robots, uncertainty, strict=True):
+        mass, damping = robot.mass, robot.damping
+        if known is not None:
+            mass = mass + deviations * np.asarray(known.mass_sd)
+            damping = np.maximum(damping - deviations * np.asarray(known.damping_sd), 0.0)
+        robots.append(Robot(np.maximum(mass, _LIGHTEST), damping, axes=robot.axes))
+    dyad = Dyad(robots[0], robots[1], question.dyad.operators, question.dyad.coupling_damping)
+    return replace(question, dyad=dyad)
+
+
+def usable_delay_while_varying(
+    question: Question,
+    stiffness: float,
+    longest: float,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+) -> float:
+    """Find the one-way delay, s, up to `longest`, to which a stiffness is proven while the delay varies.
+
+    Jitter and gaps come on top of it. It keeps the reserve; infinite if the delay does not matter, 0 if no
+    delay is short enough.
+    """
+    network = question.network
+    ranges = question.operator_ranges
+    cases = [((1.0 + RESERVE) * stiffness, question), (stiffness, _worse_robots(question, uncertainty))]
+
+    def with_delay(delay: float, tier: Tier) -> bool:
+        timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+        for k, asked in cases:
+            # In the tier that the delay decides the worst operators are those with the least damping.
+            if ranges is not None and tier == "bounded varying delay":
+                asked = asked.with_operators((ranges[0].low, ranges[1].low))
+            if not replace(asked, network=Network(delay, *timing)).judge(k).tier(tier).satisfied:
+                return False
+        return True
+
+    if with_delay(longest, "any network"):
+        return math.inf
+    return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest)

@@ -1,0 +1,186 @@
+"""The headline of a decision: the answer in a word, by what margin, with and without a playout buffer."""
+
+from __future__ import annotations
+
+import math
+
+from rich.text import Text
+
+from telespring.decision.decide import Decision
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
+from telespring.show.quantities import (
+    format_doubling_time,
+    format_number,
+    format_probability,
+    format_stiffness,
+    format_time,
+)
+from telespring.show.screens.questions import allowed_stiffness, delay_clause
+
+__all__ = ["answer_lines"]
+
+_WORDS: dict[Status, tuple[str, str]] = {
+    "stable": ("STABLE", "bold green"),
+    "marginal": ("MARGINAL", "bold yellow"),
+    "unstable": ("UNSTABLE", "bold red"),
+    "not proven": ("NOT PROVEN", "bold yellow"),
+}
+
+
+def answer_lines(decision: Decision, held: str) -> list[Text]:
+    """Write the answer for free and for held handles, without and with a playout buffer where they differ.
+
+    `held` says what holds the handles; empty if they are free.
+    """
+    cases = [("", decision)]
+    if decision.free is not None:
+        name = f"Handles {held}" if held.startswith("held") else f"Handles held ({held})"
+        cases = [("Free handles", decision.free), (name, decision)]
+    lines = []
+    for name, case in cases:
+        if case.varying is None:
+            lines.append(_named(name, _constant_delay_answer(case)))
+            continue
+        buffer = f"with a playout buffer of {delay_clause(case.constant_delay)}"
+        if not case.has_playout_buffer:
+            lines.append(
+                _named(
+                    f"{name}, without a playout buffer" if name else "Without a playout buffer",
+                    _varying_delay_answer(case),
+                )
+            )
+        lines.append(_named(f"{name}, {buffer}" if name else f"W{buffer[1:]}", _constant_delay_answer(case)))
+    return lines
+
+
+def _named(name: str, answer: Text) -> Text:
+    return Text.assemble((f"{name}: ", "bold"), answer) if name else answer
+
+
+def _varying_delay_answer(decision: Decision) -> Text:
+    """Write what is proven while the delay varies."""
+    varying = decision.varying
+    assert varying is not None
+    status = decision.status
+    word, style = _WORDS[status]
+    limit = allowed_stiffness(varying.stiffness_limit, varying.is_attained)
+    proven = {"no limit": "every stiffness is proven", "none": "no stiffness is proven"}.get(
+        limit, f"proven is a stiffness {limit} N/m"
+    )
+    match status:
+        case "stable":
+            why = f" however the delay varies, with {_percent(RESERVE)} in reserve; {proven}."
+        case "marginal":
+            why = f": stable however the delay varies, but with too little in reserve; {proven}."
+        case "unstable":
+            why = f" already at a constant delay that the network may have; {proven}."
+        case _ if decision.axes_independent is False:
+            why = ": the axes are not independent."
+        case _:
+            why = f": a delay that varies may destabilise it; {proven}."
+    return Text.assemble((word, style), why)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def _constant_delay_answer(decision: Decision) -> Text:
+    status = decision.constant_delay_status
+    word, style = _WORDS[status]
+    where = "at this constant delay"
+    match status:
+        case "stable":
+            why = f" {where}, with {_percent(RESERVE)} in reserve{_probability(decision)}"
+        case "marginal":
+            why = f": stable {where}, but {_missing_reserve(decision)}"
+        case "not proven" if decision.axes_independent is False:
+            word, why = "STABLE AXIS BY AXIS ONLY", f" {where}"
+        case "not proven":
+            why = f": no unstable motion was found {where}"
+        case _:
+            names = [axis.name for axis in decision.axes if not axis.stable]
+            unstable = f"{'axis' if len(names) == 1 else 'axes'} {' and '.join(names)}"
+            return Text.assemble((word, style), f" on {unstable} {where}{_growth(decision)}.")
+    return Text.assemble((word, style), f"{why}. {_margins(decision)}".rstrip())
+
+
+def _probability(decision: Decision) -> str:
+    """Write the probability of a stable answer, where the robots have errors."""
+    if decision.uncertainty is None:
+        return ""
+    stable = decision.uncertainty.stable
+    told = format_probability(stable.value, stable.standard_error, stable.draws).partition(" (")[0]
+    return f" and a probability {'of ' if told[0].isdigit() else ''}{told}"
+
+
+def _missing_reserve(decision: Decision) -> str:
+    short = [
+        name
+        for name, is_kept in (
+            ("stiffness", decision.keeps_stiffness_reserve),
+            ("delay", decision.keeps_delay_reserve),
+        )
+        if not is_kept
+    ]
+    reasons = [f"with less than {_percent(RESERVE)} of {' and of '.join(short)} in reserve"] if short else []
+    known = decision.uncertainty
+    if known is not None and known.stable.value < LEAST_PROBABILITY:
+        reasons.append(f"with a probability below {_percent(LEAST_PROBABILITY)}")
+    return " and ".join(reasons)
+
+
+def _growth(decision: Decision) -> str:
+    """Describe how an unstable dyad leaves its rest, where the growth of the worst operators is known."""
+    worst = decision.worst_axis
+    growth = worst.worst_case.spectral_abscissa if worst.sampled_abscissa is None else worst.sampled_abscissa
+    why = ""
+    if decision.continuous_stable:
+        why = " with sampled controllers"
+    elif decision.over_operator_ranges:
+        return " for some operators in their ranges"
+    if growth > 0.0:
+        return f"{why}: the motion doubles every {format_doubling_time(growth)} (axis {worst.name})"
+    return f"{why}: the motion oscillates without decay (axis {worst.name})"
+
+
+def _margins(decision: Decision) -> str:
+    """Describe how far stiffness and delay may go from a stable point."""
+    sentences = []
+    limit = decision.stiffness_limit
+    more = limit / decision.stiffness - 1.0
+    if 0.0 < more < math.inf:
+        share = format_number(more, 3, rounding="down", shift=2)
+        sentences.append(f"The stiffness may grow by {share} %, to {format_stiffness(limit)}.")
+    sentences.append(_delay_margin(decision))
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _delay_margin(decision: Decision) -> str:
+    delay, end = decision.mean_delay, decision.delay_limit
+    if math.isinf(end):
+        return "No constant delay, however long, destabilises it."
+    if delay < end:
+        growth = format_time(end - delay, 3, rounding="down")
+        return f"The delay may grow by {growth}, to {format_time(end, rounding='down')}."
+    if decision.delay_limit_attained and math.isclose(delay, end):
+        return "The delay may not grow: it is the last whole number of sample periods."
+    # A later interval of stable delays, known for one pair of operators per axis.
+    around = [(axis.worst_case.stable_around, axis.name) for axis in decision.axes]
+    known = [(interval, name) for interval, name in around if interval is not None]
+    if len(known) < len(around):
+        return ""
+    start, start_axis = max((interval[0], name) for interval, name in known)
+    end, end_axis = min((interval[1], name) for interval, name in known)
+    given = "with the worst case of each axis the" if decision.over_operator_ranges else "the"
+    fall, low = format_time(delay - start, rounding="down"), format_time(start, rounding="up")
+    if end >= max(decision.horizon, 2.0 * delay):
+        growth = f"to {format_time(end, rounding='down')} at least"
+    else:
+        by = format_time(end - delay, rounding="down")
+        growth = f"by {by}, to {format_time(end, rounding='down')} (axis {end_axis})"
+    first = format_time(decision.delay_limit, rounding="down")
+    return (
+        f"It is stable again beyond a first limit of {first}: {given} delay may grow {growth}, and "
+        f"shrink by {fall}, to {low} (axis {start_axis})."
+    )
