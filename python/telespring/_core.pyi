@@ -689,6 +689,8 @@ class AxisVerdict(_Record):
         paper_critical_stiffness: float,
         paper_maximum_delay: float,
         maximum_delay: float,
+        maximum_delay_proven: bool,
+        least_maximum_delay: float,
         sampled: SampledSpectrum | None,
         sampled_stiffness_bound: float | None,
         sampled_stable: bool | None,
@@ -700,6 +702,8 @@ class AxisVerdict(_Record):
     paper_critical_stiffness: Final[float]
     paper_maximum_delay: Final[float]
     maximum_delay: Final[float]
+    maximum_delay_proven: Final[bool]
+    least_maximum_delay: Final[float]
     sampled: Final[SampledSpectrum | None]
     sampled_stiffness_bound: Final[float | None]
     sampled_stable: Final[bool | None]

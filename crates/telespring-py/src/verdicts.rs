@@ -245,6 +245,10 @@ record! {
         paper_maximum_delay,
         /// Every shorter one-way delay, s, is stable for every operator.
         maximum_delay,
+        /// Whether the search over a range of operators decided, and `maximum_delay` is at most 5 % low.
+        maximum_delay_proven,
+        /// The smallest end of the first stable interval found for a single pair of operators, s.
+        least_maximum_delay,
         /// The slowest multiplier under sampled controllers, the worst of the operators examined; None without a
         /// sample period.
         sampled,
