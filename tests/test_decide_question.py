@@ -136,7 +136,7 @@ def test_law_without_a_stiffness_it_says_what_may_be_used() -> None:
     screen = flat(run("decide", *MINE, "--ping", "80ms", "--ping-jitter", "15 ms").stdout)
     assert "You may use up to" in screen
     assert "A ping of 80 ms is 40 ms each way" in screen
-    assert "only the sum of both delays does" in screen
+    assert "if the ping is shared otherwise, the sum may be one period longer" in screen
     assert "55 ms (behind a playout buffer)" in screen
     told = re.search(r"You may use up to ([0-9.]+) N/m", screen)
     assert told is not None

@@ -9,8 +9,9 @@ use crate::arguments::{Argument, Number};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
+use crate::network::Network;
+use crate::operator_range::OperatorRange;
 use crate::records::{Value, record, words};
-use crate::study::{Network, OperatorRange};
 
 words!(Tier {
     AnyNetwork = "any network",

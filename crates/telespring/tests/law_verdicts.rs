@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use telespring::verdicts::{Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts};
-use telespring::{Delay, Dyad, Operator, Robot};
+use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, hman};
 
 #[derive(Debug, Clone, Copy)]
 struct Case {
@@ -306,4 +306,40 @@ proptest! {
         }
         prop_assert!(result.stiffness_allowed_behind_buffer.is_some());
     }
+}
+
+proptest! {
+    /// Sampled controllers round each way up to whole periods: another share of a round trip adds one period at most.
+    #[test]
+    fn law_the_share_of_a_round_trip_adds_one_sample_period_at_most(
+        m in prop::array::uniform2(0.3..3.0_f64), b in prop::array::uniform2(0.5..20.0_f64), k in 5.0..300.0_f64,
+        round_trip in 0.0..0.2_f64, share in 0.0..1.0_f64, h in 0.001..0.02_f64,
+    ) {
+        let axis = DyadAxis::new(m[0], b[0], m[1], b[1]).unwrap();
+        let radius = |forward: f64, backward: f64| {
+            let delay = Delay::new(forward, backward).unwrap();
+            sampled_spectral_radius(&axis, k, &Network::new(delay, 0.0, 0.0, h, 0.0).unwrap()).unwrap().radius
+        };
+        let shared = radius(share * round_trip, (1.0 - share) * round_trip);
+        let least = (round_trip / h).ceil();
+        prop_assert!(shared == radius(least * h, 0.0) || shared == radius(0.0, (least + 1.0) * h));
+    }
+}
+
+/// 80 ms at a period of 10 ms: 4 + 4 periods, or 5 + 4. Between their limits the share decides.
+#[test]
+fn ref_the_share_of_a_ping_can_decide_over_stability() {
+    let network = |forward: f64, backward: f64| {
+        Network::new(Delay::new(forward, backward).unwrap(), 0.0, 0.0, 0.01, 0.0).unwrap()
+    };
+    let bound =
+        |network: &Network| verdicts(&hman(), None, 50.0, network).unwrap().axes[0].sampled_stiffness_bound;
+    let (even, uneven) = (bound(&network(0.04, 0.04)).unwrap(), bound(&network(0.045, 0.035)).unwrap());
+    assert_eq!(bound(&network(0.045, 0.035)), bound(&network(0.041, 0.039)));
+    assert!(uneven < 0.97 * even, "{even} {uneven}");
+    let between = 0.5 * (even + uneven);
+    let stable =
+        |network: &Network| verdicts(&hman(), None, between, network).unwrap().axes[0].sampled_stable;
+    assert_eq!(stable(&network(0.04, 0.04)), Some(true));
+    assert_eq!(stable(&network(0.045, 0.035)), Some(false));
 }

@@ -181,8 +181,8 @@ pub struct AxisVerdict {
     pub sampled_stiffness_bound: Option<f64>,
     /// True if the given stiffness is proven to be stable under sampled controllers for every operator.
     pub sampled_stable: Option<bool>,
-    /// False if the search over the range of operators was cut off before it decided, or the bound may be more than
-    /// 5 % low.
+    /// False if a search was cut off before it decided, as for masses and dampings that differ by many decades, or the
+    /// bound may be more than 5 % low.
     pub sampled_proven: Option<bool>,
 }
 
