@@ -258,7 +258,7 @@ record! {
         sampled_stiffness_bound,
         /// Whether the requested stiffness is proven to be stable under sampled controllers for every operator.
         sampled_stable,
-        /// Whether the search over a range of operators decided, and the bound is at most 5 % low.
+        /// Whether the search decided, over a range of operators or for one pair, and the bound is at most 5 % low.
         sampled_proven,
     }
 }
