@@ -227,9 +227,9 @@ def _take_ping(
     if ping is not None:
         delay = 0.5 * ping
         asked.notes.append(
-            f"A ping of {format_time(ping, 6)} is {format_time(delay, 6)} each way. Continuous controllers see "
-            "only the sum of both delays. Sampled ones round each way up to a whole sample period: if the ping "
-            "is shared otherwise, the sum may be one period longer."
+            f"A ping of {format_time(ping, 6)} is {format_time(delay, 6)} each way. Continuous controllers "
+            "see only the sum of both delays. Sampled ones round each way up to a whole sample period: if "
+            "the ping is shared otherwise, the sum may be one period longer."
         )
     if ping_jitter is not None:
         jitter = ping_jitter

@@ -87,8 +87,9 @@ def _margins_over_ranges(decision: Decision) -> Group:
             found = axis.verdict.least_maximum_delay
             lines.append(
                 Text(
-                    f"Axis {axis.name}: δₘ holds for every operator but may be too small, since the search over "
-                    f"the ranges was cut off; the operators found allow {format_time(found, rounding='down')}."
+                    f"Axis {axis.name}: δₘ holds for every operator but may be too small, since the search "
+                    "over the ranges was cut off; the operators found allow "
+                    f"{format_time(found, rounding='down')}."
                 )
             )
         own = axis.worst_case
