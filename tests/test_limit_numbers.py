@@ -16,8 +16,7 @@ import telespring as ts
 from one_period_map import gain, radius
 from telespring._types import FloatArray
 from telespring.cli import app
-from telespring.decision.decide import decide
-from telespring.decision.limits import limits
+from questions import decide, limits
 
 ASKED = ("decide", "--robot", "1.2,6", "--robot", "2,9", "--delay", "40ms")
 PERIOD = 0.001

@@ -13,8 +13,7 @@ from typer.testing import CliRunner
 import telespring as ts
 from one_period_map import radius
 from telespring.cli import app
-from telespring.decision.decide import decide
-from telespring.decision.limits import limits
+from questions import decide, limits
 
 #: The seed of `make verify`.
 DRAWN = int(os.environ.get("TELESPRING_VERIFY", "1"))

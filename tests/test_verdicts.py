@@ -178,6 +178,33 @@ def test_cross_the_worst_operator_of_a_range_need_not_be_at_a_corner(sample_peri
         assert (found.sampled_stable, found.sampled_proven) == (False, True)
 
 
+# All frequencies of a wide range have their first root at almost the same delay.
+WIDE = (
+    ts.Dyad(ts.Robot(2.0358, 0.66628), ts.Robot(0.28133, 0.5235)),
+    (
+        ts.OperatorRange(ts.Operator(), ts.Operator(mass=0.63364, stiffness=709.13)),
+        ts.OperatorRange(ts.Operator(), ts.Operator(6.0465, 8.3995, 39.768)),
+    ),
+)
+
+
+def test_cross_the_maximum_delay_over_a_wide_range_is_that_of_an_operator_in_it() -> None:
+    dyad, ranges = WIDE
+    axis = ts.verdicts(dyad, 20.9, 0.05, operator_range=ranges).axes[0]
+    held = (ts.Operator(mass=0.63364), ts.Operator(mass=3.0, stiffness=10.0))
+    own = ts.Dyad(*dyad.robots, operators=held)["x"].maximum_delay(20.9)
+    assert axis.maximum_delay_proven
+    assert 0.95 * axis.least_maximum_delay <= axis.maximum_delay <= axis.least_maximum_delay <= 1.1 * own
+    # The rule of Nuño, Basañez and Ortega: below √(b₁b₂)/k no passive operator is unstable.
+    assert axis.maximum_delay >= math.sqrt(0.66628 * 0.5235) / 20.9 * (1 - 1e-12)
+
+
+def test_law_one_pair_of_operators_has_a_proven_maximum_delay(hman: ts.Dyad) -> None:
+    for axis in ts.verdicts(hman, 71.2, 0.1).axes:
+        assert axis.maximum_delay_proven
+        assert axis.maximum_delay == axis.least_maximum_delay
+
+
 @pytest.mark.parametrize("sample_period", [0.0, 0.001])
 def test_law_every_remedy_over_a_range_is_judged_sufficient(sample_period: float) -> None:
     dyad, ranges = INSIDE

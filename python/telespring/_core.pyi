@@ -703,6 +703,8 @@ class AxisVerdict(_Record):
         paper_critical_stiffness: float,
         paper_maximum_delay: float,
         maximum_delay: float,
+        maximum_delay_proven: bool,
+        least_maximum_delay: float,
         sampled: SampledSpectrum | None,
         sampled_stiffness_bound: float | None,
         sampled_stable: bool | None,
@@ -714,6 +716,8 @@ class AxisVerdict(_Record):
     paper_critical_stiffness: Final[float]
     paper_maximum_delay: Final[float]
     maximum_delay: Final[float]
+    maximum_delay_proven: Final[bool]
+    least_maximum_delay: Final[float]
     sampled: Final[SampledSpectrum | None]
     sampled_stiffness_bound: Final[float | None]
     sampled_stable: Final[bool | None]

@@ -6,6 +6,7 @@
 mod arguments;
 mod arrays;
 mod axis;
+mod coupling;
 mod criteria;
 mod dde;
 mod delay_system;
@@ -13,6 +14,8 @@ mod errors;
 mod experiment;
 mod interrupt;
 mod model;
+mod network;
+mod operator_range;
 mod participants;
 mod plant;
 mod poses;
@@ -20,6 +23,7 @@ mod recording;
 mod records;
 mod response;
 mod rig;
+mod robot_file;
 mod roots;
 mod simulation;
 mod spectrum;
@@ -43,6 +47,8 @@ mod _core {
     #[pymodule_export]
     use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]
+    use crate::coupling::Coupling;
+    #[pymodule_export]
     use crate::criteria::{
         critical_stiffness, crossings, decay_stiffness, maximum_delay, maximum_stiffness, minimum_damping,
         stability_map, stable_delays, unstable_root_count,
@@ -55,6 +61,10 @@ mod _core {
     use crate::experiment::{Condition, Experiment, LaboratorySettings};
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
+    #[pymodule_export]
+    use crate::network::Network;
+    #[pymodule_export]
+    use crate::operator_range::OperatorRange;
     #[pymodule_export]
     use crate::participants::{Agent, Arm, Task};
     #[pymodule_export]
@@ -71,13 +81,15 @@ mod _core {
     #[pymodule_export]
     use crate::rig::{Laboratory, trial_seed};
     #[pymodule_export]
+    use crate::robot_file::{RobotRecord, Uncertainty, robot_record};
+    #[pymodule_export]
     use crate::roots::{certified_roots, characteristic_roots, spectral_abscissa};
     #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]
     use crate::spectrum::Spectrum;
     #[pymodule_export]
-    use crate::study::{Coupling, Network, OperatorRange, RobotRecord, Study, Uncertainty, robot_record};
+    use crate::study::Study;
     #[pymodule_export]
     use crate::usual::check_usual;
     #[pymodule_export]

@@ -8,9 +8,10 @@ use telespring::InvalidInput;
 use telespring::study::{OptionValue, Replacement, Table, Value};
 
 use crate::arguments::written;
+use crate::coupling::Coupling;
 use crate::errors::Outcome;
 use crate::model::{Operator, Robot};
-use crate::study::{Coupling, Network};
+use crate::network::Network;
 
 /// The value as a study file holds it; `field` names it in a refusal.
 pub fn to_value(field: &str, value: &Bound<'_, PyAny>) -> Outcome<Value> {

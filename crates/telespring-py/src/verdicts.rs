@@ -9,8 +9,9 @@ use crate::arguments::{Argument, Number};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
+use crate::network::Network;
+use crate::operator_range::OperatorRange;
 use crate::records::{Value, record, words};
-use crate::study::{Network, OperatorRange};
 
 words!(Tier {
     AnyNetwork = "any network",
@@ -245,6 +246,10 @@ record! {
         paper_maximum_delay,
         /// Every shorter one-way delay, s, is stable for every operator.
         maximum_delay,
+        /// Whether the search over a range of operators decided, and `maximum_delay` is at most 5 % low.
+        maximum_delay_proven,
+        /// The smallest end of the first stable interval found for a single pair of operators, s.
+        least_maximum_delay,
         /// The slowest multiplier under sampled controllers, the worst of the operators examined; None without a
         /// sample period.
         sampled,
@@ -253,7 +258,7 @@ record! {
         sampled_stiffness_bound,
         /// Whether the requested stiffness is proven to be stable under sampled controllers for every operator.
         sampled_stable,
-        /// Whether the search over a range of operators decided, and the bound is at most 5 % low.
+        /// Whether the search decided, over a range of operators or for one pair, and the bound is at most 5 % low.
         sampled_proven,
     }
 }

@@ -374,7 +374,7 @@ impl Delay {
         self.backward
     }
 
-    /// The mean one-way delay, s: half the round trip, the only delay that affects stability.
+    /// The mean one-way delay, s: half the round trip. Under continuous controllers no other delay affects stability.
     pub fn mean(&self) -> f64 {
         0.5 * (self.forward + self.backward)
     }

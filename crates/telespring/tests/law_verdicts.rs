@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use telespring::verdicts::{Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts};
-use telespring::{Delay, Dyad, Operator, Robot};
+use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, hman};
 
 #[derive(Debug, Clone, Copy)]
 struct Case {
@@ -306,4 +306,75 @@ proptest! {
         }
         prop_assert!(result.stiffness_allowed_behind_buffer.is_some());
     }
+}
+
+proptest! {
+    /// Sampled controllers round each way up to whole periods: another share of a round trip adds one period at most.
+    #[test]
+    fn law_the_share_of_a_round_trip_adds_one_sample_period_at_most(
+        m in prop::array::uniform2(0.3..3.0_f64), b in prop::array::uniform2(0.5..20.0_f64), k in 5.0..300.0_f64,
+        round_trip in 0.0..0.2_f64, share in 0.0..1.0_f64, h in 0.001..0.02_f64,
+    ) {
+        let axis = DyadAxis::new(m[0], b[0], m[1], b[1]).unwrap();
+        let radius = |forward: f64, backward: f64| {
+            let delay = Delay::new(forward, backward).unwrap();
+            sampled_spectral_radius(&axis, k, &Network::new(delay, 0.0, 0.0, h, 0.0).unwrap()).unwrap().radius
+        };
+        let shared = radius(share * round_trip, (1.0 - share) * round_trip);
+        let least = (round_trip / h).ceil();
+        prop_assert!(shared == radius(least * h, 0.0) || shared == radius(0.0, (least + 1.0) * h));
+    }
+}
+
+/// 80 ms at a period of 10 ms: 4 + 4 periods, or 5 + 4. Between their limits the share decides.
+#[test]
+fn ref_the_share_of_a_ping_can_decide_over_stability() {
+    let network = |forward: f64, backward: f64| {
+        Network::new(Delay::new(forward, backward).unwrap(), 0.0, 0.0, 0.01, 0.0).unwrap()
+    };
+    let bound =
+        |network: &Network| verdicts(&hman(), None, 50.0, network).unwrap().axes[0].sampled_stiffness_bound;
+    let (even, uneven) = (bound(&network(0.04, 0.04)).unwrap(), bound(&network(0.045, 0.035)).unwrap());
+    assert_eq!(bound(&network(0.045, 0.035)), bound(&network(0.041, 0.039)));
+    assert!(uneven < 0.97 * even, "{even} {uneven}");
+    let between = 0.5 * (even + uneven);
+    let stable =
+        |network: &Network| verdicts(&hman(), None, between, network).unwrap().axes[0].sampled_stable;
+    assert_eq!(stable(&network(0.04, 0.04)), Some(true));
+    assert_eq!(stable(&network(0.045, 0.035)), Some(false));
+}
+
+/// Without damping worth the name the search for the sampled bound may end before it decides: the bound is then the
+/// stiffness up to which stability is proven, and the status says so. Otherwise a stiffer spring is unstable.
+#[test]
+fn law_a_sampled_bound_is_called_proven_only_if_a_stiffer_spring_is_unstable() {
+    let side = |mass: f64, damping: f64| Robot::new(vec![mass], vec![damping], None).unwrap();
+    let held = |stiffness: f64| Operator::new(vec![0.0], vec![0.0], vec![stiffness]).unwrap();
+    let cases = [
+        ([1.1122649, 0.00184373], [2.90655e-5, 1.447e-7], [0.0, 41.91], 0.8337655597, 0.001),
+        (
+            [1.0895889044043683, 0.0184593931848644],
+            [2.408705685336556e-7, 1.431324737836219e-6],
+            [25.335320295626577, 59.980157047441836],
+            0.0896932337378196,
+            0.0001,
+        ),
+        ([0.8, 0.9], [7.0, 8.0], [0.0, 100.0], 0.1, 0.001),
+    ];
+    let proven = cases.map(|(mass, damping, ground, delay, period)| {
+        let operators = Some(ground.map(held));
+        let dyad = Dyad::new(side(mass[0], damping[0]), side(mass[1], damping[1]), operators, 0.0).unwrap();
+        let network = Network::new(Delay::each_way(delay).unwrap(), 0.0, 0.0, period, 0.0).unwrap();
+        let axis = &verdicts(&dyad, None, 1.0, &network).unwrap().axes[0];
+        let bound = axis.sampled_stiffness_bound.unwrap();
+        let stable = |k: f64| {
+            let found = sampled_spectral_radius(&dyad.axis(0).unwrap(), k, &network).unwrap();
+            found.is_stable()
+        };
+        assert!(stable(0.999 * bound), "{mass:?} {bound}");
+        let limited = Some(1.0001 * bound) >= axis.tiers[3].stiffness_bound;
+        assert_eq!(axis.sampled_proven, Some(limited || !stable(1.0001 * bound)), "{mass:?} {bound}");
+        axis.sampled_proven
+    });
+    assert_eq!(proven, [Some(true), Some(false), Some(true)]);
 }

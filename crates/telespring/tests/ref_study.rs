@@ -271,3 +271,53 @@ fn law_only_the_changed_study_is_judged() {
     let refused = Study::from_changed_toml(GOOD, [Some(&bad), Some(&robot)], &[].into()).unwrap_err();
     assert!(refused.remedy.ends_with("See [robot] in left.toml."), "{refused}");
 }
+
+/// A robot file replaces a robot whole; a spring to the ground that identification found is the operator's.
+#[test]
+fn ref_a_robot_file_replaces_the_robot_and_adds_its_spring_to_the_operator() {
+    let study = Study::from_toml(
+        "[robot1]\nmass = [1, 2]\ndamping = [5, 6]\ncoulomb = 0.3\n[robot2]\nmass = [1, 2]\ndamping = [5, 6]\n\
+         [operator2]\nmass = 0.5\nstiffness = [{min = 10, max = 300}, 40]\n\
+         [coupling]\nstiffness = 20\n[network]\ndelay = 0.05\n[agent1]\nkind = \"skilled\"",
+    )
+    .unwrap();
+    let text = "[robot]\nname = \"mine\"\nmass = [0.84, 1.07]\ndamping = [7.7, 10.1]\nmass_sd = 0.01\n\
+                [identification]\nlogs = 2\nstiffness = [3.0, 0.0]";
+    let file = RobotFile::from_toml(text, "mine.toml").unwrap();
+
+    let first = study.with_robot(0, &file).unwrap();
+    let robot = &first.dyad().robots()[0];
+    assert_eq!((robot.mass(), robot.damping()), (&[0.84, 1.07][..], &[7.7, 10.1][..]));
+    assert_eq!(first.robot_names()[0], Some("mine"));
+    // Nothing of the old robot stays: neither its friction nor the free handle, which now has the spring.
+    assert_eq!(first.coulomb()[0], [0.0, 0.0]);
+    assert_eq!(first.uncertainty()[0].unwrap().mass_sd, [0.01, 0.01]);
+    let [held, other] = first.operator_ranges().unwrap();
+    assert_eq!((held.low().stiffness(), held.high().stiffness()), (&[3.0, 0.0][..], &[3.0, 0.0][..]));
+    // Everything else stays.
+    assert_eq!(first.dyad().robots()[1], study.dyad().robots()[1]);
+    assert_eq!(other, &study.operator_ranges().unwrap()[1]);
+    assert_eq!(first.names_arms_or_agents(), study.names_arms_or_agents());
+    assert_eq!(first.coupling().unwrap().stiffness, 20.0);
+    assert_eq!(first.network().unwrap().delay().forward(), 0.05);
+
+    // The spring is added to both ends of a range, and to a single number.
+    let second = study.with_robot(1, &file).unwrap();
+    let range = &second.operator_ranges().unwrap()[1];
+    assert_eq!((range.low().stiffness(), range.high().stiffness()), (&[13.0, 40.0][..], &[303.0, 40.0][..]));
+    assert_eq!(range.low().mass(), [0.5, 0.5]);
+    assert_eq!(Study::from_toml(&second.to_toml()).unwrap(), second);
+
+    // A refusal names the file's own section.
+    let short = RobotFile::from_toml(
+        "[robot]\nmass = 1\ndamping = 5\n[identification]\nstiffness = [3.0, 1.0, 2.0]",
+        "short.toml",
+    )
+    .unwrap();
+    let refused = study.with_robot(0, &short).unwrap_err();
+    assert_eq!(refused.field, "identification.stiffness");
+    assert!(refused.remedy.contains("short.toml"), "{refused}");
+    let negative = RobotFile::from_toml("[robot]\nmass = -1\ndamping = 5", "negative.toml").unwrap();
+    let refused = study.with_robot(1, &negative).unwrap_err();
+    assert_eq!(refused.field, "robot2.mass");
+}

@@ -100,8 +100,9 @@ class StudyOptions:
         if ping is not None:
             delay = 0.5 * ping
             self.notes.append(
-                f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Only the sum "
-                "of both ways matters."
+                f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Sampled "
+                "controllers round each way up to whole sample periods: if the ping is shared otherwise, the sum "
+                "may be one period longer."
             )
         if ping_jitter is not None:
             jitter = ping_jitter

@@ -280,7 +280,7 @@ class Decision:
 
     @property
     def mean_delay(self) -> float:
-        """Half of the round trip, s: all that stability depends on."""
+        """Half of the round trip, s: all that stability depends on, except for rounding to sample periods."""
         return 0.5 * sum(self.constant_delay)
 
     @property

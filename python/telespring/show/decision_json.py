@@ -109,6 +109,8 @@ def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
         "critical_stiffness_paper": finite_or_none(own.critical_stiffness_paper),
         "maximum_delay": finite_or_none(axis.maximum_delay),
         "maximum_delay_unbounded": math.isinf(axis.maximum_delay),
+        "maximum_delay_proven": axis.verdict.maximum_delay_proven,
+        "least_maximum_delay": finite_or_none(axis.verdict.least_maximum_delay),
         "maximum_delay_paper": finite_or_none(own.maximum_delay_paper),
         "maximum_delay_paper_unbounded": math.isinf(own.maximum_delay_paper),
         "maximum_stiffness": finite_or_none(axis.maximum_stiffness),

@@ -100,7 +100,8 @@ def verdicts(
         with a coupling damper, or with a computing time and weakly grounded handles: the verdict is then
         never `satisfied` unless a proof for this stiffness was found. `least_found` is the smallest bound of
         one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may
-        be more than 5 % low, at sample periods near the motion's own.
+        be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven` where
+        `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
 
     Returns
     -------

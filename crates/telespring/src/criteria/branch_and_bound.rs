@@ -68,6 +68,10 @@ pub(crate) trait LineFunction {
     fn is_real_at(&self, frequency: f64) -> bool;
     /// True if crossings anywhere in this box are not wanted.
     fn is_excluded(&self, region: &Region) -> bool;
+    /// The largest number of boxes of one search.
+    fn most_boxes(&self) -> usize {
+        MAX_BOXES
+    }
 }
 
 /// A box of frequencies and parameters.
@@ -98,7 +102,7 @@ pub(crate) enum Found {
     Unfinished(f64),
 }
 
-/// The largest number of boxes of one search: less than a second.
+/// The usual largest number of boxes of one search: less than a second.
 const MAX_BOXES: usize = 250_000;
 
 /// A box in the queue, ordered by the most promising parameter.
@@ -146,7 +150,7 @@ pub(crate) fn crossing_parameters(function: &impl LineFunction, region: Region, 
             break;
         }
         examined += 1;
-        if examined > MAX_BOXES {
+        if examined > function.most_boxes() {
             return Found::Unfinished(reach.abs());
         }
         match examine_box(function, &part) {

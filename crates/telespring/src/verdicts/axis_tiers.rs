@@ -21,8 +21,8 @@ pub struct AxisTier {
     pub attained: bool,
     /// True if the given stiffness is proven to satisfy the tier's rule for every operator of the range.
     pub satisfied: bool,
-    /// False if the search over the range was cut off, or the tier has no exact rule over a range: the bound
-    /// holds, but may be far below [`AxisTier::least_found`].
+    /// False if the search over the range was cut off, the bound is more than 5 % below [`AxisTier::least_found`], or
+    /// the tier has no exact rule over a range.
     pub proven: bool,
     /// The smallest bound found for a single pair of operators, N/m: no bound over the range is larger.
     pub least_found: Option<f64>,
@@ -35,8 +35,39 @@ pub(super) struct ConstantDelayTiers {
     pub tiers: [AxisTier; 2],
     /// The operators with the smallest bound of tier 4.
     pub worst: OperatorPair,
-    /// The end of the first stable delay interval (s), for every operator.
-    pub maximum_delay: f64,
+    pub maximum_delay: MaximumDelay,
+}
+
+/// The end of the first stable delay interval, for every operator.
+pub(super) struct MaximumDelay {
+    /// Every shorter one-way delay is stable, s.
+    pub bound: f64,
+    /// The smallest end found for a single pair of operators, s.
+    pub least_found: f64,
+    /// False if the search was cut off, or the bound may be more than 5 % low.
+    pub is_proven: bool,
+}
+
+/// A bound counts as tight if it is at least this part of the smallest one found for a single pair of operators.
+const TIGHT: f64 = 0.95;
+
+impl MaximumDelay {
+    /// The exact end for one pair of operators, or for all of them.
+    fn exact(delay: f64) -> Self {
+        Self { bound: delay, least_found: delay, is_proven: true }
+    }
+
+    /// The end over a range at a stiffness (N/m), given operators that are the worst elsewhere.
+    fn over_range(region: &OperatorBox, family: &Family, k: f64, worst: &[OperatorPair]) -> Result<Self> {
+        let certified = family.first_round_trip(k, f64::INFINITY);
+        let found = certified.sides.as_ref().map(|sides| region.operators_of(sides));
+        let mut least_found = f64::INFINITY;
+        for at in found.iter().chain(worst).chain(&[region.weakest_corner(), region.middle()]) {
+            least_found = least_found.min(maximum_delay(&region.axis(at), k)?);
+        }
+        let bound = (0.5 * certified.value).min(least_found);
+        Ok(Self { bound, least_found, is_proven: certified.is_finished && bound >= TIGHT * least_found })
+    }
 }
 
 /// For some operators, true if the first positive root of F appears at ξ = 0 when k reaches `critical`: the
@@ -77,7 +108,11 @@ fn at_one_pair(region: &OperatorBox, delay: f64, k: f64) -> Result<ConstantDelay
         least_found: Some(largest),
         operators,
     };
-    Ok(ConstantDelayTiers { tiers: [third, fourth], worst, maximum_delay: maximum_delay(&axis, k)? })
+    Ok(ConstantDelayTiers {
+        tiers: [third, fourth],
+        worst,
+        maximum_delay: MaximumDelay::exact(maximum_delay(&axis, k)?),
+    })
 }
 
 /// A certified stiffness bound of a tier, with the operators of the smallest bound among those found and the
@@ -97,12 +132,13 @@ fn over_range(
             worst = (at, bound);
         }
     }
+    let bound = certified.value.min(worst.1);
     let verdict = AxisTier {
         tier,
-        stiffness_bound: Some(certified.value.min(worst.1)),
+        stiffness_bound: Some(bound),
         attained: false,
         satisfied: satisfied == Some(true),
-        proven: certified.is_finished && satisfied.is_some(),
+        proven: certified.is_finished && satisfied.is_some() && bound >= TIGHT * worst.1,
         least_found: Some(worst.1),
         operators: operator_points(&worst.0),
     };
@@ -152,9 +188,10 @@ pub(super) fn constant_delay_tiers(region: &OperatorBox, delay: f64, k: f64) -> 
             Crossing::Unresolved => None,
         }
     };
-    let (third, _) = over_range(region, Tier::AnyConstantDelay, &third_bound, third_satisfied, |axis| {
-        Ok(critical_stiffness(axis))
-    })?;
+    let (third, worst_of_any) =
+        over_range(region, Tier::AnyConstantDelay, &third_bound, third_satisfied, |axis| {
+            Ok(critical_stiffness(axis))
+        })?;
 
     let fourth_bound = one_delay_bound(&family, third_bound.value, delay);
     let fourth_satisfied = if k < fourth_bound.value || third.satisfied {
@@ -176,11 +213,11 @@ pub(super) fn constant_delay_tiers(region: &OperatorBox, delay: f64, k: f64) -> 
         maximum_stiffness(axis, delay)
     })?;
     let maximum_delay = if third.satisfied {
-        f64::INFINITY
+        MaximumDelay::exact(f64::INFINITY)
     } else if !damped {
-        0.0
+        MaximumDelay::exact(0.0)
     } else {
-        0.5 * family.first_round_trip(k, f64::INFINITY).value
+        MaximumDelay::over_range(region, &family, k, &[worst_of_any, worst])?
     };
     Ok(ConstantDelayTiers { tiers: [third, fourth], worst, maximum_delay })
 }

@@ -19,3 +19,18 @@ pub(super) fn stiffness_bound(damping: [f64; 2], partner_age: [f64; 2], own_age:
     let root = (own_age * (b1 - b2)).hypot(total * b1.sqrt() * b2.sqrt());
     2.0 * b1 * b2 / (own_age * (b1 + b2) + root)
 }
+
+/// The round trip (s) below which no constant delay destabilises a dyad at a stiffness (N/m), whatever passive operators
+/// hold it: the same rule under continuous controllers, solved for T.
+pub(super) fn round_trip_bound(damping: [f64; 2], stiffness: f64) -> f64 {
+    let [b1, b2] = damping;
+    2.0 * b1.sqrt() * b2.sqrt() / stiffness
+}
+
+/// The damping (N·s/m), added to both robots, above which that rule holds at a stiffness (N/m) and a round trip (s).
+pub(super) fn added_damping(damping: [f64; 2], stiffness: f64, round_trip: f64) -> f64 {
+    let [b1, b2] = damping;
+    // (b₁ + d)(b₂ + d) = (k T/2)².
+    let root = (0.5 * (b1 - b2)).hypot(0.5 * stiffness * round_trip);
+    (root - 0.5 * (b1 + b2)).max(0.0)
+}

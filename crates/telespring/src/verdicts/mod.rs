@@ -132,8 +132,8 @@ pub struct Verdict {
     /// True if the given stiffness is proven to satisfy the rule on every axis for every operator of the range. A
     /// constant delay (tier 4) may be stable above the bound, in a later stable interval.
     pub satisfied: bool,
-    /// False if a search over the range of operators was cut off, or the tier has no exact rule over a range.
-    /// The bound holds for tiers 2 to 4 nevertheless, but may be far below `least_found`.
+    /// False if a search over the range of operators was cut off, the bound is more than 5 % below that of the operators
+    /// found, or the tier has no exact rule over a range. The bound holds for tiers 2 to 4 nevertheless.
     pub proven: bool,
     /// The smallest bound found for a single pair of operators, N/m: no bound over the range is larger.
     pub least_found: Option<f64>,
@@ -175,6 +175,11 @@ pub struct AxisVerdict {
     pub paper_maximum_delay: f64,
     /// Every shorter one-way delay (s) is stable for every operator: the end of the first stable interval.
     pub maximum_delay: f64,
+    /// False if the search over the range of operators was cut off, or `maximum_delay` may be more than 5 % low.
+    pub maximum_delay_proven: bool,
+    /// The smallest end of the first stable interval found for a single pair of operators, s: `maximum_delay` over the
+    /// range cannot be larger.
+    pub least_maximum_delay: f64,
     /// The slowest multiplier under sampled controllers, the worst over the operators with the smallest bounds,
     /// the weakest and the middle ones; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
@@ -183,8 +188,8 @@ pub struct AxisVerdict {
     pub sampled_stiffness_bound: Option<f64>,
     /// True if the given stiffness is proven to be stable under sampled controllers for every operator.
     pub sampled_stable: Option<bool>,
-    /// False if the search over the range of operators was cut off before it decided, or the bound may be more than
-    /// 5 % low.
+    /// False if a search was cut off before it decided, as for masses and dampings that differ by many decades, or the
+    /// bound may be more than 5 % low.
     pub sampled_proven: Option<bool>,
 }
 
@@ -332,7 +337,9 @@ fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> 
         ],
         paper_critical_stiffness: paper::critical_stiffness(&nominal)?,
         paper_maximum_delay: paper::maximum_delay(&nominal, k)?,
-        maximum_delay: constant.maximum_delay,
+        maximum_delay: constant.maximum_delay.bound,
+        maximum_delay_proven: constant.maximum_delay.is_proven,
+        least_maximum_delay: constant.maximum_delay.least_found,
         sampled: held.as_ref().map(|held| held.spectrum),
         sampled_stiffness_bound: held.as_ref().map(|held| held.stiffness_bound),
         sampled_stable: held.as_ref().map(|held| held.is_stable),

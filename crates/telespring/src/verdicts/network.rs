@@ -177,7 +177,9 @@ impl Network {
         [self.delay.forward(), self.delay.backward()].map(|delay| delay + self.jitter + self.max_gap)
     }
 
-    /// The mean of [`Network::buffered`], s: the only constant delay that affects stability.
+    /// The mean of [`Network::buffered`], s: the only constant delay that affects the stability of continuous
+    /// controllers. Sampled ones round each direction up to whole periods: the same mean, shared otherwise, makes a
+    /// round trip that is at most one period longer or shorter.
     pub fn buffered_mean(&self) -> f64 {
         let [forward, backward] = self.buffered();
         0.5 * (forward + backward)

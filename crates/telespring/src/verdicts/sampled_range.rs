@@ -33,6 +33,8 @@ fn soft_stiffness(family: &Family, network: &Network) -> f64 {
 
 /// The bound counts as tight if an operator is unstable at this multiple of it.
 const LOOSE: f64 = 1.05;
+/// Just beyond the bound of one pair of operators, where even a narrow window is unstable.
+const BEYOND: f64 = 1.0001;
 
 /// With a coupling damper the rule of tier 2 is missing: softer springs than this part of the limit are taken to be
 /// as stable as one of them.
@@ -77,12 +79,16 @@ pub(super) fn sampled_axis(
     let nominal = region.axis(worst);
     let spectrum = sampled_spectral_radius(&nominal, k, network)?;
     if region.is_point() {
-        return Ok(SampledAxis {
-            spectrum,
-            stiffness_bound: sampled::stiffness_bound(&nominal, network, limit),
-            is_stable: spectrum.is_stable(),
-            is_proven: true,
-        });
+        let stiffness_bound = sampled::stiffness_bound(&nominal, network, limit);
+        // A search that does not end leaves a bound with stable springs beyond.
+        let is_unstable = |k: f64| {
+            quantity::STIFFNESS.check("stiffness", k).is_err()
+                || sampled_spectral_radius(&nominal, k, network).is_ok_and(|found| !found.is_stable())
+        };
+        let is_proven = [BEYOND, LOOSE]
+            .into_iter()
+            .any(|factor| factor * stiffness_bound >= limit || is_unstable(factor * stiffness_bound));
+        return Ok(SampledAxis { spectrum, stiffness_bound, is_stable: spectrum.is_stable(), is_proven });
     }
     let family = region.sampled_family(network);
     let certified = first_unstable_stiffness(region, &family, network, limit)?;

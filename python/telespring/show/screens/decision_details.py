@@ -83,6 +83,15 @@ def _margins_over_ranges(decision: Decision) -> Group:
     title = "Margins by axis over the ranges of operators: critical stiffness kₘ, maximum delay δₘ"
     lines = []
     for axis in decision.axes:
+        if not axis.verdict.maximum_delay_proven:
+            found = axis.verdict.least_maximum_delay
+            lines.append(
+                Text(
+                    f"Axis {axis.name}: δₘ holds for every operator but may be too small, since the search "
+                    "over the ranges was cut off; the operators found allow "
+                    f"{format_time(found, rounding='down')}."
+                )
+            )
         own = axis.worst_case
         one, other = (_describe_operator(each) for each in own.operators)
         intervals = _format_stable_delays(axis).replace("\n", ", ")

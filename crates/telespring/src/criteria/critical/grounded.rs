@@ -201,8 +201,13 @@ fn crossing_tensor<R: Real>(axis: &DyadAxis) -> [[R; 4]; 5] {
 fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale: f64) -> Option<f64> {
     // ξ = scale · u/(1 − u) maps all frequencies onto 0 ≤ u ≤ 1.
     let lowest = lowest.min(highest);
-    let mut boxes = vec![(bernstein_tensor(axis, lowest, highest, scale), 0.0, 1.0, 0u32)];
-    while let Some((tensor, left, right, depth)) = boxes.pop() {
+    let frequency = |u: f64| scale * u / (1.0 - u);
+    let whole = (lowest, highest);
+    let mut boxes = vec![(bernstein_tensor(axis, lowest, highest, scale), 0.0, 1.0, whole, 0u32)];
+    while let Some((tensor, left, right, stiffness, depth)) = boxes.pop() {
+        if is_positive(axis, (frequency(left), frequency(right)), stiffness) {
+            continue;
+        }
         let size = tensor.iter().flatten().fold(0.0f64, |size, value| size.max(value.abs()));
         let least = tensor.iter().flatten().fold(f64::INFINITY, |least, &value| least.min(value));
         // The coefficients enclose F on the box; the corner coefficients are values of F.
@@ -212,7 +217,7 @@ fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale
         let corners = [(0, left), (4, right)];
         for (row, u) in corners {
             if tensor[row][0].min(tensor[row][3]) < -1e-13 * size && u > 0.0 && u < 1.0 {
-                return Some(scale * u / (1.0 - u));
+                return Some(frequency(u));
             }
         }
         // A box of this depth is narrower than rounding.
@@ -222,15 +227,33 @@ fn frequency_of_negative_value(axis: &DyadAxis, lowest: f64, highest: f64, scale
         if spread_over_frequency(&tensor) >= spread_over_stiffness(&tensor) {
             let middle = 0.5 * (left + right);
             let (low, high) = halve_frequency_range(&tensor);
-            boxes.push((low, left, middle, depth + 1));
-            boxes.push((high, middle, right, depth + 1));
+            boxes.push((low, left, middle, stiffness, depth + 1));
+            boxes.push((high, middle, right, stiffness, depth + 1));
         } else {
             let (low, high) = halve_stiffness_range(&tensor);
-            boxes.push((low, left, right, depth + 1));
-            boxes.push((high, left, right, depth + 1));
+            let middle = 0.5 * (stiffness.0 + stiffness.1);
+            boxes.push((low, left, right, (stiffness.0, middle), depth + 1));
+            boxes.push((high, left, right, (middle, stiffness.1), depth + 1));
         }
     }
     None
+}
+
+/// Whether the magnitudes of both sides prove F > 0 in a box of ξ = ω² and the stiffness.
+///
+/// The Bernstein coefficients alone see the narrow valley along an almost undamped resonance only in boxes as narrow.
+fn is_positive(axis: &DyadAxis, squared_frequency: (f64, f64), stiffness: (f64, f64)) -> bool {
+    let c = axis.coupling_damping;
+    let least = axis.sides.iter().fold(1.0, |least, side| {
+        let real = (
+            stiffness.0 + side.ground_stiffness - side.mass * squared_frequency.1,
+            stiffness.1 + side.ground_stiffness - side.mass * squared_frequency.0,
+        );
+        let elastic = if real.0 <= 0.0 && real.1 >= 0.0 { 0.0 } else { real.0.abs().min(real.1.abs()) };
+        least * (elastic * elastic + (side.damping + c).powi(2) * squared_frequency.0)
+    });
+    let coupling = stiffness.1 * stiffness.1 + if c > 0.0 { c * c * squared_frequency.1 } else { 0.0 };
+    least > coupling * coupling * (1.0 + 1e-9)
 }
 
 /// The Bernstein coefficients of the grounded dyad's F (1 − u)⁴ over u in 0..1 and k in `lowest..highest`.

@@ -15,6 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
+use super::products::Sector;
 use super::value_set::{Rectangle, factors_of, sector};
 
 /// All values of one side: robot and operator together.
@@ -65,11 +66,10 @@ pub(super) enum Content {
     Possible { by_frequency: f64, by_parameter: f64, factors: Option<[Complex64; 2]> },
 }
 
-/// The enclosures over a cell: the rectangles of v₁ and v₂, magnitude and angle of their product at a root.
+/// The enclosures over a cell: the rectangles of v₁ and v₂, and where their product lies at a root.
 struct Enclosure {
     factors: [Rectangle; 2],
-    magnitude: (f64, f64),
-    angle: Option<(f64, f64)>,
+    product: Sector,
 }
 
 /// The quotient of an interval and a positive interval.
@@ -163,6 +163,9 @@ impl Family {
 
     /// What a cell may hold.
     pub(super) fn content(&self, cell: &Cell) -> Content {
+        if self.is_out_of_phase(cell) {
+            return Content::Nothing;
+        }
         if cell.frequency.0 == 0.0 {
             let excluded = match cell.round_trip {
                 None => self.is_free_of_resonance(cell),
@@ -182,43 +185,10 @@ impl Family {
         let Some(enclosure) = self.enclosure(cell) else {
             return Content::Possible { by_frequency: f64::INFINITY, by_parameter: 0.0, factors: None };
         };
-        let [mut first, mut second] = enclosure.factors;
-        // Each factor is at most as large as the other's smallest value allows.
-        for _ in 0..2 {
-            let (Some(a), Some(b)) = (
-                first.clipped(enclosure.magnitude.1 / second.least()),
-                second.clipped(enclosure.magnitude.1 / first.least()),
-            ) else {
-                return Content::Nothing;
-            };
-            (first, second) = (a, b);
-        }
-        if first.least() * second.least() > enclosure.magnitude.1 * (1.0 + 1e-13)
-            || first.greatest() * second.greatest() * (1.0 + 1e-13) < enclosure.magnitude.0
-        {
-            return Content::Nothing;
-        }
-        let factors = match enclosure.angle {
-            None => Some([first.nearest_to_zero(), second.nearest_to_zero()]),
-            Some(angle) if angle.1 - angle.0 > 2.0 => None,
-            Some(angle) => {
-                let middle = (enclosure.magnitude.0 * enclosure.magnitude.1).sqrt();
-                let logarithm = 0.5 * (enclosure.magnitude.1 / enclosure.magnitude.0).ln() + 1e-14;
-                let target = Complex64::from_polar(middle, 0.5 * (angle.0 + angle.1));
-                let turn = 0.5 * (angle.1 - angle.0) + 1e-14;
-                let found = if first.greatest() < second.greatest() {
-                    factors_of(target, &first.turned(logarithm, turn), &second)
-                } else {
-                    factors_of(target, &first, &second.turned(logarithm, turn))
-                };
-                if found.is_none() {
-                    return Content::Nothing;
-                }
-                found
-            }
-        };
-        let (by_frequency, by_parameter) = self.contributions(cell, [first.least(), second.least()]);
-        Content::Possible { by_frequency, by_parameter, factors }
+        let [first, second] = &enclosure.factors;
+        let Some(piece) = enclosure.product.products(first, second) else { return Content::Nothing };
+        let (by_frequency, by_parameter) = self.contributions(cell, &enclosure.factors, &piece.rectangles);
+        Content::Possible { by_frequency, by_parameter, factors: piece.factors }
     }
 
     /// Factors of a root at one frequency and one value of all parameters; `None` if no operator has one there.
@@ -227,7 +197,8 @@ impl Family {
         if self.hold.is_some() {
             return None;
         }
-        let Enclosure { factors: [first, second], magnitude, angle } = self.enclosure(cell)?;
+        let Enclosure { factors: [first, second], product: Sector { magnitude, angle } } =
+            self.enclosure(cell)?;
         match angle {
             None => (first.least() * second.least() <= magnitude.0 && !self.is_free_of_resonance(cell))
                 .then(|| [first.nearest_to_zero(), second.nearest_to_zero()]),
@@ -235,18 +206,21 @@ impl Family {
         }
     }
 
-    /// How much the widths of a cell in frequency and in the parameters widen its enclosures, relative to the
-    /// factors' least magnitudes.
-    fn contributions(&self, cell: &Cell, least: [f64; 2]) -> (f64, f64) {
+    /// How much the widths of a cell in frequency and in the parameters widen its enclosures, relative to the least
+    /// magnitudes of the pieces that are not excluded.
+    fn contributions(&self, cell: &Cell, factors: &[Rectangle; 2], pieces: &[Rectangle; 2]) -> (f64, f64) {
         let width = |(low, high): (f64, f64)| high - low;
         let frequency = cell.frequency.1;
         let size = cell.stiffness.0.hypot(self.coupling_damping * cell.frequency.0);
         let time = cell.round_trip.map_or(0.0, |trip| trip.1) + self.held_time();
         let (mut by_frequency, mut by_parameter) = (time, 0.0);
-        for (side, least) in self.sides.iter().zip(least) {
-            let weight = 1.0 / (size * least.max(1e-9));
-            by_frequency += weight
-                * (2.0 * side.mass.1 * frequency + side.damping.0 + cell.added.0 + self.coupling_damping);
+        for (i, side) in self.sides.iter().enumerate() {
+            let (factor, piece) = (factors[i].real, pieces[i].real);
+            let weight = 1.0 / (size * pieces[i].least().max(1e-9));
+            // The width of the real part counts at its ends only.
+            let is_inside = piece.0 > factor.0 && piece.1 < factor.1;
+            let inertia = if is_inside { 0.0 } else { 2.0 * side.mass.1 * frequency };
+            by_frequency += weight * (inertia + side.damping.0 + cell.added.0 + self.coupling_damping);
             by_parameter += width(cell.stiffness) * (weight + 1.0 / size);
             by_parameter += width(cell.added) * frequency * weight;
         }
@@ -292,7 +266,8 @@ impl Family {
             let time = (trip.0 + 2.0 * lag, trip.1 + 2.0 * lag);
             (2.0 * turn.0 - cell.frequency.1 * time.1, 2.0 * turn.1 - cell.frequency.0 * time.0)
         });
-        Some(Enclosure { factors, magnitude: (held.0 * held.0, held.1 * held.1), angle })
+        let product = Sector { magnitude: (held.0 * held.0, held.1 * held.1), angle };
+        Some(Enclosure { factors, product })
     }
 
     /// Whether under the hold |1 + B/(HC)| exceeds 1 on both sides, because the force hardly moves the robots.
@@ -305,6 +280,41 @@ impl Family {
                 hold.magnitude(cell.frequency.0) * size * (1.0 / side.open(cell).0 + aliases) < 0.499
             })
         })
+    }
+
+    /// Whether the phases of both sides exclude roots under continuous controllers.
+    ///
+    /// With Im Pᵢ = ω(bᵢ + c) > 0 and |P₁P₂| = |C|², arg P₁ + arg P₂ lies between 2A and 2π − 2A, where
+    /// sin A = ω√((b₁ + c)(b₂ + c))/|C|, since arcsin(eˣ) is convex. At a root it is 2θ − ωT, up to whole turns,
+    /// with sin θ = ωc/|C|. As A ≥ θ, a whole turn is needed, and with it ωT ≥ 2A + 2θ; where both real parts are
+    /// positive, ωT ≥ π.
+    fn is_out_of_phase(&self, cell: &Cell) -> bool {
+        let Some(round_trip) = cell.round_trip else { return false };
+        if self.hold.is_some() {
+            return false;
+        }
+        // Rounding may exclude no root.
+        const ROUNDING: f64 = 1e-13;
+        let c = self.coupling_damping;
+        let [first, second] = self.sides.map(|side| side.damping.0 + cell.added.0);
+        let (low, high) = cell.frequency;
+        let spring = cell.stiffness.1;
+        let loss = (first + c).sqrt() * (second + c).sqrt() * (1.0 - ROUNDING);
+        let sine = loss * low / spring.hypot(c * low);
+        if sine > 1.0 {
+            return true;
+        }
+        if first == 0.0 && second == 0.0 && round_trip.0 == 0.0 {
+            return false;
+        }
+        let is_slow = self
+            .sides
+            .iter()
+            .all(|side| side.mass.1 * high * high < (cell.stiffness.0 + side.stiffness.0) * (1.0 - ROUNDING));
+        // A/sin A and sin A grow with ω, sin A/ω and θ/ω fall.
+        let growth = if sine > 0.0 { sine.asin() / sine } else { 1.0 };
+        let least = 2.0 * (growth * loss / spring.hypot(c * high) + (c * high / spring).atan() / high);
+        round_trip.1 < least * (1.0 - ROUNDING) || is_slow && round_trip.1 * high < PI
     }
 
     /// Whether |P₁P₂| exceeds |C|² in a cell where both P have a positive real part, the lowest frequencies

@@ -7,11 +7,13 @@
 //! | module | content |
 //! |---|---|
 //! | `value_set` | whether the products of two rectangles reach a number |
+//! | `products` | the same for a sector of a ring, by halving the rectangles |
 //! | `family` | the rectangles of all operators over a cell of frequencies and parameters |
 //! | `slow_motion` | the lowest frequencies, with the rigid-body motion |
 //! | `search` | branch and bound for the first root |
 
 mod family;
+mod products;
 mod search;
 mod slow_motion;
 mod value_set;
@@ -19,6 +21,7 @@ mod value_set;
 pub(super) use family::{Family, Hold, SideRange};
 pub(super) use search::Crossing;
 
+use super::bounded_delay;
 use family::Cell;
 use search::Unknown;
 
@@ -73,6 +76,16 @@ impl Family {
         0.99 * (0.25 * c * b / m_other).min(d / (4.0 * m_other + 2.0 * m_damped))
     }
 
+    /// Whether tier 2's rule for continuous controllers applies: up to its bounds no passive operator has a root.
+    fn is_passively_coupled(&self) -> bool {
+        self.hold.is_none() && self.coupling_damping == 0.0
+    }
+
+    /// The smallest damping on both sides, N·s/m.
+    fn least_damping(&self) -> [f64; 2] {
+        self.sides.map(|side| side.damping.0)
+    }
+
     /// The cell of all parameters at one value each.
     fn at(stiffness: f64, round_trip: Option<f64>) -> Cell {
         Cell {
@@ -86,6 +99,13 @@ impl Family {
     /// The first stiffness (N/m) from `start` to `limit` at which some member has a root on the axis, at a round trip
     /// (s) or, with `None`, at any.
     pub fn first_stiffness(&self, round_trip: Option<f64>, start: f64, limit: f64) -> CertifiedBound {
+        let mut start = start;
+        if let Some(round_trip) = round_trip
+            && self.is_passively_coupled()
+        {
+            let [forward, backward] = [0.5 * round_trip; 2];
+            start = start.max(bounded_delay::stiffness_bound(self.least_damping(), [forward, backward], 0.0));
+        }
         self.search(Unknown::Stiffness, &Self::at(start, round_trip), start, start, limit)
     }
 
@@ -93,7 +113,12 @@ impl Family {
     pub fn first_round_trip(&self, stiffness: f64, limit: f64) -> CertifiedBound {
         let fastest = Self { hold: None, ..*self }.frequency_bound(stiffness);
         let limit = limit.min(LONGEST_ROUND_TRIP);
-        self.search(Unknown::RoundTrip, &Self::at(stiffness, Some(0.0)), 0.0, 1.0 / fastest, limit)
+        let start = if self.is_passively_coupled() {
+            bounded_delay::round_trip_bound(self.least_damping(), stiffness)
+        } else {
+            0.0
+        };
+        self.search(Unknown::RoundTrip, &Self::at(stiffness, Some(0.0)), start, 1.0 / fastest, limit)
     }
 
     /// Whether no member has a root on the axis at a stiffness (N/m) for any round trip of a range (s).
@@ -113,6 +138,11 @@ impl Family {
 
     /// The damping (N·s/m), added to both robots, above which no member has a root on the axis up to `most`.
     pub fn last_damping(&self, stiffness: f64, round_trip: f64, most: f64) -> CertifiedBound {
+        let mut most = most;
+        if self.is_passively_coupled() {
+            let added = bounded_delay::added_damping(self.least_damping(), stiffness, round_trip);
+            most = most.min(added * (1.0 + 1e-9));
+        }
         let given = Self::at(stiffness, Some(round_trip));
         let missing = self.search(Unknown::Damping { most }, &given, 0.0, most, most);
         CertifiedBound { value: most - missing.value, ..missing }

@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 use super::family::{Cell, Content, Family};
 
-/// The relative accuracy of the first root after few cells.
+/// The relative accuracy of the first root after few cells, see [`Unknown::scale`].
 const RESOLUTION: f64 = 1e-5;
 /// The most cells that one search examines.
 const MAX_CELLS: usize = 60_000;
@@ -99,6 +99,15 @@ impl Unknown {
         }
     }
 
+    /// What an accuracy at a value of the unknown is relative to: for a damping the larger part of `most`, so that
+    /// neither of the two needs all digits.
+    fn scale(self, value: f64) -> f64 {
+        match self {
+            Self::Stiffness | Self::RoundTrip => value,
+            Self::Damping { most } => value.max(most - value),
+        }
+    }
+
     /// The cell with another range of the unknown.
     fn with_range(self, cell: &Cell, range: (f64, f64)) -> Cell {
         match self {
@@ -159,7 +168,7 @@ impl Family {
         let mut least: Option<(f64, Cell, [Complex64; 2])> = None;
         while let Some(Waiting { from, cell }) = waiting.pop() {
             if let Some((value, at, factors)) = least
-                && from >= value * (1.0 - resolution(*examined))
+                && from >= value - resolution(*examined) * unknown.scale(value)
             {
                 return FirstRoot { bound: from.min(value), at: Some((at, factors)), is_finished: true };
             }
@@ -174,7 +183,7 @@ impl Family {
             };
             let range = unknown.range(&cell);
             let accuracy = resolution(*examined);
-            let fine = range.1 - range.0 <= accuracy * range.1;
+            let fine = range.1 - range.0 <= accuracy * unknown.scale(range.1);
             if cell.frequency.0 == 0.0 && !fine {
                 // Slow motions: halve the unknown if its smallest value alone would be excluded.
                 let smallest = unknown.with_range(&cell, (range.0, range.0));
@@ -183,13 +192,11 @@ impl Family {
                 }
             }
             let frequency = middle(cell.frequency);
-            for value in [middle(range), range.0] {
-                let point =
-                    unknown.with_range(&Cell { frequency: (frequency, frequency), ..cell }, (value, value));
-                let Some(root) = self.root_at(&point) else { break };
-                if least.is_none_or(|(before, ..)| value < before) {
-                    least = Some((value, point, root));
-                }
+            let at = Cell { frequency: (frequency, frequency), ..cell };
+            let before = least.map_or(f64::INFINITY, |(before, ..)| before);
+            if let Some(root) = self.least_root_at(unknown, &at, range.0, middle(range).min(before), accuracy)
+            {
+                least = Some(root);
             }
             let narrow = cell.frequency.1 - cell.frequency.0 <= 1e-12 * cell.frequency.1
                 || cell.frequency.1 <= SLOWEST * window.frequency.1;
@@ -211,11 +218,40 @@ impl Family {
         }
         match least {
             Some((value, at, factors)) => {
-                let bound = value * (1.0 - resolution(*examined));
-                FirstRoot { bound, at: Some((at, factors)), is_finished: true }
+                let bound = value - resolution(*examined) * unknown.scale(value);
+                FirstRoot {
+                    bound: bound.max(unknown.range(window).0),
+                    at: Some((at, factors)),
+                    is_finished: true,
+                }
             }
             None => FirstRoot { bound: end, at: None, is_finished: true },
         }
+    }
+
+    /// A root at one frequency, for a value of the unknown below `before` and as small as a bisection finds it.
+    fn least_root_at(
+        &self,
+        unknown: Unknown,
+        at: &Cell,
+        from: f64,
+        before: f64,
+        accuracy: f64,
+    ) -> Option<(f64, Cell, [Complex64; 2])> {
+        let root = |value: f64| {
+            let point = unknown.with_range(at, (value, value));
+            self.root_at(&point).map(|factors| (value, point, factors))
+        };
+        let mut found = root(before)?;
+        let mut low = from;
+        while found.0 - low > 0.1 * accuracy * unknown.scale(found.0) {
+            let value = middle((low, found.0));
+            match root(value) {
+                Some(smaller) => found = smaller,
+                None => low = value,
+            }
+        }
+        Some(found)
     }
 
     /// Whether some member has a root on the imaginary axis at one value of all parameters.

@@ -1,13 +1,14 @@
-//! The lowest frequencies, where the rigid-body motion of free handles hides the other roots.
+//! The lowest frequencies under a hold, where the rigid-body motion of free handles hides the other roots.
 
 use std::f64::consts::PI;
 
 use super::family::{Cell, Family, Hold, SideRange};
 
 impl Family {
-    /// Whether no root lies on the axis up to a low frequency: both factors 1 + B/(HC) have positive real and
+    /// Whether no root lies on the axis up to a low frequency under a hold: both factors 1 + B/(HC) have positive real and
     /// imaginary parts there, while e^(−jωT) lags by less than half a turn.
     pub(super) fn is_slow_motion_stable(&self, cell: &Cell, round_trip: (f64, f64)) -> bool {
+        let Some(hold) = self.hold else { return false };
         let (frequency, c) = (cell.frequency.1, self.coupling_damping);
         let squared = frequency * frequency;
         if frequency * round_trip.1 >= PI || cell.stiffness.0 <= 0.0 {
@@ -18,15 +19,11 @@ impl Family {
             return false;
         }
         if c > 0.0 {
-            return self.is_slow_damper_stable(cell);
+            return self.is_slow_damper_stable(cell, &hold);
         }
-        let Some(Hold { period, .. }) = self.hold else {
-            return self.sides.iter().all(|side| side.mass.1 * squared < cell.stiffness.0);
-        };
-        let hold = self.hold.expect("sampled");
         let lag = hold.lag();
         let angle = frequency * lag;
-        if angle >= 1.0 || frequency * period >= 1.0 {
+        if angle >= 1.0 || frequency * hold.period >= 1.0 {
             return false;
         }
         self.sides.iter().all(|side| {
@@ -54,23 +51,17 @@ impl Family {
 
     /// The same with a coupling damper: operators so stiff that they turn the factor's imaginary part negative
     /// make it larger than 1 instead.
-    fn is_slow_damper_stable(&self, cell: &Cell) -> bool {
+    fn is_slow_damper_stable(&self, cell: &Cell, hold: &Hold) -> bool {
         let (frequency, c) = (cell.frequency.1, self.coupling_damping);
-        let lag = self.hold.map_or(0.0, |hold| hold.lag());
-        if frequency * lag >= 1.0 {
+        if frequency * hold.lag() >= 1.0 {
             return false;
         }
         // The ground stiffness up to which both parts are positive, and the least factors beyond it and in all.
         let mut limits = [(0.0, 0.0, 0.0); 2];
         for (limit, side) in limits.iter_mut().zip(&self.sides) {
-            let aliases = match &self.hold {
-                None => [0.0; 2],
-                Some(hold) => match side.aliases(hold, frequency) {
-                    Some([position, velocity]) => [position / frequency, velocity],
-                    None => return false,
-                },
-            };
-            let Some(found) = self.slow_factor(side, cell, lag, aliases) else { return false };
+            let Some([position, velocity]) = side.aliases(hold, frequency) else { return false };
+            let aliases = [position / frequency, velocity];
+            let Some(found) = self.slow_factor(side, cell, hold, aliases) else { return false };
             *limit = found;
         }
         [0, 1].into_iter().all(|i| {
@@ -87,12 +78,12 @@ impl Family {
         &self,
         side: &SideRange,
         cell: &Cell,
-        lag: f64,
+        hold: &Hold,
         aliases: [f64; 2],
     ) -> Option<(f64, f64, f64)> {
-        let (frequency, c) = (cell.frequency.1, self.coupling_damping);
+        let (frequency, c, lag) = (cell.frequency.1, self.coupling_damping, hold.lag());
         let ((low, high), squared) = (cell.stiffness, frequency * frequency);
-        let held = self.hold.map_or(1.0, |hold| hold.magnitude(frequency));
+        let held = hold.magnitude(frequency);
         let cosine = (frequency * lag).cos();
         let damping = (side.damping.0 + cell.added.0, side.damping.1 + cell.added.1);
         let inertia = side.mass.1 * squared;

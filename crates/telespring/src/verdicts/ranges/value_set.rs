@@ -70,6 +70,27 @@ impl Rectangle {
         (real.0 <= real.1 && imaginary.0 <= imaginary.1).then_some(Self { real, imaginary })
     }
 
+    /// The rectangle cut across its wider side: at zero, or where the magnitude is the geometric mean of both ends'.
+    pub fn halves(&self) -> [Self; 2] {
+        let cut = |(low, high): (f64, f64)| {
+            let (a, b) = (low.abs(), high.abs());
+            if low < 0.0 && high > 0.0 {
+                0.0
+            } else if a.min(b) > 0.0 {
+                (a * b).sqrt().copysign(low)
+            } else {
+                0.5 * (low + high)
+            }
+        };
+        if self.real.1 - self.real.0 >= self.imaginary.1 - self.imaginary.0 {
+            let at = cut(self.real);
+            [(self.real.0, at), (at, self.real.1)].map(|real| Self { real, ..*self })
+        } else {
+            let at = cut(self.imaginary);
+            [(self.imaginary.0, at), (at, self.imaginary.1)].map(|imaginary| Self { imaginary, ..*self })
+        }
+    }
+
     /// The corners of the rectangle.
     fn corners(&self) -> [Complex64; 4] {
         let ((left, right), (lower, upper)) = (self.real, self.imaginary);
