@@ -127,12 +127,12 @@ _MESSAGES = {
         "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
     ),
     "late force": (
-        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The estimates allow for "
-        "it."
+        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The "
+        "estimates allow for it."
     ),
     "late position": (
-        "The position lags the force by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The estimates allow for "
-        "it."
+        "The position lags the force by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The "
+        "estimates allow for it."
     ),
     "force lag": (
         "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "
