@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from one_period_map import gain, radius
+from questions import decide, limits
 from telespring._types import FloatArray
 from telespring.cli import app
-from questions import decide, limits
 
 ASKED = ("decide", "--robot", "1.2,6", "--robot", "2,9", "--delay", "40ms")
 PERIOD = 0.001

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from one_period_map import radius
-from telespring.cli import app
 from questions import decide, limits
+from telespring.cli import app
 
 #: The seed of `make verify`.
 DRAWN = int(os.environ.get("TELESPRING_VERIFY", "1"))

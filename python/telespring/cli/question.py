@@ -101,8 +101,8 @@ class StudyOptions:
             delay = 0.5 * ping
             self.notes.append(
                 f"A ping of {format_time(ping, 6)} counts as {format_time(delay, 6)} each way. Sampled "
-                "controllers round each way up to whole sample periods: if the ping is shared otherwise, the sum "
-                "may be one period longer."
+                "controllers round each way up to whole sample periods: if the ping is shared otherwise, "
+                "the sum may be one period longer."
             )
         if ping_jitter is not None:
             jitter = ping_jitter

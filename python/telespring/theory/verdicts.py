@@ -286,6 +286,8 @@ def is_stable_over_stiffnesses(
     True
     """
     return core.is_stable_over_stiffnesses(dyad, stiffnesses, network, operator_range)
+
+
 def _refuse_beside_a_network(**given: float) -> None:
     for name, value in given.items():
         if value != 0.0:
