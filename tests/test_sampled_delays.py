@@ -178,7 +178,7 @@ def test_ref_two_undamped_robots_with_a_damper_are_stopped_by_any_delay() -> Non
 def test_ref_stable_again_beyond_the_first_limit(delay: float, is_stable: bool, keeps_delay: bool) -> None:
     """Published intervals; the reserve of 5 % reaches from 0.95 to 1.05 of the delay there."""
     for period in (0.0, 0.001):
-        found = decide(RESTABILISING, ISLAND_STIFFNESS, delay, sample_period=period, allow_unusual=True)
+        found = decide(RESTABILISING, ISLAND_STIFFNESS, delay, sample_period=period)
         assert found.stable == is_stable, period
         assert found.keeps_delay_reserve == keeps_delay, period
         # A period takes half of itself from the delay, and some damping.
@@ -217,6 +217,16 @@ def test_law_a_reserve_has_no_gap() -> None:
     assert ts.is_stable_over_stiffnesses(window, (50.0, 101.0), slow)
     assert ts.is_stable_over_stiffnesses(window, (125.0, 200.0), slow)
     assert not ts.is_stable_over_stiffnesses(window, (101.0, 125.0), slow)
+
+
+def test_law_a_range_whose_ends_do_not_ascend_is_refused() -> None:
+    network = ts.Network(0.1, sample_period=0.001)
+    for ends in ((80.0, 60.0), (60.0, float("inf")), (float("nan"), 60.0)):
+        with pytest.raises(ts.InvalidInput, match="stiffnesses"):
+            ts.is_stable_over_stiffnesses(ts.hman(), ends, network)
+    for ends in ((1.1, 0.9), (-0.1, 1.0), (0.0, float("inf"))):
+        with pytest.raises(ts.InvalidInput, match="factors"):
+            ts.is_stable_over_delays(ts.hman(), 60.0, network, ends)
 
 
 def test_law_a_delay_at_the_limit_is_stable_and_the_next_period_is_not() -> None:

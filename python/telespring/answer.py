@@ -332,7 +332,14 @@ def _answer(
                     "Give stiffness and delay, or leave it out.",
                 )
         delays = None if is_delay_given else COMMON_DELAYS
-        found = limits(question, stiffness, delays=delays, compare_free=True)
+        found = limits(
+            question,
+            stiffness,
+            delays=delays,
+            uncertainty=(None, None) if study is None else study.uncertainty,
+            records=records,
+            compare_free=True,
+        )
         if study is not None and study.names_arms_or_agents:
             notes = (*notes, _ARMS_LEFT_OUT)
         return Answer(None, found, heading, holders, notes)

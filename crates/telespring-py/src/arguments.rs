@@ -10,6 +10,7 @@ use telespring::{Delay, InvalidInput};
 use crate::arrays::as_numbers;
 use crate::errors::Outcome;
 use crate::model::{Dyad, Operator, Robot};
+use crate::network::Network;
 
 /// An argument, or its representation where it has another type.
 pub enum Argument<T> {
@@ -80,6 +81,7 @@ macro_rules! named_classes {
 named_classes! {
     Bound<'py, Dyad>: "a Dyad is required", "Pass Dyad(robot1, robot2).";
     Bound<'py, Robot>: "a Robot is required", "Pass Robot(mass, damping).";
+    Bound<'py, Network>: "a Network is required", "Pass Network(delay, sample_period=0.001).";
     Bound<'py, Operator>: "an Operator is required", "Pass Operator(mass, damping, stiffness).";
     Option<[Option<Bound<'py, Operator>>; 2]>:
         "a pair is required, for each robot an Operator or None", "Write it such as (operator, None).";
@@ -115,6 +117,13 @@ impl Number {
     /// The argument as a number, or a refusal with this field.
     pub fn named(self, field: &str) -> Outcome<f64> {
         Ok(self.or_refuse(field, "a real number is required", "Give one number.")?)
+    }
+}
+
+impl Argument<(f64, f64)> {
+    /// The argument as the ends of a range, or a refusal with this field.
+    pub fn named(self, field: &str) -> Outcome<(f64, f64)> {
+        Ok(self.or_refuse(field, "two real numbers are required", "Write them such as (0.5, 1.5).")?)
     }
 }
 

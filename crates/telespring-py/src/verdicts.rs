@@ -414,10 +414,10 @@ pub fn verdicts(
     py: Python<'_>,
     dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
-    network: &Bound<'_, Network>,
+    network: Argument<Bound<'_, Network>>,
     operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<Verdicts> {
-    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.named("network")?.get().0);
     let ranges = ranges_on(&dyad, operator_range)?;
     let stiffness = stiffness.named("stiffness")?;
     let verdicts = apart(py, move || core::verdicts(&dyad, ranges.as_ref(), stiffness, &network))??;
@@ -430,10 +430,10 @@ pub fn delay_limit(
     py: Python<'_>,
     dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
-    network: &Bound<'_, Network>,
+    network: Argument<Bound<'_, Network>>,
     operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<DelayLimit> {
-    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.named("network")?.get().0);
     let ranges = ranges_on(&dyad, operator_range)?;
     let stiffness = stiffness.named("stiffness")?;
     Ok(DelayLimit(apart(py, move || core::delay_limit(&dyad, ranges.as_ref(), stiffness, &network))??))
@@ -445,13 +445,13 @@ pub fn is_stable_over_delays(
     py: Python<'_>,
     dyad: Argument<Bound<'_, Dyad>>,
     stiffness: Number,
-    network: &Bound<'_, Network>,
-    factors: (f64, f64),
+    network: Argument<Bound<'_, Network>>,
+    factors: Argument<(f64, f64)>,
     operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<bool> {
-    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.named("network")?.get().0);
     let ranges = ranges_on(&dyad, operator_range)?;
-    let k = stiffness.named("stiffness")?;
+    let (k, factors) = (stiffness.named("stiffness")?, factors.named("factors")?);
     Ok(apart(py, move || core::is_stable_over_delays(&dyad, ranges.as_ref(), k, &network, factors))??)
 }
 
@@ -460,11 +460,12 @@ pub fn is_stable_over_delays(
 pub fn is_stable_over_stiffnesses(
     py: Python<'_>,
     dyad: Argument<Bound<'_, Dyad>>,
-    stiffnesses: (f64, f64),
-    network: &Bound<'_, Network>,
+    stiffnesses: Argument<(f64, f64)>,
+    network: Argument<Bound<'_, Network>>,
     operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<bool> {
-    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.get().0);
+    let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.named("network")?.get().0);
     let ranges = ranges_on(&dyad, operator_range)?;
+    let stiffnesses = stiffnesses.named("stiffnesses")?;
     Ok(apart(py, move || core::is_stable_over_stiffnesses(&dyad, ranges.as_ref(), stiffnesses, &network))??)
 }

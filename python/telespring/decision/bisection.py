@@ -6,13 +6,14 @@ from collections.abc import Callable
 
 __all__ = ["largest_usable"]
 
-#: How closely a value is found below what is known to be too large, and the halvings to a first value.
-_RESOLUTION = 1e-3
+#: Halvings to a first value.
 _MOST_HALVINGS = 30
 
 
-def largest_usable(is_usable: Callable[[float], bool], most: float) -> float:
-    """Return a value up to `most` that was found usable, as large as a bisection finds; 0 if none is.
+def largest_usable(is_usable: Callable[[float], bool], most: float, resolution: float = 1e-3) -> float:
+    """Return a value up to `most` that was found usable; 0 if none was.
+
+    `resolution` is the share by which a larger one, at most, was found not to be.
 
     Examples
     --------
@@ -28,7 +29,7 @@ def largest_usable(is_usable: Callable[[float], bool], most: float) -> float:
         high, low = low, 0.5 * low
     else:
         return 0.0
-    while high - low > _RESOLUTION * high:
+    while high - low > resolution * high:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_usable(middle) else (low, middle)
     return low

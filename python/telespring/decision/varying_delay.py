@@ -157,6 +157,7 @@ def usable_delay_while_varying(
                 return False
         return True
 
+    longest -= network.jitter + network.max_gap
     if with_delay(longest, "any network"):
         return math.inf
-    return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest)
+    return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest, 1e-9)

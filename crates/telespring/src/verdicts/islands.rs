@@ -8,7 +8,7 @@ use super::sampled_delays::DelayPath;
 use super::sampled_line::first_crossing_stiffness;
 use super::{Network, check_ranges, sampled_spectral_radius, sampled_stable_delays};
 use crate::criteria::{is_in_any, stable_delays};
-use crate::error::Result;
+use crate::error::{InvalidInput, Result};
 use crate::model::Dyad;
 use crate::quantity;
 
@@ -26,6 +26,7 @@ pub fn is_stable_over_delays(
     factors: (f64, f64),
 ) -> Result<bool> {
     let k = quantity::STIFFNESS.check("stiffness", stiffness)?;
+    check_ends("factors", factors)?;
     check_ranges(dyad, operators)?;
     let mean = network.buffered_mean();
     let ends = (factors.0 * mean, factors.1 * mean);
@@ -35,6 +36,19 @@ pub fn is_stable_over_delays(
         }
     }
     Ok(true)
+}
+
+/// Refuses ends of a range that do not ascend.
+fn check_ends(field: &str, (from, to): (f64, f64)) -> Result<()> {
+    if 0.0 <= from && from <= to && to.is_finite() {
+        return Ok(());
+    }
+    Err(InvalidInput::new(
+        field,
+        format!("({from}, {to})"),
+        "two finite numbers that are not negative and ascend are required",
+        "Write the smaller one first.",
+    ))
 }
 
 /// The same for one axis and mean delays (s).
@@ -87,8 +101,9 @@ pub fn is_stable_over_stiffnesses(
     stiffnesses: (f64, f64),
     network: &Network,
 ) -> Result<bool> {
-    let from = quantity::STIFFNESS.check("stiffness", stiffnesses.0)?;
-    let to = quantity::STIFFNESS.check("stiffness", stiffnesses.1)?;
+    let from = quantity::STIFFNESS.check("stiffnesses[0]", stiffnesses.0)?;
+    let to = quantity::STIFFNESS.check("stiffnesses[1]", stiffnesses.1)?;
+    check_ends("stiffnesses", stiffnesses)?;
     check_ranges(dyad, operators)?;
     let delay = network.buffered_mean();
     for index in 0..dyad.axis_names().len() {
