@@ -69,8 +69,10 @@ def _question(decision: Decision, heading: Sequence[str], notes: Sequence[str]) 
 
 def _warnings(decision: Decision) -> list[RenderableType]:
     """Say what the answer rests on before it is given: holders that are not in it, and the robots' notes."""
-    notes = [note for note in (arms_note(decision), *robot_notes(decision)) if note]
-    return [Text.assemble(("Note: ", "bold yellow"), note) for note in notes]
+    arms = arms_note(decision)
+    notes = [("Note: ", arms)] if arms else []
+    notes += [("Warning: ", note) for note in robot_notes(decision)]
+    return [Text.assemble((word, "bold yellow"), note) for word, note in notes]
 
 
 def _verdict_table(decision: Decision) -> Fitting:
