@@ -110,7 +110,7 @@ def _yes_or_no(is_so: bool) -> Text:
 
 
 def _verdict_notes(decision: Decision) -> list[Text]:
-    notes = [Text("Stable: this stiffness within that limit. Yours: whether your network is of that kind.")]
+    notes = [Text("Stable: within that limit. Yours: whether your network is of that kind.")]
     if decision.free is not None:
         notes = []
     if decision.sampled_stable is not None:
