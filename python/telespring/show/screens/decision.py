@@ -126,7 +126,7 @@ def _paper_note(decision: Decision) -> Text:
     paper = decision.verdicts.paper
     word = "stable" if paper.stable else "unstable"
     within = "at most" if decision.stiffness <= paper.critical_stiffness else "above"
-    text = f"The paper calls it {word}: {within} its {format_stiffness(paper.critical_stiffness)} (Eq. 5)"
+    text = f"The paper says {word}: {within} its {format_stiffness(paper.critical_stiffness)} (Eq. 5)"
     if math.isfinite(paper.maximum_delay):
         side = "below" if decision.mean_delay < paper.maximum_delay else "not below"
         text += f", {side} its {format_time(paper.maximum_delay, rounding='down')} (Eq. 6)"
