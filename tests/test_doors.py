@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
 import telespring as ts
+from telespring._types import FloatArray
 from telespring.decision.decide import decide
 from telespring.decision.limits import limits
 from telespring.decision.question import Question
-from telespring.decision.uncertainty import RobotUncertainty
+from telespring.show.limits_json import limits_json
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Standard errors of a robot of one axis."""
+
+    mass_sd: FloatArray
+    damping_sd: FloatArray
+
 
 MINE = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
 STUDY = ts.Study.from_toml(
@@ -54,7 +65,7 @@ def test_law_a_sampled_damper_with_errors_is_not_called_stable_while_the_delay_v
     question = Question(
         ts.Dyad(robot, robot, coupling_damping=20.0), ts.Network(0.04, jitter=0.01, sample_period=0.005)
     )
-    error = RobotUncertainty(np.array([0.02]), np.array([0.0]))
+    error = Errors(np.array([0.02]), np.array([0.0]))
     found = decide(question, 100.0, uncertainty=(error, error)).varying
     assert found is not None
     assert found.status != "stable"
@@ -62,11 +73,15 @@ def test_law_a_sampled_damper_with_errors_is_not_called_stable_while_the_delay_v
 
 
 def test_law_the_flag_of_a_usable_delay_is_its_own() -> None:
-    errors = tuple(RobotUncertainty(np.array([0.0]), np.array([0.1 * b])) for b in (6.0, 9.0))
+    errors = tuple(Errors(np.array([0.0]), np.array([0.1 * b])) for b in (6.0, 9.0))
     question = Question(MINE, ts.Network(0.0, sample_period=0.001))
     row = limits(question, 18.0, uncertainty=(errors[0], errors[1])).stiffness
     assert row is not None
     assert math.isfinite(row.usable_delay)
+    assert math.isinf(row.delay_limit)
+    stiffness = limits_json(limits(question, 18.0, uncertainty=(errors[0], errors[1])))["stiffness"]
+    assert stiffness["unbounded"]
+    assert not stiffness["usable_delay_unbounded"]
 
 
 def test_cross_the_map_over_a_range_lies_within_the_limit() -> None:
