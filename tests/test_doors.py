@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ class Errors:
 
     mass_sd: FloatArray
     damping_sd: FloatArray
+    correlation: FloatArray = field(default_factory=lambda: np.zeros(1))
 
 
 MINE = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
