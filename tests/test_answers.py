@@ -424,3 +424,27 @@ def test_law_help_has_no_broken_line() -> None:
     for line, following in pairwise(text):
         if line and following:
             assert len(line) + 1 + len(following.split()[0]) > 76, line
+
+
+@pytest.mark.parametrize("given", ["no", 0, 1, 2.0])
+def test_law_only_a_bool_promises_a_playout_buffer(given: object) -> None:
+    network = ts.Network(0.04, jitter=0.01, sample_period=0.001)
+    dyad = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+    with pytest.raises(ts.InvalidInput, match="playout_buffer"):
+        ts.decide(dyad, 150.0, network, playout_buffer=given)  # type: ignore[arg-type]
+
+
+def test_law_a_short_answer_rounds_no_limit_up() -> None:
+    dyad = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+    for delay in (0.03, 0.04, 0.05, 0.06, 0.07):
+        answer = ts.decide(dyad, 50.0, delay)
+        shown = float(repr(answer).split("stiffness limit ")[1].split(" ")[0])
+        assert answer.stiffness_limit is not None
+        assert shown <= answer.stiffness_limit
+
+
+def test_law_a_stiffness_near_the_largest_allowed_is_answered() -> None:
+    dyad = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+    answer = ts.decide(dyad, 9.6e6, 0.04, allow_unusual=True)
+    assert answer.status == "unstable"
+    assert ts.decide(dyad, 9.6e6, allow_unusual=True).limits is not None

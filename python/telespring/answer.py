@@ -239,7 +239,12 @@ def decide(
     >>> [ts.decide(mine, 150.0, jittery, playout_buffer=given).status for given in (True, False)]
     ['stable', 'not proven']
     """
-    values = {"stiffness": stiffness, "horizon": horizon, "decay_rate": decay_rate, "delay": delay}
+    values: dict[str, object] = {
+        "stiffness": stiffness,
+        "horizon": horizon,
+        "decay_rate": decay_rate,
+        "delay": delay,
+    }
     for field, value in values.items():
         is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
         if (value is not None and not is_number and field != "delay") or isinstance(value, bool | np.bool_):
@@ -271,6 +276,13 @@ def decide(
         ranges = _both(operator_range)
     if not allow_unusual and (study is None or operator_range is not None):
         refuse_unusual(dyad, network, ranges, stiffness)
+    if not isinstance(playout_buffer, bool | None):
+        raise InvalidInput(
+            "playout_buffer",
+            repr(playout_buffer)[:60],
+            "True, False or None is required",
+            "Pass True only if both sides hold every sample until it is as old as the latest one can be.",
+        )
     question = Question(dyad, network, ranges, bool(playout_buffer))
     return _answer(
         question,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
     LONGEST_DELAY,
+    SOFTEST,
     STIFFEST,
     Question,
     are_axes_independent,
@@ -263,7 +264,9 @@ def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
         usable = math.inf if errors.allow(question, question.judge(_STIFFEST)) else _STIFFEST
         most = usable
     if math.isfinite(most):
-        usable = largest_usable(lambda stiffness: _is_usable(question, stiffness, errors), most)
+        usable = largest_usable(
+            lambda stiffness: _is_usable(question, stiffness, errors), most, least=SOFTEST
+        )
     return DelayLimits(
         judged,
         stiffness_limit=limit,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LONGEST_DELAY",
+    "SOFTEST",
     "STIFFEST",
     "Question",
     "are_axes_independent",
@@ -41,8 +42,8 @@ __all__ = [
 
 #: The longest delay that is judged, one way, s.
 LONGEST_DELAY = 100.0
-#: The largest stiffness that is judged, N/m.
-STIFFEST = 1e7
+#: The smallest and the largest stiffness that is judged, N/m.
+SOFTEST, STIFFEST = 1e-6, 1e7
 
 
 def is_stable(judged: Verdicts) -> bool:

@@ -171,4 +171,4 @@ def usable_delay_while_varying(
     longest -= network.jitter + network.max_gap
     if with_delay(longest, "any network"):
         return math.inf
-    return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest, 1e-9)
+    return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest, resolution=1e-9)

@@ -116,6 +116,7 @@ def _decision_axis_json(axis: AxisDecision) -> dict[str, Any]:
         "maximum_stiffness": finite_or_none(axis.maximum_stiffness),
         "maximum_stiffness_unbounded": math.isinf(axis.maximum_stiffness),
         "stable_delays": [list(interval) for interval in own.stable_delays],
+        "sampled_proven": axis.verdict.sampled_proven,
         "sampled_stable_delays": None
         if own.sampled_stable_delays is None
         else [[start, finite_or_none(end)] for start, end in own.sampled_stable_delays],
@@ -160,6 +161,7 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         ),
         "axis": None if axis is None else axes[axis],
         "satisfied": satisfied,
+        **({} if name == "paper" else {"proven": tier.proven}),
         "assumption_met": tier.assumption_met,
         "assumption": tier.assumption,
         "available": bound is not None,

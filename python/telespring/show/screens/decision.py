@@ -18,6 +18,7 @@ from telespring.show.screens.decision_details import arms_note, decision_details
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
+    MAYBE_TOO_SMALL,
     TABLE_TITLE,
     WORST_OPERATOR,
     allowed_stiffness,
@@ -116,6 +117,10 @@ def _verdict_notes(decision: Decision) -> list[Text]:
     if decision.sampled_stable is not None:
         notes.append(Text(CONTINUOUS_TIERS))
         notes.append(Text(sampling_note(decision.verdicts)))
+    if any(axis.verdict.sampled_proven is False for axis in decision.axes):
+        notes.append(Text(MAYBE_TOO_SMALL))
+    if not decision.delay_limit_proven:
+        notes.append(Text("The longest delay may be too small, since the search was cut off."))
     if decision.over_operator_ranges:
         notes.append(Text(WORST_OPERATOR))
     notes.append(_paper_note(decision))

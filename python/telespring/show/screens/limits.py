@@ -16,6 +16,7 @@ from telespring.show.quantities import format_stiffness, format_time
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
+    MAYBE_TOO_SMALL,
     TABLE_TITLE,
     WORST_OPERATOR,
     allowed_stiffness,
@@ -66,6 +67,8 @@ def limits_screen(
         parts.append(Text(CONTINUOUS_TIERS))
         if found.is_delay_given:
             parts.append(Text(sampling_note(found.delays[0].verdicts)))
+    if any(axis.sampled_proven is False for row in found.delays for axis in row.verdicts.axes):
+        parts.append(Text(MAYBE_TOO_SMALL))
     if found.over_operator_ranges:
         parts.append(Text(WORST_OPERATOR))
     return Group(*parts)
@@ -182,7 +185,8 @@ def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
         + (
             "Without this, no delay is too long."
             if math.isinf(row.delay_limit)
-            else f"The limit itself is {format_time(row.delay_limit, rounding='down')}."
+            else f"The limit itself is {format_time(row.delay_limit, rounding='down')}"
+            f"{'' if row.delay_limit_proven else ' or more, since the search over the ranges was cut off'}."
         ),
     )
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CONTINUOUS_TIERS",
+    "MAYBE_TOO_SMALL",
     "TABLE_TITLE",
     "WORST_OPERATOR",
     "TierBound",
@@ -37,6 +38,7 @@ __all__ = [
 CONTINUOUS_TIERS = "The limit for any constant delay is that of continuous controllers."
 
 TABLE_TITLE = "How stiff the spring may be, by what the network does"
+MAYBE_TOO_SMALL = "The limit with sampled controllers may be more than 5 % too small: the search was cut off."
 WORST_OPERATOR = "Every limit holds for every hand in the range, the worst included."
 
 
