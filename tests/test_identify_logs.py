@@ -586,3 +586,42 @@ def test_law_the_screen_cuts_no_number(columns: int, root: Path) -> None:
     assert all(len(line) <= columns for line in shown.stdout.splitlines())
     for axis in found["axes"]:
         assert f"{axis['r_squared']:.5f}" in shown.stdout
+
+
+@pytest.mark.parametrize("rest", [0.0, -1.7])
+@pytest.mark.parametrize("dead", [slice(6000, None), slice(3000, 5000), slice(0, 3000)])
+def test_law_a_dead_force_sensor_is_named_with_the_part_to_leave_out(dead: slice, rest: float) -> None:
+    table = frame()
+    column = table["force_x"].to_numpy().copy()
+    column[dead] = rest
+    refused = refusal(table.assign(force_x=column))
+    assert refused.field == "column force_x" or "force" in refused.field
+    assert "although the robot moves as before" in str(refused)
+    assert ("--end" in refused.remedy) == (dead.start > 0)
+    assert ("--start" in refused.remedy) == (dead.stop is not None)
+
+
+@pytest.mark.parametrize("option", ["--out", "--figure"])
+def test_law_no_log_is_overwritten(tmp_path: Path, option: str) -> None:
+    # TOML or PNG in name only: a log is known by its content to nobody but its owner
+    log = tmp_path / ("log.toml" if option == "--out" else "log.png")
+    log.write_text("mine")
+    (tmp_path / "folder").mkdir()
+    link = tmp_path / f"link{log.suffix}"
+    link.hardlink_to(log)
+    for spelt in (log, tmp_path / "folder" / ".." / log.name, link):
+        refused = run(log, option, spelt)
+        assert refused.exit_code == 2
+        assert "is an input" in " ".join(refused.stderr.split())
+    assert log.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["log.csv", "robot.json"])
+def test_law_a_robot_file_has_a_name_in_toml(tmp_path: Path, name: str) -> None:
+    log = written(frame(), tmp_path / "log.csv")
+    before = log.read_bytes()
+    refused = run(log, "--out", tmp_path / name)
+    assert refused.exit_code == 2
+    assert ".toml" in refused.stderr
+    assert log.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["log.csv"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 
 from made_logs import TRUTH, made_log
 from telespring import InvalidInput, cli
-from telespring.identification import identify, identify_logs
+from telespring.identification import identify, identify_logs, robot_toml
 from telespring.identification.combination import combine_estimates
 from telespring.identification.results import Estimate
 from telespring.study.robot_file import robot_record
@@ -126,3 +127,15 @@ def test_law_the_command_takes_several_logs_and_the_robot_file_counts_them(tmp_p
     assert answer["log"] == "log0.csv, log1.csv"
     low, high = answer["axes"][0]["damping_interval"]
     assert low < answer["each_log"][0][0]["damping"] < answer["each_log"][1][0]["damping"] < high
+
+
+def test_law_a_spring_that_the_logs_together_do_not_show_is_not_in_the_robot_file() -> None:
+    """Springs of 5 and 0.5 N/m: each log is sure of its own, and two logs leave the spring open down to 0."""
+    logs = [made_log(np.random.default_rng(seed), spring=spring) for seed, spring in ((1, 5.0), (2, 0.5))]
+    found = identify_logs(logs)
+    assert found.axes[0].stiffness is not None
+    assert found.axes[0].stiffness.interval[0] < 0.0
+    assert "stiffness" not in tomllib.loads(robot_toml(found, "open"))["identification"]
+    assert any("do not show a spring" in warning for warning in found.warnings)
+    sure = tomllib.loads(robot_toml(identify_logs(logs[:1]), "sure"))["identification"]
+    assert abs(sure["stiffness"][0] - 5.0) < 0.2

@@ -1,7 +1,8 @@
-"""Figures that commands write, as SVG, PNG or PDF."""
+"""Files that commands write: figures as SVG, PNG or PDF, and never over an input."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from telespring._files import replacing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_figure_name", "save_figure"]
+__all__ = ["check_figure_name", "check_not_an_input", "save_figure"]
 
 
 def check_figure_name(path: Path) -> Path:
@@ -38,3 +39,22 @@ def save_figure(figure: Figure, path: Path) -> None:
 
     with figure_style(), replacing(path) as temporary:
         figure.savefig(temporary, dpi=200)
+
+
+def check_not_an_input(option: str, path: Path, inputs: Iterable[Path]) -> Path:
+    """Return the path of a file to write; refuse one that the command reads, however it is spelt.
+
+    Examples
+    --------
+    >>> check_not_an_input("--out", Path("robot.toml"), [Path("log.csv")]).name
+    'robot.toml'
+    """
+    for read in inputs:
+        if path.resolve() == read.resolve() or (path.exists() and read.exists() and path.samefile(read)):
+            raise InvalidInput(
+                option,
+                str(path),
+                f"this file is an input of the command ({read}), and writing would replace it",
+                "Choose another name.",
+            )
+    return path

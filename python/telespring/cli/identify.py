@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 from rich.text import Text
 
+from telespring._errors import InvalidInput
 from telespring.cli.common import print_json
-from telespring.cli.figure_file import check_figure_name, save_figure
+from telespring.cli.figure_file import check_figure_name, check_not_an_input, save_figure
 from telespring.cli.terminal import show
 from telespring.cli.units import FORCE, FREQUENCY, LENGTH, TIME, number
 
@@ -36,7 +37,7 @@ def identify_command(
         list[str] | None,
         typer.Option(
             "--position",
-            help="Position column, m, by name or number; repeat for each axis, or 2,3.",
+            help="Position column, m, by name or number; repeat for each axis, or x,y or 2,3.",
             show_default="position_x, position_y",
         ),
     ] = None,
@@ -173,7 +174,9 @@ def identify_command(
     from telespring.show.screens.identification import identification_screen
 
     if figure is not None:
-        check_figure_name(figure)
+        check_not_an_input("--figure", check_figure_name(figure), logs)
+    if out is not None:
+        check_not_an_input("--out", _robot_file(out), logs)
     recordings = [
         read_log(
             log,
@@ -230,10 +233,18 @@ def identify_command(
             show(Text(f"{label}: {path}"))
 
 
+def _robot_file(path: Path) -> Path:
+    """Return the path of a robot file; refuse an ending that is not TOML's."""
+    if path.suffix.lower() != ".toml":
+        raise InvalidInput(
+            "--out",
+            str(path),
+            "a robot file is TOML, and its name must end in .toml",
+            f"Write {path.with_suffix('.toml')}." if path.name else "Name a file.",
+        )
+    return path
+
+
 def _columns(options: list[str] | None) -> list[str]:
-    """Return the columns that options name; numbers may share one option: 2,3."""
-    columns: list[str] = []
-    for option in options or []:
-        parts = [part.strip() for part in option.split(",")]
-        columns += parts if all(part.isdecimal() for part in parts) else [option]
-    return columns
+    """Return the columns that options name; several may share one option: 2,3 or x,y."""
+    return [part.strip() for option in options or [] for part in option.split(",")]

@@ -102,6 +102,14 @@ def combine_logs(logs: Sequence[Identification], names: Sequence[str]) -> Identi
         axis, found = _combine_axis([log.axes[i] for log in logs])
         axes.append(axis)
         doubts += found
+        has_spring = any(
+            doubt.code == "spring" and doubt.values["axis"] == axis.axis
+            for log in logs
+            for doubt in log.diagnostics
+        )
+        if has_spring and not axis.is_present("stiffness"):
+            low, high = axis.estimates["stiffness"].interval
+            doubts.append(diagnostic("unconfirmed spring", axis=axis.axis, low=low, high=high))
     return replace(
         first,
         axes=tuple(axes),

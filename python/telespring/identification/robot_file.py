@@ -74,14 +74,13 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
         {key: value for key, value in cross.items() if value is not None}
         for cross in record["cross_inertias"]
     ]
-    springs = {
-        doubt.values["axis"]: doubt.values["stiffness"]
-        for doubt in identification.diagnostics
-        if doubt.code == "spring"
-    }
-    if springs:
+    found = {doubt.values["axis"] for doubt in identification.diagnostics if doubt.code == "spring"}
+    # A spring of one log that all together do not confirm would be counted on without being there.
+    springs = [axis.axis in found and axis.is_present("stiffness") for axis in axes]
+    if any(springs):
         record["stiffness"] = [
-            axis.estimates["stiffness"].value if axis.axis in springs else 0.0 for axis in axes
+            axis.estimates["stiffness"].value if is_there else 0.0
+            for axis, is_there in zip(axes, springs, strict=True)
         ]
     record["condition_number"] = [axis.condition_number for axis in axes]
     record["r_squared"] = [axis.r_squared for axis in axes]

@@ -32,7 +32,7 @@ def check_sensors(piece: Piece, origin: Origin) -> list[Diagnostic]:
         warnings += _position_jumps(column, row, piece, origin)
         warnings += _held_position(column, row, step)
     for i, row in enumerate(piece.force):
-        warnings += _constant_force(origin.column("force", i), row, step, piece, origin)
+        warnings += _constant_force(origin.column("force", i), row, piece.position[i], step, piece, origin)
     if any(np.array_equal(piece.position[0], row) for row in piece.position[1:]):
         warnings.append(diagnostic("identical positions"))
     return warnings
@@ -45,7 +45,7 @@ def _place(piece: Piece, origin: Origin, sample: int) -> str:
 
 def _remedy(piece: Piece, start: int, end: int) -> str:
     """Say how to leave out the samples from one to before another, where a sensor was stuck."""
-    parts = [f"--end {piece.time[start]:.9g}"]
+    parts = [f"--end {piece.time[start]:.9g}"] if start else []
     if end < piece.time.size:
         parts.append(f"--start {piece.time[end]:.9g}")
     return f"The sensor was stuck. Leave this part out with {' or '.join(parts)}."
@@ -155,7 +155,7 @@ def _position_jumps(column: str, position: FloatArray, piece: Piece, origin: Ori
 
 
 def _constant_force(
-    column: str, force: FloatArray, step: float, piece: Piece, origin: Origin
+    column: str, force: FloatArray, position: FloatArray, step: float, piece: Piece, origin: Origin
 ) -> list[Diagnostic]:
     if float(np.ptp(force)) == 0.0:
         raise InvalidInput(
@@ -171,7 +171,29 @@ def _constant_force(
         return []
     start = int(starts[longest])
     value = float(force[start])
+    _refuse_dead_force(column, value, position, piece, origin, start, start + int(lengths[longest]))
     is_extreme = value in (float(force.max()), float(force.min()))
     code = "saturated force" if is_extreme else "constant force"
     place = _place(piece, origin, start)
     return [diagnostic(code, column=column, force=value, duration=duration, place=place)]
+
+
+def _refuse_dead_force(
+    column: str, force: float, position: FloatArray, piece: Piece, origin: Origin, start: int, end: int
+) -> None:
+    """Refuse a force that is constant from one sample to before another while the robot moves as before."""
+    duration = (end - start) * float(np.median(np.diff(piece.time)))
+    if duration < _FROZEN or end - start < _FROZEN_SHARE * position.size:
+        return
+    moves = np.diff(position)
+    inside = np.zeros(moves.size, dtype=bool)
+    inside[start : end - 1] = True
+    # A robot that is let go comes to rest; one that moves on is pushed.
+    if not (~inside).any() or float(np.std(moves[inside])) > _PUSHED * float(np.std(moves[~inside])):
+        raise InvalidInput(
+            column,
+            f"{force:g} N for {duration:.3g} s from {_place(piece, origin, start)} on, although the robot "
+            "moves as before",
+            "a force that varies with the movement is required",
+            _remedy(piece, start, end),
+        )

@@ -103,8 +103,12 @@ _MESSAGES = {
     "spring": (
         "Axis {axis}: a spring of {stiffness:.3g} N/m ({low:.3g} to {high:.3g} N/m) pulls the robot to "
         "a place. "
-        "Mass and damping allow for it. A study that takes the robot file adds the spring to the operator's "
-        "stiffness on this side, and rehearse leaves it out."
+        "Mass and damping allow for it. Verdicts from the robot file include the spring, and rehearse leaves "
+        "it out."
+    ),
+    "unconfirmed spring": (
+        "Axis {axis}: the logs together do not show a spring ({low:.3g} to {high:.3g} N/m). The robot file "
+        "has none."
     ),
     "negative spring": (
         "Axis {axis}: a force pushes the robot away from the middle, like a spring of {stiffness:.3g} N/m "
