@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -246,5 +247,17 @@ def _robot_file(path: Path) -> Path:
 
 
 def _columns(options: list[str] | None) -> list[str]:
-    """Return the columns that options name; several may share one option: 2,3 or x,y."""
-    return [part.strip() for option in options or [] for part in option.split(",")]
+    """Return the columns that options name; several may share one option, 2,3 or x,y.
+
+    A comma before a space belongs to a name, such as Fx, N.
+
+    Examples
+    --------
+    >>> _columns(["x,y"]), _columns(["2, 3"]), _columns(["Fx, N", "Fy, N"])
+    (['x', 'y'], ['2', '3'], ['Fx, N', 'Fy, N'])
+    """
+    columns: list[str] = []
+    for option in options or []:
+        parts = [part.strip() for part in option.split(",")]
+        columns += parts if all(part.isdecimal() for part in parts) else re.split(r",(?=\S)", option)
+    return columns

@@ -94,7 +94,7 @@ def sampling_note(judged: Verdicts) -> str:
     note = f"Sampling: h = {format_time(h, 6)}, T₁+T₂ = {format_time(age, 6)}."
     if judged.tier("bounded varying delay").stiffness_bound is None:
         return note
-    return f"{note} It puts bᵢ − kh in place of bᵢ, and lowers the limit for any network."
+    return f"{note} It puts b − kh in place of b, and lowers the limit for any network."
 
 
 def given_delay(delay: tuple[float, float]) -> str:
