@@ -97,3 +97,24 @@ def test_cross_the_map_over_a_range_lies_within_the_limit() -> None:
         bound = judged.tier("constant delay").stiffness_bound
         assert bound is not None
         assert depth[i, 0] + 1.0 <= bound * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("subject", [MINE, STUDY])
+@pytest.mark.parametrize("stiffness", [None, 100.0])
+def test_law_a_network_without_a_sample_period_is_announced(subject: Any, stiffness: float | None) -> None:
+    continuous = ts.decide(subject, stiffness, ts.Network(0.04, jitter=0.01))
+    text = " ".join(str(continuous).split())
+    assert "The network has no sample period: the controllers are taken as continuous." in text
+    assert "sample_period=0.001" in text
+    sampled = ts.Network(0.04, jitter=0.01, sample_period=0.001)
+    for given in (sampled, 0.04, (0.04, 0.05)):
+        assert ts.decide(subject, stiffness, given).notes == ()
+    if stiffness is None:
+        # the note matters: the command's answer is on the safe side
+        usable = []
+        for network in (ts.Network(0.04, jitter=0.01), sampled):
+            found = ts.decide(subject, delay=network).limits
+            assert found is not None
+            assert found.delays[0].varying is not None
+            usable.append(found.delays[0].varying.usable_stiffness)
+        assert usable[1] < usable[0]

@@ -502,6 +502,18 @@ def test_law_decide_passes_on_that_axes_are_not_independent(tmp_path: Path) -> N
     assert "Warning: The axes of robot 1 are NOT independent" in text
     assert "no probability of stability is given" in text
     assert "with probability" not in text
+    # the limits rest on the same robots: asked without a stiffness, without a delay, without both
+    for options in (["--delay", "0.1"], ["--stiffness", "20"], []):
+        asked = ["decide", "--robot1", str(robot), "--robot2", "hman2", *options]
+        limits = json.loads(CliRunner().invoke(cli.app, [*asked, "--json"]).stdout)
+        assert limits["question"] == "limits"
+        assert limits["warnings"] == answer["warnings"]
+        screen = CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(cli.app, asked).stdout
+        shown = " ".join(screen.split())
+        for warning in answer["warnings"]:
+            assert f"Warning: {' '.join(warning.split())}" in shown
+        firsts = "You may", "The delay may", "Any constant delay", "What each delay"
+        assert shown.index("Warning: ") < min(shown.index(word) for word in firsts if word in shown)
 
 
 def test_law_decide_passes_on_warnings_and_tells_of_a_robot_without_errors(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from telespring.decision.question import Question, refuse_unusual
 from telespring.decision.reserve import Status
 from telespring.show.decision_json import decision_json
 from telespring.show.limits_json import limits_json
-from telespring.show.quantities import format_number
+from telespring.show.quantities import format_number, format_time
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
@@ -39,6 +39,10 @@ if TYPE_CHECKING:
 __all__ = ["Answer", "answer_study", "decide"]
 
 _COLUMNS = 80
+_CONTINUOUS = (
+    "The network has no sample period: the controllers are taken as continuous. The command samples them "
+    "every {period}; give the Network sample_period={seconds:g} for that."
+)
 _ARMS_LEFT_OUT = "The limits are without the arms and agents that hold the handles in the study's rehearsal."
 
 
@@ -202,7 +206,8 @@ def decide(
         Stiffness of the virtual spring, N/m. Without it the answer is the stiffness that you may use.
     delay : float, (float, float) or Network, optional
         One-way delay each way, s, or the pair (forward, backward); or a network, whose controllers are
-        continuous unless it has a sample period. Without it the answer lists what common delays allow.
+        continuous unless it has a sample period (a note of the answer says so). Without it the answer
+        lists what common delays allow.
     operator_range : OperatorRange or pair of OperatorRange, optional
         Operators that replace the dyad's own; the answer holds for all of them.
     playout_buffer : bool, optional
@@ -292,6 +297,7 @@ def decide(
         horizon=horizon,
         decay_rate=decay_rate,
         modules=modules,
+        notes=_sampling_notes(delay),
     )
 
 
@@ -386,6 +392,14 @@ def _answer(
         condition = (decision.stiffness, decision.constant_delay)
         decision = replace(decision, arms=arm_stability(study, [condition], modules))
     return Answer(decision, None, heading, holders, notes)
+
+
+def _sampling_notes(delay: Delay | Network | None) -> tuple[str, ...]:
+    """Say that a network without a sample period is judged otherwise than by the command."""
+    if not isinstance(delay, Network) or delay.sample_period > 0.0:
+        return ()
+    period = _sample_period()
+    return (_CONTINUOUS.format(period=format_time(period), seconds=period),)
 
 
 def _both(

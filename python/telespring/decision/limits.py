@@ -138,6 +138,10 @@ class Limits:
         is False, the limits hold axis by axis only.
     has_playout_buffer
         Whether a playout buffer is promised, which makes the delay constant.
+    robots_without_errors
+        The robots, 1 or 2, whose masses and dampings have no errors.
+    robot_records
+        What identification recorded about robots 1 and 2.
     free
         The limits with free handles; None if the handles are free, or if it was not requested.
     """
@@ -150,6 +154,8 @@ class Limits:
     robots_have_errors: bool = False
     axes_independent: bool | None = None
     has_playout_buffer: bool = False
+    robots_without_errors: tuple[int, ...] = (1, 2)
+    robot_records: tuple[RobotRecord | None, RobotRecord | None] = (None, None)
     free: Limits | None = None
 
 
@@ -218,6 +224,8 @@ def limits(
         robots_have_errors=errors.known,
         axes_independent=independent,
         has_playout_buffer=question.has_playout_buffer,
+        robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
+        robot_records=records,
         free=free,
     )
 

@@ -9,6 +9,7 @@ from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.decision_json import sampled_bound_json, varying_json
+from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 
 __all__ = ["limits_json"]
@@ -25,6 +26,7 @@ def limits_json(found: Limits) -> dict[str, Any]:
         "over_operator_ranges": found.over_operator_ranges,
         "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
         "axes_independent": found.axes_independent,
+        "warnings": robot_notes(found),
         "playout_buffer": found.has_playout_buffer,
         "delays": [_delay_json(row, found.axes) for row in found.delays],
         "stiffness": None

@@ -30,7 +30,7 @@ from telespring.show.screens.questions import (
     sampling_note,
     tier_bounds,
 )
-from telespring.show.screens.robots import robot_notes
+from telespring.show.screens.robots import warning_lines
 from telespring.show.tiers import TIERS
 
 __all__ = ["decision_screen"]
@@ -71,9 +71,8 @@ def _question(decision: Decision, heading: Sequence[str], notes: Sequence[str]) 
 def _warnings(decision: Decision) -> list[RenderableType]:
     """Say what the answer rests on before it is given: holders that are not in it, and the robots' notes."""
     arms = arms_note(decision)
-    notes = [("Note: ", arms)] if arms else []
-    notes += [("Warning: ", note) for note in robot_notes(decision)]
-    return [Text.assemble((word, "bold yellow"), note) for word, note in notes]
+    notes = [Text.assemble(("Note: ", "bold yellow"), arms)] if arms else []
+    return [*notes, *warning_lines(decision)]
 
 
 def _verdict_table(decision: Decision) -> Fitting:

@@ -29,6 +29,7 @@ from telespring.show.screens.questions import (
     tier_bounds,
     variation_clause,
 )
+from telespring.show.screens.robots import warning_lines
 from telespring.show.tiers import TIERS
 
 __all__ = ["limits_screen"]
@@ -55,7 +56,7 @@ def limits_screen(
     text = Text("\n".join([*heading, asked]), style="bold")
     for note in notes:
         text.append(f"\n{note}", style="not bold")
-    parts: list[RenderableType] = [text]
+    parts: list[RenderableType] = [text, *warning_lines(found)]
     parts.append(Padding(Group(*_usable(found, held)), (0, 0, 1, 0)))
     if found.is_delay_given:
         parts.append(_tier_table(found))

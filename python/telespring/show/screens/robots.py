@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rich.text import Text
+
 if TYPE_CHECKING:
     from telespring.decision.decide import Decision
+    from telespring.decision.limits import Limits
     from telespring.study.robot_file import RobotRecord
 
-__all__ = ["identification_notes", "outside_probability", "robot_notes"]
+__all__ = ["identification_notes", "outside_probability", "robot_notes", "warning_lines"]
 
 
 def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None]) -> list[str]:
@@ -21,9 +24,9 @@ def identification_notes(records: tuple[RobotRecord | None, RobotRecord | None])
     ]
 
 
-def robot_notes(decision: Decision) -> list[str]:
+def robot_notes(answer: Decision | Limits) -> list[str]:
     """Report coupled axes, identification warnings, and a robot without uncertainty if only one has it."""
-    records, exact = decision.robot_records, decision.robots_without_errors
+    records, exact = answer.robot_records, answer.robots_without_errors
     coupled = [i for i, record in enumerate(records, start=1) if record and record.independent is False]
     notes = []
     if coupled:
@@ -39,6 +42,11 @@ def robot_notes(decision: Decision) -> list[str]:
             f"probability include the uncertainty of robot {3 - exact[0]} only."
         )
     return notes
+
+
+def warning_lines(answer: Decision | Limits) -> list[Text]:
+    """Write the notes on the robots as lines of a screen."""
+    return [Text.assemble(("Warning: ", "bold yellow"), note) for note in robot_notes(answer)]
 
 
 def outside_probability(decision: Decision) -> str:
