@@ -235,8 +235,9 @@ impl Verdicts {
 ///
 /// With `operators` every verdict holds for all operators of both ranges, which replace the dyad's own. Tiers 1 and 2
 /// have a known worst operator; for tiers 3 and 4 and the sampled dyad a search excludes roots on the imaginary
-/// axis for the whole range at once. Only tier 1 of sampled controllers with grounded operators or a
-/// coupling damper has no proof over a range: see [`Verdict::proven`].
+/// axis for the whole range at once. Tier 1 of sampled controllers has no proof over a range of free
+/// operators with a coupling damper, nor over grounded operators with a computing time if a ground stiffness may be 0:
+/// see [`Verdict::proven`].
 ///
 /// # Errors
 ///
