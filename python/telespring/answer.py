@@ -6,9 +6,11 @@ import io
 import math
 from dataclasses import dataclass, replace
 from functools import cache
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.console import Console
 
 from telespring._core import Coupling, Dyad, Network, OperatorRange, Study
@@ -23,6 +25,7 @@ from telespring.decision.question import Question, refuse_unusual
 from telespring.decision.reserve import Status
 from telespring.show.decision_json import decision_json
 from telespring.show.limits_json import limits_json
+from telespring.show.quantities import format_number
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
@@ -120,12 +123,13 @@ class Answer:
         return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name} {_in_short(value, unit)}" for name, value, unit in self._values())
+        values = ", ".join(f"{name} {_in_short(name, value, unit)}" for name, value, unit in self._values())
         return f"<Answer: {values}>"
 
     def _repr_html_(self) -> str:
         rows = {
-            f"{name}, {unit}" if unit else name: _in_short(value, "") for name, value, unit in self._values()
+            f"{name}, {unit}" if unit else name: _in_short(name, value, "")
+            for name, value, unit in self._values()
         }
         return table("; ".join(self.heading), rows)
 
@@ -163,12 +167,14 @@ class Answer:
         return found
 
 
-def _in_short(value: float | str, unit: str) -> str:
+def _in_short(name: str, value: float | str, unit: str) -> str:
     if isinstance(value, str):
         return value
     if math.isinf(value):
         return "no limit"
-    return f"{value:.5g} {unit}".rstrip()
+    # What may be used must not be rounded up; what was given is not a limit.
+    is_limit = name.startswith("usable") or name.endswith("limit")
+    return f"{format_number(value, 5, rounding='down' if is_limit else 'nearest')} {unit}".rstrip()
 
 
 def decide(
@@ -233,6 +239,11 @@ def decide(
     >>> [ts.decide(mine, 150.0, jittery, playout_buffer=given).status for given in (True, False)]
     ['stable', 'not proven']
     """
+    values = {"stiffness": stiffness, "horizon": horizon, "decay_rate": decay_rate, "delay": delay}
+    for field, value in values.items():
+        is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+        if (value is not None and not is_number and field != "delay") or isinstance(value, bool | np.bool_):
+            raise InvalidInput(field, repr(value)[:60], "a real number is required", "Give one number.")
     if isinstance(subject, Study):
         study = _changed(subject, stiffness, delay, allow_unusual=allow_unusual)
         dyad, ranges = study.dyad, study.operator_ranges
@@ -388,7 +399,7 @@ def _changed(
     if isinstance(delay, Network):
         changes["network"] = delay
     elif delay is not None:
-        forward, backward = delay if isinstance(delay, tuple | list) else (delay, delay)
+        forward, backward = Network(delay).delay  # refuses what is no delay
         changes["network"] = {"delay": {"forward": forward, "backward": backward}}
     if allow_unusual:
         changes["allow_unusual"] = True

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
     LONGEST_DELAY,
+    STIFFEST,
     Question,
     are_axes_independent,
     constant_delay,
     is_stable,
     stiffness_limit,
 )
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN
 from telespring.decision.uncertainty import RobotUncertainty, stable_probability
 from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
 from telespring.model import Network
@@ -32,9 +33,8 @@ COMMON_DELAYS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
 #: A stiffness to ask the verdicts for their bounds, which do not depend on it, N/m.
 _PROBE = 1.0
-#: Stiffness or delay with the reserve, and a factor that keeps rounding on the stable side of a limit.
+#: Stiffness or delay with the reserve.
 _MORE = 1.0 + RESERVE
-_WITHIN = 1.0 - 1e-9
 #: Where there is no limit, errors of the robots are examined at this stiffness, N/m.
 _STIFFEST = 1e5
 
@@ -257,7 +257,7 @@ def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
     forward, backward = constant_delay(judged)
     later = question.at_delay((_MORE * forward, _MORE * backward)).judge(_PROBE)
     limit = stiffness_limit(judged)
-    most = min(limit / _MORE, stiffness_limit(later)) * _WITHIN
+    most = min(limit / _MORE, stiffness_limit(later)) * WITHIN
     if math.isinf(most):
         # Without a limit nothing is to be kept, but errors may give one.
         usable = math.inf if errors.allow(question, question.judge(_STIFFEST)) else _STIFFEST
@@ -275,8 +275,8 @@ def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
 def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> StiffnessLimits:
     at_once = question.at_delay(0.0)
     limit = at_once.delay_limit(at_once.judge(stiffness))
-    stiffer = at_once.delay_limit(at_once.judge(_MORE * stiffness))
-    most = min(limit.delay / _MORE, stiffer.delay) * _WITHIN
+    stiffer = at_once.delay_limit(at_once.judge(min(_MORE * stiffness, STIFFEST)))
+    most = min(limit.delay / _MORE, stiffer.delay) * WITHIN
 
     def is_usable(delay: float) -> bool:
         return _is_usable(question.at_delay(delay), stiffness, errors)

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from telespring._core import check_usual
 from telespring.decision.reserve import RESERVE
 from telespring.model import Dyad, Network, Operator, OperatorRange
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LONGEST_DELAY",
+    "STIFFEST",
     "Question",
     "are_axes_independent",
     "constant_delay",
@@ -38,6 +41,8 @@ __all__ = [
 
 #: The longest delay that is judged, one way, s.
 LONGEST_DELAY = 100.0
+#: The largest stiffness that is judged, N/m.
+STIFFEST = 1e7
 
 
 def is_stable(judged: Verdicts) -> bool:
@@ -141,6 +146,8 @@ class Question:
         most = (1.0 + RESERVE) * k
         if most <= limit:
             return True
+        if most > STIFFEST or not is_stable(judged):
+            return False
         # Above a limit it is stable in an island of stiffnesses.
         least = k if k < limit else (1.0 - RESERVE) * k
         return is_stable_over_stiffnesses(self.dyad, (least, most), self.network, self.operator_ranges)
@@ -188,6 +195,7 @@ def refuse_unusual(
         for i, (mass, damping) in enumerate(zip(robot.mass, robot.damping, strict=True)):
             check_usual("mass", f"robot{number}.mass[{i}]", float(mass))
             check_usual("damping", f"robot{number}.damping[{i}]", float(damping))
+    check_usual("damping", "coupling_damping", float(np.max(dyad.coupling_damping)))
     ends = (
         dyad.operators
         if operator_ranges is None

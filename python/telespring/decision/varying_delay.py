@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import is_instability_proven
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
+from telespring.decision.question import STIFFEST, is_instability_proven
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN, Status
 from telespring.model import Dyad, Network, Robot
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 __all__ = ["VaryingDelay", "usable_delay_while_varying", "varying_delay"]
 
 _LIGHTEST = 1e-4
-#: Keeps rounding on the safe side of a bound.
-_WITHIN = 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -77,12 +75,15 @@ def varying_delay(
         return None
     limit, attained, tier = _allowed(judged)
     worse = _worse_robots(question, uncertainty)
-    worst_limit = limit if worse is question else _allowed(worse.judge(judged.stiffness))[0]
+    if worse is None:
+        worst_limit = 0.0
+    else:
+        worst_limit = limit if worse is question else _allowed(worse.judge(judged.stiffness))[0]
     return VaryingDelay(
         _status(question, judged, limit, worse),
         limit,
         attained,
-        _WITHIN * min(limit / (1.0 + RESERVE), worst_limit),
+        WITHIN * min(limit / (1.0 + RESERVE), worst_limit),
         tier,
     )
 
@@ -92,11 +93,12 @@ def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
     return (0.0, False, None) if allowed is None else (allowed.stiffness, allowed.attained, allowed.tier)
 
 
-def _status(question: Question, judged: Verdicts, limit: float, worse: Question) -> Status:
+def _status(question: Question, judged: Verdicts, limit: float, worse: Question | None) -> Status:
     k = judged.stiffness
     if _is_proven(judged):
         has_reserve = (1.0 + RESERVE) * k <= limit
-        return "stable" if has_reserve and _is_proven(worse.judge(k)) else "marginal"
+        is_probable = worse is not None and _is_proven(worse.judge(k))
+        return "stable" if has_reserve and is_probable else "marginal"
     # A constant delay is one of the ways in which the delay may vary.
     jitter = question.network.jitter
     forward, backward = question.network.delay
@@ -112,13 +114,17 @@ def _is_proven(judged: Verdicts) -> bool:
 
 def _worse_robots(
     question: Question, uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None]
-) -> Question:
+) -> Question | None:
     """Return the question for robots that are heavier and less damped than all but a few: at most 5 %.
 
-    More damping never harms in the tier of a bounded delay, nor does less mass in that of any network.
+    More damping never harms in the tier of a bounded delay, nor does less mass in that of any network. A
+    sampled coupling damper breaks that: it may destabilise a light and well damped robot, such as one with
+    (b + c)·h/m near 1. None is then proven to be the worst: the answer is None.
     """
     if uncertainty == (None, None):
         return question
+    if question.network.sample_period > 0.0 and np.any(question.dyad.coupling_damping):
+        return None
     parameters = 2 * sum(len(robot.axes) for robot in question.dyad.robots)
     deviations = NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / parameters)
     robots = []
@@ -145,7 +151,10 @@ def usable_delay_while_varying(
     """
     network = question.network
     ranges = question.operator_ranges
-    cases = [((1.0 + RESERVE) * stiffness, question), (stiffness, _worse_robots(question, uncertainty))]
+    worse = _worse_robots(question, uncertainty)
+    if worse is None:
+        return 0.0
+    cases = [((1.0 + RESERVE) * stiffness, question), (stiffness, worse)]
 
     def with_delay(delay: float, tier: Tier) -> bool:
         timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
@@ -153,7 +162,9 @@ def usable_delay_while_varying(
             # In the tier that the delay decides the worst operators are those with the least damping.
             if ranges is not None and tier == "bounded varying delay":
                 asked = asked.with_operators((ranges[0].low, ranges[1].low))
-            if not replace(asked, network=Network(delay, *timing)).judge(k).tier(tier).satisfied:
+            # A stiffness beyond what is judged follows from the bound of its tier.
+            judged = replace(asked, network=Network(delay, *timing)).judge(min(k, STIFFEST)).tier(tier)
+            if not judged.satisfied or (k > STIFFEST and k > (judged.stiffness_bound or 0.0)):
                 return False
         return True
 

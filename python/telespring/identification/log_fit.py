@@ -197,7 +197,7 @@ def _axes_disagree(joint: JointFit, separate: JointFit) -> bool:
         return False
     values = np.array([lag.value for lag in lags])
     # Half-widths, not standard errors: their quantile accounts for a wide bandwidth.
-    errors = np.array([lag.half_width for lag in lags]) / 1.96
+    errors = np.array([lag.half_width for lag in lags]) / _NORMAL
     mean = np.average(values, weights=errors**-2.0)
     excess = float((((values - mean) / errors) ** 2).sum())
     if excess < stats.chi2.ppf(1.0 - SIGNIFICANCE, len(lags) - 1):

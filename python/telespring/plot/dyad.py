@@ -67,7 +67,8 @@ def stability_map(
         times the maximum delay at twice that, and room for the mark.
     operator_range
         Ranges of both operators instead of the dyad's own: drawn is where every smaller stiffness is stable
-        for every operator, as `telespring.verdicts` proves it.
+        for every operator, as `telespring.verdicts` proves it. Between two of
+        the 51 delays that are judged, the lower limit of both is drawn.
     allow_unusual
         Whether stiffnesses and delays that no laboratory has are meant: by default they are refused, because
         their unit is probably wrong.
@@ -131,11 +132,15 @@ def _bounds_over_range(
     """How far every operator is stable, by axis, and what is allowed at any constant delay, N/m."""
     judged = delays[:: _POINTS // _RANGE_POINTS]
     verdict = [verdicts(dyad, float(k[0]), float(delay), operator_range=ranges) for delay in judged]
+    # The limit need not be straight between two delays: the lower one of both holds.
+    following = np.minimum(np.searchsorted(judged, delays), judged.size - 1)
+    preceding = np.maximum(np.searchsorted(judged, delays, side="right") - 1, 0)
     boundaries = []
     for i, name in enumerate(dyad.axes):
         bounds = [each.axes[i].tiers[3].stiffness_bound for each in verdict]
         limits = [2.0 * k[-1] if bound is None else min(bound, 2.0 * k[-1]) for bound in bounds]
-        boundaries.append((name, np.interp(delays, judged, limits)[:, None] - k))
+        lower = np.minimum(np.take(limits, preceding), np.take(limits, following))
+        boundaries.append((name, lower[:, None] - k))
     critical = verdict[0].tier("any constant delay").stiffness_bound
     return boundaries, math.inf if critical is None else critical
 

@@ -35,6 +35,7 @@ def limits_json(found: Limits) -> dict[str, Any]:
             "delay_limit_proven": given.delay_limit_proven,
             "usable_delay": finite_or_none(given.usable_delay),
             "unbounded": math.isinf(given.delay_limit),
+            "usable_delay_unbounded": math.isinf(given.usable_delay),
             "usable_varying_delay": None
             if given.usable_delay_while_varying is None
             else finite_or_none(given.usable_delay_while_varying),
@@ -56,6 +57,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         "stiffness_limit": finite_or_none(row.stiffness_limit),
         "usable_stiffness": finite_or_none(row.usable_stiffness),
         "unbounded": math.isinf(row.stiffness_limit),
+        "usable_stiffness_unbounded": math.isinf(row.usable_stiffness),
         "soft_springs_fail_by_sampling": row.soft_springs_fail_by_sampling,
         "varying_delay": _varying_json(row),
         "verdicts": {

@@ -110,7 +110,7 @@ def _yes_or_no(is_so: bool) -> Text:
 
 
 def _verdict_notes(decision: Decision) -> list[Text]:
-    notes = [Text("Stable: this stiffness within that limit. Yours: whether your network is of that kind.")]
+    notes = [Text("Stable: within that limit. Yours: whether your network is of that kind.")]
     if decision.free is not None:
         notes = []
     if decision.sampled_stable is not None:
@@ -126,7 +126,7 @@ def _paper_note(decision: Decision) -> Text:
     paper = decision.verdicts.paper
     word = "stable" if paper.stable else "unstable"
     within = "at most" if decision.stiffness <= paper.critical_stiffness else "above"
-    text = f"The paper calls it {word}: {within} its {format_stiffness(paper.critical_stiffness)} (Eq. 5)"
+    text = f"The paper says {word}: {within} its {format_stiffness(paper.critical_stiffness)} (Eq. 5)"
     if math.isfinite(paper.maximum_delay):
         side = "below" if decision.mean_delay < paper.maximum_delay else "not below"
         text += f", {side} its {format_time(paper.maximum_delay, rounding='down')} (Eq. 6)"

@@ -129,9 +129,7 @@ def _describe_delay_budget(decision: Decision) -> Padding:
         lines = [_delay_budget_line("each way", forward)]
     else:
         lines = [_delay_budget_line("forward", forward), _delay_budget_line("backward", backward)]
-    return Padding(
-        Text.assemble(("Age of the oldest sample in use, ", "bold"), "; ".join(lines)), (1, 0, 0, 0)
-    )
+    return Padding(Text.assemble(("Age of the oldest sample, ", "bold"), "; ".join(lines)), (1, 0, 0, 0))
 
 
 def _delay_budget_line(direction: str, budget: DelayBudget) -> str:

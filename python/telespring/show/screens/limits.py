@@ -124,12 +124,18 @@ def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
     if row.usable_stiffness == 0.0:
         return Text.assemble(
             ("No stiffness is safe", "bold red"),
-            f" {where} with {kept}. The limit itself is {format_stiffness(row.stiffness_limit)}.",
+            f" {where} with {kept}. {_stiffness_itself(row.stiffness_limit)}",
         )
     return Text.assemble(
         (f"You may use up to {format_stiffness(row.usable_stiffness)}", "bold green"),
-        f" {where}, with {kept}. The limit itself is {format_stiffness(row.stiffness_limit)}.",
+        f" {where}, with {kept}. {_stiffness_itself(row.stiffness_limit)}",
     )
+
+
+def _stiffness_itself(limit: float) -> str:
+    if math.isinf(limit):
+        return "Without this, no stiffness is too high."
+    return f"The limit itself is {format_stiffness(limit)}."
 
 
 def _usable_while_varying(varying: VaryingDelay, kept: str) -> Text:
@@ -172,8 +178,12 @@ def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
         return Text.assemble(("No delay", "bold red"), f" is stable at this stiffness with {kept}.")
     return Text.assemble(
         (f"The delay may be up to {format_time(row.usable_delay, rounding='down')} each way", "bold green"),
-        f" at {format_stiffness(row.stiffness)}, with {kept}. The limit itself is "
-        f"{format_time(row.delay_limit, rounding='down')}.",
+        f" at {format_stiffness(row.stiffness)}, with {kept}. "
+        + (
+            "Without this, no delay is too long."
+            if math.isinf(row.delay_limit)
+            else f"The limit itself is {format_time(row.delay_limit, rounding='down')}."
+        ),
     )
 
 

@@ -84,21 +84,15 @@ def sampling_note(judged: Verdicts) -> str:
     Examples
     --------
     >>> import telespring as ts
-    >>> sampling_note(ts.verdicts(ts.hman(), 20.0, 0.04, sample_period=0.001))[:76]
-    'A force is held: the own sample is up to h = 1 ms old, the partner samples T'
+    >>> sampling_note(ts.verdicts(ts.hman(), 20.0, 0.04, sample_period=0.001))[:40]
+    'Sampling: h = 1 ms, T₁+T₂ = 82 ms. It pu'
     """
     h = judged.network.sample_period + judged.network.computing_time
     age = sum(budget.total for budget in judged.delay_budget)
-    note = (
-        f"A force is held: the own sample is up to h = {format_time(h, 6)} old, the partner samples "
-        f"T₁+T₂ = {format_time(age, 6)} in all."
-    )
+    note = f"Sampling: h = {format_time(h, 6)}, T₁+T₂ = {format_time(age, 6)}."
     if judged.tier("bounded varying delay").stiffness_bound is None:
         return note
-    return (
-        f"{note} The limit for a bounded varying delay is that of b₁ − kh and b₂ − kh, and the one for any "
-        "network is below its continuous form."
-    )
+    return f"{note} It puts bᵢ − kh in place of bᵢ, and lowers the limit for any network."
 
 
 def given_delay(delay: tuple[float, float]) -> str:
