@@ -19,12 +19,12 @@ from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     TABLE_TITLE,
-    WORST_OPERATOR,
     allowed_stiffness,
     delay_clause,
     hand_effect,
     network_clause,
     network_fits,
+    range_notes,
     sampling_clause,
     sampling_note,
     tier_bounds,
@@ -81,8 +81,8 @@ def _verdict_table(decision: Decision) -> Fitting:
         beside: list[tuple[str, ...]] = [
             (
                 own.verdict.tier,
-                allowed_stiffness(free.bound, free.attained),
-                allowed_stiffness(own.bound, own.attained),
+                free.allowed,
+                own.allowed,
                 hand_effect(free.bound, own.bound),
             )
             for own, free in zip(bounds, tier_bounds(decision.free.verdicts), strict=True)
@@ -96,11 +96,10 @@ def _verdict_table(decision: Decision) -> Fitting:
     for own in bounds:
         formula = TIERS[own.verdict.tier].formula
         if own.bound is None:
-            rows.append((own.verdict.tier, formula, "no rule", "–", "–", "–"))
+            rows.append((own.verdict.tier, formula, own.allowed, "–", "–", "–"))
             continue
         applies = network_fits(own.verdict.assumption)
-        bound = allowed_stiffness(own.bound, own.attained)
-        rows.append((own.verdict.tier, formula, bound, own.axis, _yes_or_no(own.is_satisfied), applies))
+        rows.append((own.verdict.tier, formula, own.allowed, own.axis, _yes_or_no(own.is_satisfied), applies))
     headings = ("network", "rule", "k, N/m", "axis", "stable", "yours")
     return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
 
@@ -117,7 +116,7 @@ def _verdict_notes(decision: Decision) -> list[Text]:
         notes.append(Text(CONTINUOUS_TIERS))
         notes.append(Text(sampling_note(decision.verdicts)))
     if decision.over_operator_ranges:
-        notes.append(Text(WORST_OPERATOR))
+        notes += map(Text, range_notes(tier_bounds(decision.verdicts)))
     notes.append(_paper_note(decision))
     return notes
 

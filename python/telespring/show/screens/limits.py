@@ -17,12 +17,12 @@ from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     TABLE_TITLE,
-    WORST_OPERATOR,
     allowed_stiffness,
     delay_clause,
     hand_effect,
     network_clause,
     network_fits,
+    range_notes,
     sampling_clause,
     sampling_note,
     tier_bounds,
@@ -67,7 +67,8 @@ def limits_screen(
         if found.is_delay_given:
             parts.append(Text(sampling_note(found.delays[0].verdicts)))
     if found.over_operator_ranges:
-        parts.append(Text(WORST_OPERATOR))
+        judged = [row.verdicts for row in (found.delays[:1] if found.is_delay_given else found.delays)]
+        parts += map(Text, range_notes(bound for each in judged for bound in tier_bounds(each)))
     return Group(*parts)
 
 
@@ -194,7 +195,7 @@ def _tier_table(found: Limits) -> Fitting:
             (
                 own.verdict.tier,
                 TIERS[own.verdict.tier].formula,
-                allowed_stiffness(own.bound, own.attained),
+                own.allowed,
                 own.axis,
                 network_fits(own.verdict.assumption),
             )
@@ -205,8 +206,8 @@ def _tier_table(found: Limits) -> Fitting:
     beside = [
         (
             own.verdict.tier,
-            allowed_stiffness(free.bound, free.attained),
-            allowed_stiffness(own.bound, own.attained),
+            free.allowed,
+            own.allowed,
             hand_effect(free.bound, own.bound),
         )
         for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
@@ -256,7 +257,9 @@ def _delay_table(found: Limits) -> Fitting:
             values = [_usable_of(row, is_buffered=False), row.usable_stiffness]
         cells = [format_stiffness(value).removesuffix(" N/m") for value in values]
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
-        cells += [allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1] for tier in tiers]
+        for tier in tiers:
+            allowed = allowed_stiffness(tier.stiffness_bound, tier.attained, tier.unavailable)
+            cells.append(allowed.removeprefix("below ").removeprefix("up to "))
         rows.append((delay_clause(row.delay), *cells))
     own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
     headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")
