@@ -216,6 +216,8 @@ def _stronger_guarantees(decision: Decision) -> list[str]:
     }
     for verdict in reversed(decision.verdicts.tiers):
         promise, bound = promises.get(verdict.tier), verdict.stiffness_bound
+        if promise is not None and verdict.unavailable == "not proven over the range":
+            lines.append(f"no stiffness is proven {promise} for the whole range")
         if promise is None or bound is None or (verdict.satisfied and verdict.assumption_met):
             continue
         buffer = "" if verdict.assumption_met else " behind a playout buffer"

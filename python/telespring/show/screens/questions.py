@@ -39,9 +39,7 @@ CONTINUOUS_TIERS = "The limit for any constant delay is that of continuous contr
 
 TABLE_TITLE = "How stiff the spring may be, by what the network does"
 _WORST_OPERATOR = "Every limit holds for every hand in the range, the worst included."
-_UNPROVEN_OVER_RANGE = (
-    "Not proven: single hands have a limit there, but nothing proves one for the whole range."
-)
+_UNPROVEN_OVER_RANGE = "Not proven: a single hand has a limit there, but nothing proves one for the range."
 
 
 class TierBound(NamedTuple):
