@@ -257,7 +257,8 @@ record! {
         /// sample period.
         sampled,
         /// The largest stiffness, N/m, at most the bound of tier 4, up to which the sampled dyad is stable for
-        /// every operator.
+        /// every operator; 0 if none is proven. With a coupling damper and a range of operators the softest springs,
+        /// of at most 0.1 N/m, are not examined.
         sampled_stiffness_bound,
         /// Whether the requested stiffness is proven to be stable under sampled controllers for every operator.
         sampled_stable,

@@ -264,6 +264,29 @@ fn law_a_bound_of_any_network_is_sound_or_not_given() {
     assert!(!tier.proven && tier.satisfied, "{tier:?}");
 }
 
+/// With a damper and hands from 0 to 300 N/m the sampled bound is near the continuous one, and it holds for hands drawn.
+#[test]
+fn law_a_damper_and_hands_from_nothing_have_a_sampled_bound() {
+    let [first, second] = [[1.2, 6.0], [2.0, 9.0]].map(|[m, b]| Robot::new(vec![m], vec![b], None).unwrap());
+    let held = |ground: f64| Operator::new(vec![0.0], vec![0.0], vec![ground]).unwrap();
+    let network = Network::new(Delay::each_way(0.04).unwrap(), 0.0, 0.0, 1e-3, 0.0).unwrap();
+    let dyad = Dyad::new(first, second, None, 2.0).unwrap();
+    let range = OperatorRange::new(held(0.0), held(300.0)).unwrap();
+    let found = verdicts(&dyad, Some(&[range.clone(), range]), 150.0, &network).unwrap();
+    assert_eq!((found.sampled_stable, found.sampled_proven), (Some(true), Some(true)));
+    let bound = found.axes[0].sampled_stiffness_bound.unwrap();
+    let continuous = found.tier(Tier::ConstantDelay).stiffness_bound.unwrap();
+    assert!(bound > 0.9 * continuous && bound <= continuous, "{bound} {continuous}");
+    for i in 1..=300 {
+        let part = |step: f64| (f64::from(i) * step).fract();
+        let (one, other) = (300.0 * part(0.618_034), 300.0 * part(0.754_878));
+        let axis = DyadAxis::with_operators(1.2, 6.0, 2.0, 9.0, one, other, 2.0).unwrap();
+        for k in [0.999 * bound, bound * part(0.569_84), 1e-3 * bound] {
+            assert!(sampled_spectral_radius(&axis, k, &network).unwrap().is_stable(), "{one} {other} {k}");
+        }
+    }
+}
+
 /// The largest sampled |z| over the corners of the range.
 fn largest_radius(robots: [[f64; 2]; 2], firm: [f64; 3], k: f64, network: &Network) -> f64 {
     (0..64).fold(0.0, |largest: f64, bits: u32| {

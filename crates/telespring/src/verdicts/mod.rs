@@ -187,7 +187,8 @@ pub struct AxisVerdict {
     /// the weakest and the middle ones; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
     /// The largest stiffness (N/m), up to the bound of tier 4, that is stable under sampled controllers for every
-    /// operator.
+    /// operator; 0 if none is proven. With a coupling damper and a range of operators the softest springs, of at most
+    /// 0.1 N/m, are not examined: the bound says nothing about them.
     pub sampled_stiffness_bound: Option<f64>,
     /// True if the given stiffness is proven to be stable under sampled controllers for every operator.
     pub sampled_stable: Option<bool>,
