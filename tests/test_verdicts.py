@@ -120,6 +120,28 @@ def test_law_a_coupling_damper_leaves_tier_2_without_a_rule(hman: ts.Dyad) -> No
     assert found.any_passive_operator is None
 
 
+def test_law_a_bound_without_a_proof_over_the_range_is_not_printed() -> None:
+    """The damper and the sampling leave the worst hand unknown; a single pair of hands allows 11.36 N/m."""
+    dyad = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0), coupling_damping=4.0)
+    hands = ts.OperatorRange(ts.Operator(), ts.Operator(mass=1.0, damping=2.0))
+    for jitter in (0.0, 0.01):
+        network = ts.Network(0.04, jitter=jitter, sample_period=0.001)
+        found = ts.decide(dyad, 5.0, network, operator_range=hands)
+        assert found.decision is not None
+        tier = found.decision.verdicts.tier("any network")
+        assert (tier.stiffness_bound, tier.satisfied, tier.proven) == (None, False, False)
+        assert tier.unavailable == "not proven over the range"
+        screen = " ".join(str(found).split())
+        assert "11.36" not in screen
+        assert "not proven" in screen
+        assert "nothing proves one for the range" in screen
+        given = found.to_dict()["verdicts"]["any_network"]
+        assert (given["stiffness_allowed"], given["unavailable"]) == (None, "not proven over the range")
+        screen = str(ts.decide(dyad, delay=network, operator_range=hands))
+        assert "11.36" not in screen
+        assert "not proven" in screen
+
+
 def test_ref_the_operators_are_told_in_their_order(hman: ts.Dyad) -> None:
     held = ts.Dyad(*hman.robots, operators=(None, ts.Operator(0.5, 1.0, 10.0)))
     expected = (ts.OperatorPoint(0.0, 0.0, 0.0), ts.OperatorPoint(0.5, 1.0, 10.0))

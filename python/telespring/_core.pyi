@@ -684,6 +684,7 @@ class AxisTier(_Record):
         proven: bool,
         least_found: float | None,
         operators: tuple[OperatorPoint, OperatorPoint],
+        unavailable: Unavailable | None,
     ) -> AxisTier: ...
     tier: Final[Tier]
     stiffness_bound: Final[float | None]
@@ -692,6 +693,7 @@ class AxisTier(_Record):
     proven: Final[bool]
     least_found: Final[float | None]
     operators: Final[tuple[OperatorPoint, OperatorPoint]]
+    unavailable: Final[Unavailable | None]
 
 @final
 class AxisVerdict(_Record):

@@ -20,7 +20,10 @@ SolverStatus: TypeAlias = Literal[
 Tier: TypeAlias = Literal["any network", "bounded varying delay", "any constant delay", "constant delay"]
 Assumption: TypeAlias = Literal["met", "met behind playout buffer", "not met"]
 Unavailable: TypeAlias = Literal[
-    "coupling damping with grounded operator", "coupling damping with computing time", "coupling damping"
+    "coupling damping with grounded operator",
+    "coupling damping with computing time",
+    "coupling damping",
+    "not proven over the range",
 ]
 SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray

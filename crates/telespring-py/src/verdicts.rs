@@ -24,6 +24,7 @@ words!(Unavailable {
     CouplingDampingWithGroundedOperator = "coupling damping with grounded operator",
     CouplingDampingWithComputingTime = "coupling damping with computing time",
     CouplingDamping = "coupling damping",
+    UnprovenOverRange = "not proven over the range",
 });
 
 words!(SampledCertificate {
@@ -112,8 +113,8 @@ record! {
         /// Whether the requested stiffness is proven to satisfy the rule on every axis, for every operator of the
         /// range. A constant delay may be stable above the bound, in a later stable interval.
         satisfied,
-        /// Whether the search over a range of operators decided. If not, `satisfied` is False; the bounds of tiers 2
-        /// to 4 hold all the same, but may be far below `least_found`.
+        /// Whether the search over a range of operators decided, and the bound is at most 5 % below the truth. A
+        /// bound that is given holds either way.
         proven,
         /// The smallest bound found for a single pair of operators, N/m; None where none was computed.
         least_found,
@@ -126,7 +127,7 @@ record! {
         /// "met", "met behind playout buffer" or "not met": whether the network fulfils the assumption of the
         /// tier, as it is or only behind a buffer that delays every packet equally.
         assumption,
-        /// Why the tier has no rule, where it has none.
+        /// Why the tier has no bound, where it has none.
         unavailable,
     }
     computed {
@@ -216,18 +217,20 @@ record! {
     AxisTier(core::AxisTier) {
         /// Which tier.
         tier,
-        /// The largest stiffness, N/m; None if the tier has no rule.
+        /// The largest stiffness, N/m; None if the tier has no bound.
         stiffness_bound,
         /// Whether that stiffness is itself allowed.
         attained,
         /// Whether the requested stiffness is proven to satisfy the rule, for every operator of the range.
         satisfied,
-        /// Whether the search over a range of operators decided.
+        /// Whether the search over a range of operators decided, and the bound is at most 5 % below the truth.
         proven,
         /// The smallest bound found for a single pair of operators, N/m; None where none was computed.
         least_found,
         /// The operators with that bound.
         operators,
+        /// Why the tier has no bound, where it has none.
+        unavailable,
     }
 }
 
@@ -254,7 +257,8 @@ record! {
         /// sample period.
         sampled,
         /// The largest stiffness, N/m, at most the bound of tier 4, up to which the sampled dyad is stable for
-        /// every operator.
+        /// every operator; 0 if none is proven. With a coupling damper and a range of operators the softest springs,
+        /// of at most 0.1 N/m, are not examined.
         sampled_stiffness_bound,
         /// Whether the requested stiffness is proven to be stable under sampled controllers for every operator.
         sampled_stable,

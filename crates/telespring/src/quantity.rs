@@ -110,6 +110,11 @@ impl Quantity {
         self.unit
     }
 
+    /// The smallest allowed value of the quantity.
+    pub const fn minimum(&self) -> f64 {
+        self.minimum
+    }
+
     /// The largest allowed value of the quantity.
     pub const fn maximum(&self) -> f64 {
         self.maximum

@@ -1,7 +1,9 @@
 //! Laws of the verdicts: exchange of partners, scaling, the order of the tiers, ranges of operators.
 
 use proptest::prelude::*;
-use telespring::verdicts::{Network, OperatorRange, Tier, Verdicts, sampled_spectral_radius, verdicts};
+use telespring::verdicts::{
+    Network, OperatorRange, Tier, Unavailable, Verdicts, sampled_spectral_radius, verdicts,
+};
 use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, hman};
 
 #[derive(Debug, Clone, Copy)]
@@ -226,6 +228,63 @@ fn over_operators(robots: [[f64; 2]; 2], firm: [f64; 3], k: f64, network: &Netwo
     let range = OperatorRange::new(operator(0.0), operator(1.0)).unwrap();
     let dyad = Dyad::new(first, second, None, 0.0).unwrap();
     verdicts(&dyad, Some(&[range.clone(), range]), k, network).unwrap()
+}
+
+/// A bound over a range is proven or not given. That of one pair of operators holds, and is kept, where its proof ends early.
+#[test]
+fn law_a_bound_of_any_network_is_sound_or_not_given() {
+    let [first, second] = [[1.2, 6.0], [2.0, 9.0]].map(|[m, b]| Robot::new(vec![m], vec![b], None).unwrap());
+    let held = |m: f64, b: f64, ground: f64| Operator::new(vec![m], vec![b], vec![ground]).unwrap();
+    let judged = |damper: f64, high: Operator, computing: f64| {
+        let delay = Delay::each_way(0.04).unwrap();
+        let network = Network::new(delay, 0.01, 0.0, 1e-3, computing).unwrap();
+        let dyad = Dyad::new(first.clone(), second.clone(), None, damper).unwrap();
+        let range = OperatorRange::new(held(0.0, 0.0, 0.0), high).unwrap();
+        verdicts(&dyad, Some(&[range.clone(), range]), 1.0, &network).unwrap()
+    };
+    let reason = Some(Unavailable::UnprovenOverRange);
+    for found in [judged(4.0, held(1.0, 2.0, 0.0), 0.0), judged(0.0, held(1.0, 2.0, 50.0), 5e-4)] {
+        let tier = found.tier(Tier::AnyNetwork);
+        assert_eq!((tier.stiffness_bound, tier.unavailable, tier.satisfied), (None, reason, false));
+        assert!(!tier.proven && !tier.attained && tier.margin.is_none());
+        assert!(found.stiffness_allowed.is_none_or(|allowed| allowed.tier != Tier::AnyNetwork));
+        assert!(found.axes[0].tiers[0].least_found.is_some_and(|least| least > 1.0));
+    }
+    for found in [judged(0.0, held(1.0, 2.0, 0.0), 5e-4), judged(0.0, held(1.0, 2.0, 50.0), 0.0)] {
+        let tier = found.tier(Tier::AnyNetwork);
+        assert!(tier.satisfied && tier.unavailable.is_none() && tier.stiffness_bound.is_some());
+    }
+    // A computing time and a ground of 1e-9 N/m: the proof ends early, and what it proved counts.
+    let weak = Some([held(0.0, 0.0, 0.0), held(0.0, 0.0, 1e-9)]);
+    let dyad = Dyad::new(first.clone(), second.clone(), weak, 0.0).unwrap();
+    let network = Network::new(Delay::each_way(0.04).unwrap(), 0.0, 0.0, 1e-3, 5e-4).unwrap();
+    let bound = verdicts(&dyad, None, 1.0, &network).unwrap().tier(Tier::AnyNetwork).stiffness_bound;
+    let softer = verdicts(&dyad, None, (0.5 * bound.unwrap()).max(1e-6), &network).unwrap();
+    let tier = softer.tier(Tier::AnyNetwork);
+    assert!(!tier.proven && tier.satisfied, "{tier:?}");
+}
+
+/// With a damper and hands from 0 to 300 N/m the sampled bound is near the continuous one, and it holds for hands drawn.
+#[test]
+fn law_a_damper_and_hands_from_nothing_have_a_sampled_bound() {
+    let [first, second] = [[1.2, 6.0], [2.0, 9.0]].map(|[m, b]| Robot::new(vec![m], vec![b], None).unwrap());
+    let held = |ground: f64| Operator::new(vec![0.0], vec![0.0], vec![ground]).unwrap();
+    let network = Network::new(Delay::each_way(0.04).unwrap(), 0.0, 0.0, 1e-3, 0.0).unwrap();
+    let dyad = Dyad::new(first, second, None, 2.0).unwrap();
+    let range = OperatorRange::new(held(0.0), held(300.0)).unwrap();
+    let found = verdicts(&dyad, Some(&[range.clone(), range]), 150.0, &network).unwrap();
+    assert_eq!((found.sampled_stable, found.sampled_proven), (Some(true), Some(true)));
+    let bound = found.axes[0].sampled_stiffness_bound.unwrap();
+    let continuous = found.tier(Tier::ConstantDelay).stiffness_bound.unwrap();
+    assert!(bound > 0.9 * continuous && bound <= continuous, "{bound} {continuous}");
+    for i in 1..=300 {
+        let part = |step: f64| (f64::from(i) * step).fract();
+        let (one, other) = (300.0 * part(0.618_034), 300.0 * part(0.754_878));
+        let axis = DyadAxis::with_operators(1.2, 6.0, 2.0, 9.0, one, other, 2.0).unwrap();
+        for k in [0.999 * bound, bound * part(0.569_84), 1e-3 * bound] {
+            assert!(sampled_spectral_radius(&axis, k, &network).unwrap().is_stable(), "{one} {other} {k}");
+        }
+    }
 }
 
 /// The largest sampled |z| over the corners of the range.

@@ -165,6 +165,7 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         "assumption_met": tier.assumption_met,
         "assumption": tier.assumption,
         "available": bound is not None,
+        **({} if name == "paper" else {"unavailable": tier.unavailable}),
     }
 
 

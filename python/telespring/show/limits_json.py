@@ -77,6 +77,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
                 "assumption_met": tier.assumption_met,
                 "available": tier.stiffness_bound is not None,
+                "unavailable": tier.unavailable,
             }
             for tier in row.verdicts.tiers
         },

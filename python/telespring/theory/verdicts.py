@@ -96,10 +96,11 @@ def verdicts(
         `maximum_delay`, `sampled_stable` and the remedies then hold for every operator of the range, the
         worst of which need not be at a corner. Tiers 1 and 2 have a known worst operator; for tiers 3 and 4
         and the sampled dyad a search excludes roots on the imaginary axis for all operators at once, and ends
-        within 1 % of the truth. `proven` is False where it was cut off, and for tier 1 of sampled controllers
-        with a coupling damper, or with a computing time and weakly grounded handles: the verdict is then
-        never `satisfied` unless a proof for this stiffness was found. `least_found` is the smallest bound of
-        one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may
+        within 1 % of the truth. `proven` is False where it was cut off, or where the bound may be more than
+        5 % below the truth; a bound that is given holds all the same. Tier 1 of sampled controllers has no
+        bound over free handles with a coupling damper, nor with a computing time over grounded handles some
+        of which may be free: `unavailable` is then "not proven over the range". `least_found` is the smallest
+        bound of one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may
         be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven` where
         `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
 

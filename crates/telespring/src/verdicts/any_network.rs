@@ -6,7 +6,7 @@
 
 use super::gain::unit_gain_stiffness;
 use super::zero_order_hold::SampledPlant;
-use super::{Network, sampled_gain};
+use super::{Network, Unavailable, sampled_gain};
 use crate::model::{DyadAxis, Side};
 
 /// The bound of tier 1 for one axis.
@@ -20,31 +20,42 @@ pub(super) struct AxisBound {
     pub found: f64,
 }
 
-/// The largest stiffness of tier 1, any network, for one axis; `None` if there is no rule (a coupling damper with a grounded
-/// operator, or with a computing time).
-pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> Option<AxisBound> {
+/// Why tier 1 has no rule for an axis, if it has none; `is_grounded` is whether an operator is, or may be.
+pub(super) fn unavailable(
+    coupling_damping: f64,
+    is_grounded: bool,
+    network: &Network,
+) -> Option<Unavailable> {
+    if coupling_damping == 0.0 {
+        None
+    } else if is_grounded {
+        Some(Unavailable::CouplingDampingWithGroundedOperator)
+    } else {
+        (network.computing_time() > 0.0).then_some(Unavailable::CouplingDampingWithComputingTime)
+    }
+}
+
+/// The largest stiffness of tier 1, any network, for one axis that it has a rule for.
+pub(super) fn stiffness_bound(axis: &DyadAxis, network: &Network) -> AxisBound {
     let exact = |bound: f64, attained: bool| AxisBound { proven: bound, attained, found: bound };
     let damper = axis.coupling_damping;
-    if damper > 0.0 && (!axis.is_free() || network.computing_time() > 0.0) {
-        return None;
-    }
     if network.sample_period() > 0.0 {
         let held = axis
             .sides
             .map(|side| SampledPlant::new(&side, network.sample_period(), network.computing_time()));
-        return Some(if axis.is_free() {
+        return if axis.is_free() {
             exact(sampled_gain::free_stiffness(&held, damper), true)
         } else {
             let unit = sampled_gain::grounded_stiffness(axis, &held);
             AxisBound { proven: unit.proven, attained: false, found: unit.found }
-        });
+        };
     }
-    Some(if axis.is_free() {
+    if axis.is_free() {
         let [first, second] = axis.sides.map(|side| free_side_stiffness(&side, damper));
         exact(first.min(second), true)
     } else {
         exact(unit_gain_stiffness(&axis.sides), false)
-    })
+    }
 }
 
 /// The stiffness up to which the hull of a free side never grows on any network (tier 1).

@@ -5,7 +5,8 @@
 //! | continuous | any | exact at the weakest corner: largest mass, smallest damping, smallest ground stiffness |
 //! | sampled | free, no coupling damper | exact at the weakest corner |
 //! | sampled | grounded | a bound on the gain, see [`held_gain`]; at most a few percent low at usual sample periods |
-//! | sampled | free, with a coupling damper | the corners are examined: not proven |
+//! | sampled | grounded, one at 0 N/m, with a computing time | none: [`Unavailable::UnprovenOverRange`] |
+//! | sampled | free, with a coupling damper | none: [`Unavailable::UnprovenOverRange`] |
 //!
 //! Continuous: with a = πB/√(4M(k + k_h) − B²) the gain is k/(k + k_h) coth(a/2). It grows with M and falls with
 //! B. It falls with k_h, since a/sinh a · (1 + a²/π²) < 2.
@@ -14,13 +15,13 @@
 //! which falls with M and grows with B. With a computing time it is the largest 1/|G(z)| over E < z < 1, where
 //! |G| = ∫ e^(−Br/M) Φ(r) dr/M with a growing Φ > 0: it grows with M and falls with B.
 
-use super::Network;
 use super::any_network;
 use super::gain::{largest_holding, log_gain};
 use super::operators::{OperatorBox, OperatorPair};
 use super::ranges::{Family, SideRange};
 use super::sampled_gain::free_stiffness;
 use super::zero_order_hold::SampledPlant;
+use super::{Network, Unavailable};
 use crate::model::Side;
 
 /// A bound counts as tight if the rule fails at this multiple of it.
@@ -28,53 +29,60 @@ const LOOSE: f64 = 1.05;
 
 /// A bound of tier 1 over a range of operators.
 pub(super) struct RangeBound {
-    /// The largest stiffness, N/m, and whether it is attained; `None` if there is no rule.
-    pub bound: Option<(f64, bool)>,
+    /// A stiffness (N/m) that every operator allows, and whether it is attained; or why there is none.
+    pub bound: Result<(f64, bool), Unavailable>,
     /// The bound of the operators `worst` alone.
     pub least_found: Option<f64>,
     /// The operators with the smallest bound known.
     pub worst: OperatorPair,
-    /// True if the bound holds for every operator.
-    pub is_proven: bool,
+    /// False if the bound may be more than 5 % low, or none is proven.
+    pub is_tight: bool,
 }
 
 /// The bound of tier 1 over a range of operators.
 pub(super) fn range_bound(region: &OperatorBox, network: &Network) -> RangeBound {
     let worst = region.weakest_corner();
-    let axis = region.axis(&worst);
-    let exact = |is_proven: bool, worst: OperatorPair| {
-        let bound = any_network::stiffness_bound(&region.axis(&worst), network);
-        RangeBound {
-            bound: bound.map(|bound| (bound.proven, bound.attained)),
-            least_found: bound.map(|bound| bound.found),
+    let damper = region.axis(&worst).coupling_damping;
+    if let Some(reason) = any_network::unavailable(damper, region.has_grounded(), network) {
+        return RangeBound { bound: Err(reason), least_found: None, worst, is_tight: true };
+    }
+    let of_pair = |at: &OperatorPair| any_network::stiffness_bound(&region.axis(at), network);
+    if region.is_point() || network.sample_period() == 0.0 || damper == 0.0 && !region.has_grounded() {
+        let bound = of_pair(&worst);
+        return RangeBound {
+            bound: Ok((bound.proven, bound.attained)),
+            least_found: Some(bound.found),
             worst,
-            // A proof that ends early says so.
-            is_proven: is_proven && bound.is_none_or(|bound| LOOSE * bound.proven >= bound.found),
-        }
-    };
-    if axis.coupling_damping > 0.0 && region.has_grounded() {
-        return RangeBound { bound: None, least_found: None, worst, is_proven: true };
-    }
-    if region.is_point() || network.sample_period() == 0.0 {
-        return exact(true, worst);
-    }
-    if axis.coupling_damping > 0.0 {
-        let bound = |at: &OperatorPair| {
-            any_network::stiffness_bound(&region.axis(at), network)
-                .map_or(f64::INFINITY, |bound| bound.proven)
+            is_tight: LOOSE * bound.proven >= bound.found,
         };
-        let corners = region.corners();
-        let least = corners.into_iter().min_by(|a, b| bound(a).total_cmp(&bound(b))).unwrap_or(worst);
-        return exact(false, least);
     }
-    if !region.has_grounded() {
-        return exact(true, worst);
+    if damper > 0.0 {
+        // The worst operator is not known to be a corner.
+        return unproven(region, |at| of_pair(at).found);
     }
     let family = region.family();
-    let bound = grounded_stiffness(&family, network);
     // With a computing time it is not proven that a weakly grounded handle keeps the hull.
-    let is_proven = network.computing_time() == 0.0 || family.sides.iter().all(|side| side.stiffness.0 > 0.0);
-    RangeBound { bound: Some((bound, false)), least_found: None, worst, is_proven }
+    if network.computing_time() > 0.0 && family.sides.iter().any(|side| side.stiffness.0 == 0.0) {
+        return unproven(region, |at| of_pair(at).found);
+    }
+    let bound = grounded_stiffness(&family, network);
+    RangeBound { bound: Ok((bound, false)), least_found: None, worst, is_tight: true }
+}
+
+/// No bound over a range, with the smallest one of its corners.
+fn unproven(region: &OperatorBox, bound_at: impl Fn(&OperatorPair) -> f64) -> RangeBound {
+    let (worst, least) = region
+        .corners()
+        .into_iter()
+        .map(|at| (at, bound_at(&at)))
+        .min_by(|(_, one), (_, other)| one.total_cmp(other))
+        .unwrap_or_else(|| (region.weakest_corner(), f64::INFINITY));
+    RangeBound {
+        bound: Err(Unavailable::UnprovenOverRange),
+        least_found: Some(least),
+        worst,
+        is_tight: false,
+    }
 }
 
 /// A stiffness up to which no pair of sides of the family amplifies on any network under sampled controllers.

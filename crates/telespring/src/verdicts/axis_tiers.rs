@@ -2,7 +2,7 @@
 
 use super::operators::{OperatorBox, OperatorPair, OperatorPoint, operator_points};
 use super::ranges::{CertifiedBound, Crossing, Family};
-use super::{Network, Tier, any_network_range, bounded_delay};
+use super::{Network, Tier, Unavailable, any_network_range, bounded_delay};
 use crate::criteria::{
     critical_stiffness, is_delay_independent, is_in_any, maximum_delay, maximum_stiffness, stable_delays,
 };
@@ -21,13 +21,15 @@ pub struct AxisTier {
     pub attained: bool,
     /// True if the given stiffness is proven to satisfy the tier's rule for every operator of the range.
     pub satisfied: bool,
-    /// False if the search over the range was cut off, the bound is more than 5 % below [`AxisTier::least_found`], or
-    /// the tier has no exact rule over a range.
+    /// False if the search over the range was cut off, or the bound may be more than 5 % below the truth or is not
+    /// known. A bound that is given holds all the same.
     pub proven: bool,
     /// The smallest bound found for a single pair of operators, N/m: no bound over the range is larger.
     pub least_found: Option<f64>,
     /// The operators with that bound.
     pub operators: [OperatorPoint; 2],
+    /// Why the tier has no bound, where it has none.
+    pub unavailable: Option<Unavailable>,
 }
 
 /// Tiers 3 and 4 on one axis, and what else the search for them tells.
@@ -96,6 +98,7 @@ fn at_one_pair(region: &OperatorBox, delay: f64, k: f64) -> Result<ConstantDelay
         proven: true,
         least_found: Some(critical),
         operators,
+        unavailable: None,
     };
     let largest = maximum_stiffness(&axis, delay)?;
     let fourth = AxisTier {
@@ -107,6 +110,7 @@ fn at_one_pair(region: &OperatorBox, delay: f64, k: f64) -> Result<ConstantDelay
         proven: true,
         least_found: Some(largest),
         operators,
+        unavailable: None,
     };
     Ok(ConstantDelayTiers {
         tiers: [third, fourth],
@@ -141,6 +145,7 @@ fn over_range(
         proven: certified.is_finished && satisfied.is_some() && bound >= TIGHT * worst.1,
         least_found: Some(worst.1),
         operators: operator_points(&worst.0),
+        unavailable: None,
     };
     Ok((verdict, worst.0))
 }
@@ -238,20 +243,22 @@ pub(super) fn bounded_delay_tier(region: &OperatorBox, network: &Network, k: f64
         proven: true,
         least_found: bound,
         operators: operator_points(&worst),
+        unavailable: bound.is_none().then_some(Unavailable::CouplingDamping),
     }
 }
 
 /// Tier 1 on one axis.
 pub(super) fn any_network_tier(region: &OperatorBox, network: &Network, k: f64) -> AxisTier {
     let over = any_network_range::range_bound(region, network);
-    let satisfied = over.bound.is_some_and(|(bound, attained)| k < bound || attained && k == bound);
+    let bound = over.bound.ok();
     AxisTier {
         tier: Tier::AnyNetwork,
-        stiffness_bound: over.bound.map(|(bound, _)| bound),
-        attained: over.is_proven && over.bound.is_some_and(|(_, attained)| attained),
-        satisfied: over.is_proven && satisfied,
-        proven: over.is_proven,
+        stiffness_bound: bound.map(|(bound, _)| bound),
+        attained: bound.is_some_and(|(_, attained)| attained),
+        satisfied: bound.is_some_and(|(bound, attained)| k < bound || attained && k == bound),
+        proven: over.is_tight,
         least_found: over.least_found,
         operators: operator_points(&over.worst),
+        unavailable: over.bound.err(),
     }
 }

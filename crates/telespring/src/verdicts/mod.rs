@@ -98,7 +98,7 @@ pub enum Assumption {
     },
 }
 
-/// Why a tier has no rule for a dyad.
+/// Why a tier has no bound for a dyad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unavailable {
@@ -108,6 +108,9 @@ pub enum Unavailable {
     CouplingDampingWithComputingTime,
     /// Tier 2 with a coupling damper.
     CouplingDamping,
+    /// Tier 1 of sampled controllers over a range of operators: free ones with a coupling damper, or, with a computing
+    /// time, grounded ones some of which may be free. Single pairs have a bound, but the worst pair is not known.
+    UnprovenOverRange,
 }
 
 /// The margin of a stiffness to a bound.
@@ -132,8 +135,8 @@ pub struct Verdict {
     /// True if the given stiffness is proven to satisfy the rule on every axis for every operator of the range. A
     /// constant delay (tier 4) may be stable above the bound, in a later stable interval.
     pub satisfied: bool,
-    /// False if a search over the range of operators was cut off, the bound is more than 5 % below that of the operators
-    /// found, or the tier has no exact rule over a range. The bound holds for tiers 2 to 4 nevertheless.
+    /// False if a search over the range of operators was cut off, or the bound may be more than 5 % below the truth or
+    /// is not known. A bound that is given holds all the same.
     pub proven: bool,
     /// The smallest bound found for a single pair of operators, N/m: no bound over the range is larger.
     pub least_found: Option<f64>,
@@ -184,7 +187,8 @@ pub struct AxisVerdict {
     /// the weakest and the middle ones; `None` without a sample period.
     pub sampled: Option<SampledSpectrum>,
     /// The largest stiffness (N/m), up to the bound of tier 4, that is stable under sampled controllers for every
-    /// operator.
+    /// operator; 0 if none is proven. With a coupling damper and a range of operators the softest springs, of at most
+    /// 0.1 N/m, are not examined: the bound says nothing about them.
     pub sampled_stiffness_bound: Option<f64>,
     /// True if the given stiffness is proven to be stable under sampled controllers for every operator.
     pub sampled_stable: Option<bool>,
@@ -235,8 +239,9 @@ impl Verdicts {
 ///
 /// With `operators` every verdict holds for all operators of both ranges, which replace the dyad's own. Tiers 1 and 2
 /// have a known worst operator; for tiers 3 and 4 and the sampled dyad a search excludes roots on the imaginary
-/// axis for the whole range at once. Only tier 1 of sampled controllers with grounded operators or a
-/// coupling damper has no proof over a range: see [`Verdict::proven`].
+/// axis for the whole range at once. Tier 1 of sampled controllers has no bound over a range of free
+/// operators with a coupling damper, nor over grounded operators with a computing time if a ground stiffness may be 0:
+/// [`Unavailable::UnprovenOverRange`].
 ///
 /// # Errors
 ///
@@ -369,12 +374,8 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
         assumption,
         unavailable: None,
     };
-    if axes.iter().any(|axis| axis.tiers[index].stiffness_bound.is_none()) {
-        verdict.unavailable = Some(match tier {
-            Tier::BoundedVaryingDelay => Unavailable::CouplingDamping,
-            _ if axes.iter().all(|axis| !axis.grounded) => Unavailable::CouplingDampingWithComputingTime,
-            _ => Unavailable::CouplingDampingWithGroundedOperator,
-        });
+    verdict.unavailable = axes.iter().find_map(|axis| axis.tiers[index].unavailable);
+    if verdict.unavailable.is_some() {
         return verdict;
     }
     for (i, axis) in axes.iter().enumerate() {
@@ -439,8 +440,6 @@ fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> 
     tiers
         .iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
-        // Over a range of operators the bound of tier 1 may rest on examples only.
-        .filter(|verdict| verdict.proven || verdict.tier != Tier::AnyNetwork)
         .filter_map(|verdict| {
             let bound = verdict.stiffness_bound?;
             let constant = matches!(verdict.tier, Tier::AnyConstantDelay | Tier::ConstantDelay);

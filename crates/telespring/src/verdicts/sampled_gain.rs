@@ -123,8 +123,8 @@ pub(super) fn grounded_stiffness(axis: &DyadAxis, sides: &[SampledPlant; 2]) -> 
 /// A stiffness (N/m) up to which the product of both sampled gains is known to stay below 1; 0 if none is.
 ///
 /// Without computing time no response overshoots up to k + k_h = the bound of the side without ground. Otherwise: a free side
-/// has gain 1 up to its bound, and a grounded one with a gain below 1/3 at some k has one below 1/2 at any smaller k, since
-/// k ‖G‖₁ ≤ γ/(1 − γ).
+/// has gain 1 up to its bound. A grounded one with a gain γ below 1/3 at some k has k ‖G‖₁ ≤ γ/(1 − γ) < 1/2 there and at
+/// any smaller k, and so a gain of at most k ‖G‖₁/(1 − k ‖G‖₁) < 1.
 fn proven_start(axis: &DyadAxis, sides: &[SampledPlant; 2], found: f64) -> f64 {
     let mut start = found;
     for (side, plant) in axis.sides.iter().zip(sides) {

@@ -36,9 +36,21 @@ const LOOSE: f64 = 1.05;
 /// Just beyond the bound of one pair of operators, where even a narrow window is unstable.
 const BEYOND: f64 = 1.0001;
 
-/// With a coupling damper the rule of tier 2 is missing: softer springs than this part of the limit are taken to be
-/// as stable as one of them.
+/// With a coupling damper the rule of tier 2 is missing, and the search starts at this part of the limit, or at a
+/// stiffer spring if it cannot decide there.
 const SOFTEST: f64 = 1e-6;
+/// The start grows by this factor.
+const STIFFER: f64 = 100.0;
+/// The largest start, N/m: robots are not coupled by softer springs.
+const LARGEST_START: f64 = 0.1;
+
+/// The first stiffness at which some member is unstable.
+struct FirstUnstable {
+    /// The bound; 0 if none is known.
+    bound: CertifiedBound,
+    /// Softer springs than this (N/m) are not examined.
+    start: f64,
+}
 
 /// The first stiffness (N/m) up to `limit` at which some member is unstable under sampled controllers.
 fn first_unstable_stiffness(
@@ -46,25 +58,50 @@ fn first_unstable_stiffness(
     family: &Family,
     network: &Network,
     limit: f64,
-) -> Result<CertifiedBound> {
-    let unknown = CertifiedBound { value: 0.0, sides: None, is_finished: false };
-    let mut start = soft_stiffness(family, network);
+) -> Result<FirstUnstable> {
     if family.coupling_damping > 0.0 {
-        start = SOFTEST * limit;
-        let is_known = start.is_finite()
-            && quantity::STIFFNESS.check("stiffness", start).is_ok()
-            && sampled_spectral_radius(&region.axis(&region.middle()), start, network)?.is_stable();
-        if !is_known {
-            return Ok(unknown);
+        return first_unstable_with_damper(region, family, network, limit);
+    }
+    let start = soft_stiffness(family, network);
+    let bound = if start == 0.0 {
+        CertifiedBound { value: 0.0, sides: None, is_finished: false }
+    } else if start >= limit {
+        CertifiedBound { value: limit, sides: None, is_finished: true }
+    } else {
+        family.first_stiffness(Some(network.held_round_trip()), start, limit)
+    };
+    Ok(FirstUnstable { bound, start: 0.0 })
+}
+
+/// The same with a coupling damper: softer springs than the start are not examined.
+fn first_unstable_with_damper(
+    region: &OperatorBox,
+    family: &Family,
+    network: &Network,
+    limit: f64,
+) -> Result<FirstUnstable> {
+    let unknown = CertifiedBound { value: 0.0, sides: None, is_finished: false };
+    let round_trip = Some(network.held_round_trip());
+    let mut start = (SOFTEST * limit).clamp(quantity::STIFFNESS.minimum(), LARGEST_START);
+    while start < limit {
+        for at in region.corners().into_iter().chain([region.middle()]) {
+            if !sampled_spectral_radius(&region.axis(&at), start, network)?.is_stable() {
+                return Ok(FirstUnstable { bound: unknown, start });
+            }
         }
+        // Some members are stable, and no member has a root on the axis: all are stable.
+        if family.crossing(start, round_trip) == Crossing::Excluded {
+            let bound = family.first_stiffness(round_trip, start, limit);
+            if bound.value > start {
+                return Ok(FirstUnstable { bound, start });
+            }
+        }
+        if start == LARGEST_START {
+            break;
+        }
+        start = (STIFFER * start).min(LARGEST_START);
     }
-    if start == 0.0 {
-        return Ok(unknown);
-    }
-    if start >= limit {
-        return Ok(CertifiedBound { value: limit, sides: None, is_finished: true });
-    }
-    Ok(family.first_stiffness(Some(network.held_round_trip()), start, limit))
+    Ok(FirstUnstable { bound: unknown, start })
 }
 
 /// The sampled dyad on one axis at a stiffness `k` (N/m). `limit` is the bound of tier 4, with the operators
@@ -91,7 +128,8 @@ pub(super) fn sampled_axis(
         return Ok(SampledAxis { spectrum, stiffness_bound, is_stable: spectrum.is_stable(), is_proven });
     }
     let family = region.sampled_family(network);
-    let certified = first_unstable_stiffness(region, &family, network, limit)?;
+    let FirstUnstable { bound: certified, start } =
+        first_unstable_stiffness(region, &family, network, limit)?;
     let mut spectrum = spectrum;
     let found = certified.sides.as_ref().map(|sides| region.operators_of(sides));
     let above = LOOSE * certified.value;
@@ -109,7 +147,7 @@ pub(super) fn sampled_axis(
     }
     let verdict = if !spectrum.is_stable() {
         Some(false)
-    } else if k < certified.value {
+    } else if start <= k && k < certified.value {
         Some(true)
     } else {
         match family.crossing(k, Some(network.held_round_trip())) {

@@ -20,12 +20,12 @@ from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
-    WORST_OPERATOR,
     allowed_stiffness,
     delay_clause,
     hand_effect,
     network_clause,
     network_fits,
+    range_notes,
     sampling_clause,
     sampling_note,
     tier_bounds,
@@ -81,8 +81,8 @@ def _verdict_table(decision: Decision) -> Fitting:
         beside: list[tuple[str, ...]] = [
             (
                 own.verdict.tier,
-                allowed_stiffness(free.bound, free.attained),
-                allowed_stiffness(own.bound, own.attained),
+                free.allowed,
+                own.allowed,
                 hand_effect(free.bound, own.bound),
             )
             for own, free in zip(bounds, tier_bounds(decision.free.verdicts), strict=True)
@@ -96,11 +96,10 @@ def _verdict_table(decision: Decision) -> Fitting:
     for own in bounds:
         formula = TIERS[own.verdict.tier].formula
         if own.bound is None:
-            rows.append((own.verdict.tier, formula, "no rule", "–", "–", "–"))
+            rows.append((own.verdict.tier, formula, own.allowed, "–", "–", "–"))
             continue
         applies = network_fits(own.verdict.assumption)
-        bound = allowed_stiffness(own.bound, own.attained)
-        rows.append((own.verdict.tier, formula, bound, own.axis, _yes_or_no(own.is_satisfied), applies))
+        rows.append((own.verdict.tier, formula, own.allowed, own.axis, _yes_or_no(own.is_satisfied), applies))
     headings = ("network", "rule", "k, N/m", "axis", "stable", "yours")
     return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
 
@@ -121,7 +120,7 @@ def _verdict_notes(decision: Decision) -> list[Text]:
     if not decision.delay_limit_proven:
         notes.append(Text("The longest delay may be too small, since the search was cut off."))
     if decision.over_operator_ranges:
-        notes.append(Text(WORST_OPERATOR))
+        notes += map(Text, range_notes(tier_bounds(decision.verdicts)))
     notes.append(_paper_note(decision))
     return notes
 
@@ -221,6 +220,8 @@ def _stronger_guarantees(decision: Decision) -> list[str]:
     }
     for verdict in reversed(decision.verdicts.tiers):
         promise, bound = promises.get(verdict.tier), verdict.stiffness_bound
+        if promise is not None and verdict.unavailable == "not proven over the range":
+            lines.append(f"no stiffness is proven {promise} for the whole range")
         if promise is None or bound is None or (verdict.satisfied and verdict.assumption_met):
             continue
         buffer = "" if verdict.assumption_met else " behind a playout buffer"

@@ -18,12 +18,12 @@ from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
-    WORST_OPERATOR,
     allowed_stiffness,
     delay_clause,
     hand_effect,
     network_clause,
     network_fits,
+    range_notes,
     sampling_clause,
     sampling_note,
     tier_bounds,
@@ -71,7 +71,8 @@ def limits_screen(
     if any(axis.sampled_proven is False for row in found.delays for axis in row.verdicts.axes):
         parts.append(Text(MAYBE_TOO_SMALL))
     if found.over_operator_ranges:
-        parts.append(Text(WORST_OPERATOR))
+        judged = [row.verdicts for row in (found.delays[:1] if found.is_delay_given else found.delays)]
+        parts += map(Text, range_notes(bound for each in judged for bound in tier_bounds(each)))
     return Group(*parts)
 
 
@@ -199,7 +200,7 @@ def _tier_table(found: Limits) -> Fitting:
             (
                 own.verdict.tier,
                 TIERS[own.verdict.tier].formula,
-                allowed_stiffness(own.bound, own.attained),
+                own.allowed,
                 own.axis,
                 network_fits(own.verdict.assumption),
             )
@@ -210,8 +211,8 @@ def _tier_table(found: Limits) -> Fitting:
     beside = [
         (
             own.verdict.tier,
-            allowed_stiffness(free.bound, free.attained),
-            allowed_stiffness(own.bound, own.attained),
+            free.allowed,
+            own.allowed,
             hand_effect(free.bound, own.bound),
         )
         for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
@@ -261,7 +262,9 @@ def _delay_table(found: Limits) -> Fitting:
             values = [_usable_of(row, is_buffered=False), row.usable_stiffness]
         cells = [format_stiffness(value).removesuffix(" N/m") for value in values]
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
-        cells += [allowed_stiffness(tier.stiffness_bound, tier.attained).split(" ")[-1] for tier in tiers]
+        for tier in tiers:
+            allowed = allowed_stiffness(tier.stiffness_bound, tier.attained, tier.unavailable)
+            cells.append(allowed.removeprefix("below ").removeprefix("up to "))
         rows.append((delay_clause(row.delay), *cells))
     own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
     headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.text import Text
@@ -13,13 +14,12 @@ from telespring.show.quantities import format_number, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
 if TYPE_CHECKING:
-    from telespring._types import Assumption
+    from telespring._types import Assumption, Unavailable
 
 __all__ = [
     "CONTINUOUS_TIERS",
     "MAYBE_TOO_SMALL",
     "TABLE_TITLE",
-    "WORST_OPERATOR",
     "TierBound",
     "allowed_stiffness",
     "delay_clause",
@@ -28,6 +28,7 @@ __all__ = [
     "hand_effect",
     "network_clause",
     "network_fits",
+    "range_notes",
     "sampling_clause",
     "sampling_note",
     "tier_bounds",
@@ -39,7 +40,8 @@ CONTINUOUS_TIERS = "The limit for any constant delay is that of continuous contr
 
 TABLE_TITLE = "How stiff the spring may be, by what the network does"
 MAYBE_TOO_SMALL = "The limit with sampled controllers may be more than 5 % too small: the search was cut off."
-WORST_OPERATOR = "Every limit holds for every hand in the range, the worst included."
+_WORST_OPERATOR = "Every limit holds for every hand in the range, the worst included."
+_UNPROVEN_OVER_RANGE = "Not proven: a single hand has a limit there, but nothing proves one for the range."
 
 
 class TierBound(NamedTuple):
@@ -62,6 +64,17 @@ class TierBound(NamedTuple):
     attained: bool
     axis: str
     is_satisfied: bool
+
+    @property
+    def allowed(self) -> str:
+        """The stiffnesses that the tier allows, without the unit."""
+        return allowed_stiffness(self.bound, self.attained, self.verdict.unavailable)
+
+
+def range_notes(bounds: Iterable[TierBound]) -> list[str]:
+    """Say what limits over a range of operators mean."""
+    is_unproven = any(each.verdict.unavailable == "not proven over the range" for each in bounds)
+    return [_WORST_OPERATOR, _UNPROVEN_OVER_RANGE] if is_unproven else [_WORST_OPERATOR]
 
 
 def tier_bounds(judged: Verdicts) -> list[TierBound]:
@@ -198,16 +211,18 @@ def sampling_clause(period: float) -> str:
     return f"controllers sampled every {format_time(period, 6)}"
 
 
-def allowed_stiffness(bound: float | None, attained: bool) -> str:
+def allowed_stiffness(bound: float | None, attained: bool, unavailable: Unavailable | None = None) -> str:
     """Write the stiffnesses that a bound allows, without the unit.
 
     Examples
     --------
     >>> allowed_stiffness(35.616, True), allowed_stiffness(99.7, False), allowed_stiffness(0.0, False)
     ('up to 35.61', 'below 99.7', 'none')
+    >>> allowed_stiffness(None, False, "not proven over the range")
+    'not proven'
     """
     if bound is None:
-        return "no rule"
+        return "not proven" if unavailable == "not proven over the range" else "no rule"
     if math.isinf(bound):
         return "no limit"
     if bound == 0.0:
