@@ -111,7 +111,14 @@ def test_law_a_study_of_ones_own_shows_its_own_laboratory() -> None:
     assert (unconnected["te1_n"], unconnected["te1_copies"], unconnected["te1_least_p"]) == (1, 3, 0.4)
     assert unconnected["te1_untestable"] is True
     assert "TE₁ in UM" in four.html
-    assert "trials repeat another one to the nanometre" in four.html
+    [paragraph] = [each for each in four.html.split("<p>") if "repeat another one to the nanometre" in each]
+    words = " ".join(re.sub("<[^>]*>", "", paragraph.split("</p>")[0]).split())
+    assert words.startswith(
+        "Trials that repeat another one to the nanometre do not count: TE₁ in UM: 3, so n = 1"
+    )
+    assert "1 and p cannot be below 0.4" in words
+    assert words.endswith("Where n = 1 nothing is random, and more trials do not help.")
+    assert "p is smaller where trials differ: judge by the size" in four.html
 
 
 def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:
