@@ -237,6 +237,12 @@ def test_law_trials_that_look_cut_off_or_stuck_are_reported(made: xr.Dataset, tm
     assert len(warnings) == 3
     assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed after ")
     assert warnings[1].startswith(f"Trial 3 of {labels[1]}: the handle of robot 1 does not move throughout")
+    assert warnings[1].endswith("Then set the trial's status to stopped, so that it is left out.")
+    mended = odd.copy(deep=True)
+    status = np.full((odd.sizes["condition"], 6), "completed", dtype=object)
+    status[0, 1] = status[1, 2] = status[2, 3] = "stopped"
+    mended["status"] = ("condition", "trial"), status.astype(str)
+    assert analyse_trials(mended)["warnings"] == []
     assert warnings[2].startswith(f"Trial 4 of {labels[2]}: the handle of robot 2 does not move from ")
     odd.to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
     shown = run("analyse", tmp_path, "--out", tmp_path / "out", "--no-figures")

@@ -424,3 +424,10 @@ def test_law_help_has_no_broken_line() -> None:
     for line, following in pairwise(text):
         if line and following:
             assert len(line) + 1 + len(following.split()[0]) > 76, line
+
+
+@pytest.mark.parametrize(("jitter", "largest"), [("10ms", "90 ms"), ("100ms", "180 ms")])
+def test_law_the_screen_says_which_pings_are_meant(jitter: str, largest: str) -> None:
+    screen = flat(run("decide", *MINE, "--ping", "80ms", "--ping-jitter", jitter).stdout)
+    assert f"Pings from 80 ms (the smallest) to {largest} are meant." in screen
+    assert ("subtract the smallest" in screen) == (jitter == "100ms")
