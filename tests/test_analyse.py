@@ -237,6 +237,12 @@ def test_law_trials_that_look_cut_off_or_stuck_are_reported(made: xr.Dataset, tm
     assert len(warnings) == 3
     assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed after ")
     assert warnings[1].startswith(f"Trial 3 of {labels[1]}: the handle of robot 1 does not move throughout")
+    assert warnings[1].endswith("Then set the trial's status to stopped, so that it is left out.")
+    mended = odd.copy(deep=True)
+    status = np.full((odd.sizes["condition"], 6), "completed", dtype=object)
+    status[0, 1] = status[1, 2] = status[2, 3] = "stopped"
+    mended["status"] = ("condition", "trial"), status.astype(str)
+    assert analyse_trials(mended)["warnings"] == []
     assert warnings[2].startswith(f"Trial 4 of {labels[2]}: the handle of robot 2 does not move from ")
     odd.to_netcdf(tmp_path / "rehearsal.nc", engine="h5netcdf")
     shown = run("analyse", tmp_path, "--out", tmp_path / "out", "--no-figures")
@@ -338,7 +344,20 @@ def test_law_the_screen_says_what_copies_simulations_and_dyads_mean(made: xr.Dat
     seeds = np.arange(40, dtype=np.uint64).reshape(5, 8)
     _, words = shown(few.assign(seed=(("condition", "trial"), seeds)), tmp_path)
     assert "The trials are simulated: p also depends on how many were run" in words
+    assert "with enough of them, where trials differ, any difference is significant" in words
+    assert "nothing in them is random; more trials do not help" in words
     assert "independent" not in words
+    # of nothing random it does not say that more trials make a difference significant
+    still = few.copy(deep=True)
+    still["position"][:] = np.asarray(still["position"])[:, :1]
+    _, words = shown(still.assign(seed=(("condition", "trial"), seeds)), tmp_path)
+    assert "The trials are simulated and nothing in them is random, so p says nothing." in words
+    assert "is significant." not in words
+    # two that differ among eight are random
+    twice = few.copy(deep=True)
+    twice["position"][1, 7] = np.asarray(made["position"])[1, 7]
+    _, words = shown(twice.assign(seed=(("condition", "trial"), seeds)), tmp_path)
+    assert "6 of 8 trials repeat another one to the nanometre, so they do not count." in words
     dyads = np.tile([f"D{i}" for i in range(8)], (5, 1))
     _, words = shown(few.assign(dyad=(("condition", "trial"), dyads)), tmp_path)
     assert "8 dyads: every dyad counts once" in words

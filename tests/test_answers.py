@@ -448,3 +448,10 @@ def test_law_a_stiffness_near_the_largest_allowed_is_answered() -> None:
     answer = ts.decide(dyad, 9.6e6, 0.04, allow_unusual=True)
     assert answer.status == "unstable"
     assert ts.decide(dyad, 9.6e6, allow_unusual=True).limits is not None
+
+
+@pytest.mark.parametrize(("jitter", "largest"), [("10ms", "90 ms"), ("100ms", "180 ms")])
+def test_law_the_screen_says_which_pings_are_meant(jitter: str, largest: str) -> None:
+    screen = flat(run("decide", *MINE, "--ping", "80ms", "--ping-jitter", jitter).stdout)
+    assert f"Pings from 80 ms (the smallest) to {largest} are meant." in screen
+    assert ("subtract the smallest" in screen) == (jitter == "100ms")

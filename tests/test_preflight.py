@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -111,7 +112,14 @@ def test_law_a_study_of_ones_own_shows_its_own_laboratory() -> None:
     assert (unconnected["te1_n"], unconnected["te1_copies"], unconnected["te1_least_p"]) == (1, 3, 0.4)
     assert unconnected["te1_untestable"] is True
     assert "TE₁ in UM" in four.html
-    assert "trials repeat another one to the nanometre" in four.html
+    [paragraph] = [each for each in four.html.split("<p>") if "repeat another one to the nanometre" in each]
+    words = " ".join(re.sub("<[^>]*>", "", paragraph.split("</p>")[0]).split())
+    assert words.startswith(
+        "Trials that repeat another one to the nanometre do not count: TE₁ in UM: 3, so n = 1"
+    )
+    assert "1 and p cannot be below 0.4" in words
+    assert words.endswith("Where n = 1 nothing is random, and more trials do not help.")
+    assert "p is smaller where trials differ: judge by the size" in four.html
 
 
 def test_law_the_papers_experiment_is_its_robots_task_and_agents() -> None:
@@ -167,3 +175,42 @@ def test_law_rehearse_names_arm_condition_and_time(tmp_path: Path) -> None:
     assert told is not None, run.output
     # the target is highest after a quarter of its period
     assert 0.2 < float(told[1]) < 0.6 * np.pi / 1.6
+
+
+def _first_answer(study: ts.Study, modules: Path | None = None) -> tuple[dict[str, Any], str]:
+    found = analyse(study, modules=modules, parts=[part for part in PARTS if part.name == "summary"])
+    matched = re.search(r'<section id="summary".*?</section>', found.html, re.S)
+    assert matched is not None
+    words = " ".join(re.sub("<[^>]*>", "", matched[0]).split())
+    return found.numbers["summary"]["answer"], f"{matched[0].split('>')[0]}> {words}"
+
+
+def test_law_the_first_answer_says_what_arms_and_agents_change() -> None:
+    condition = {"coupling": {"stiffness": 60.0}, "network": {"delay": 0.15}}
+    arm, agent = {"kind": "lumped", "mass": 5.0}, {"kind": "skilled", "stiffness": 0}
+    heavy = ts.Study.paper().replace(arm1=arm, arm2=arm, agent1=agent, agent2=agent, **condition)
+    answer, words = _first_answer(heavy)
+    # the arms as operators, by the characteristic roots
+    held = ts.Dyad(*ts.hman().robots, (ts.Operator(mass=5.0), ts.Operator(mass=5.0)))
+    assert max(axis.spectral_abscissa(60.0, 0.15) for axis in held) > 0.0
+    assert (answer["status"], answer["in_arms"]["stable"]) == ("stable", False)
+    assert 'class="answer unstable"' in words
+    assert "with them and continuous controllers the dyad is UNSTABLE." in words
+    # conditions of the protocol, by the roots with free handles
+    assert heavy.experiment is not None
+    unstable = [
+        {"stiffness": k, "delay": delay}
+        for k, delay in heavy.experiment.conditions
+        if k is not None and max(axis.spectral_abscissa(k, delay) for axis in ts.hman()) > 0.0
+    ]
+    assert answer["unstable_conditions"] == unstable
+    assert ("unstable with free handles:" in words) == bool(unstable)
+    # an agent that is a program: nobody knows its stiffness
+    tremor = read("tremor").replace(**condition)
+    answer, words = _first_answer(tremor, EXAMPLES[0].parent)
+    assert answer["in_arms"]["known"] is False
+    assert "stability with them is not known: agent" in words
+    # the paper's own study names neither arms nor agents
+    answer, words = _first_answer(ts.Study.paper().replace(**condition))
+    assert answer["in_arms"] is None
+    assert "arms and agents hold" not in words

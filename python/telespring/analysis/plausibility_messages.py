@@ -27,11 +27,15 @@ def implausible_trial_warning(implausible: Implausible) -> str:
     handle = f"the handle of robot {implausible.robot}"
     if isinstance(implausible, StillHandle):
         period = "throughout" if implausible.since is None else f"from {implausible.since:.4g} s to its end"
-        return f"{trial}: {handle} does not move {period}, but is analysed as if it had followed the target."
+        return (
+            f"{trial}: {handle} does not move {period}, but is analysed as if it had followed the target. "
+            "Was its sensor stuck? Then set the trial's status to stopped, so that it is left out."
+        )
     if isinstance(implausible, FrozenHandle):
         return (
             f"{trial}: {handle} stays exactly where it is for {1e3 * implausible.duration:.4g} ms from "
-            f"{implausible.since:.4g} s, then jumps by {1e3 * implausible.jump:.3g} mm. Was the sensor stuck?"
+            f"{implausible.since:.4g} s, then jumps by {1e3 * implausible.jump:.3g} mm. "
+            "Was the sensor stuck? Then set the trial's status to stopped, so that it is left out."
         )
     assert isinstance(implausible, Spikes)
     return (

@@ -70,7 +70,7 @@ Ping = Annotated[
         "--ping",
         parser=number(TIME),
         metavar="TIME",
-        help="Round trip, such as 80ms, instead of --delay: half of it each way.",
+        help="Smallest round trip, such as 80ms, instead of --delay: half of it each way.",
     ),
 ]
 Robots = Annotated[

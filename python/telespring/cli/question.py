@@ -108,7 +108,7 @@ class StudyOptions:
             jitter = ping_jitter
             self.notes.append(
                 f"A ping that varies by {format_time(jitter, 6)} may do so on one way alone: each way counts "
-                "with all of it."
+                "with all of it." + ("" if ping is None else _ping_range(ping, ping_jitter))
             )
         self.take_delay(delay, backward)
         if ping is not None:
@@ -206,6 +206,14 @@ def _refuse_doubled(
             "it gives the jitter of both ways",
             "Leave out --jitter or --ping-jitter.",
         )
+
+
+def _ping_range(ping: float, jitter: float) -> str:
+    """Say which round trips are meant; a jitter above the ping may be the largest ping."""
+    text = f" Pings from {format_time(ping, 6)} (the smallest) to {format_time(ping + jitter, 6)} are meant."
+    if jitter > ping:
+        text += " If the jitter that you gave is itself the largest ping, subtract the smallest."
+    return text
 
 
 def _refuse_unusual_ping(ping: float | None, ping_jitter: float | None) -> None:

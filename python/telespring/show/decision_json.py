@@ -16,7 +16,7 @@ from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 from telespring.theory.verdicts import DelayBudget, Verdict
 
-__all__ = ["decision_json", "sampled_bound_json", "uncertainty_json", "varying_json"]
+__all__ = ["arm_stability_json", "decision_json", "sampled_bound_json", "uncertainty_json", "varying_json"]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         "axes_independent": decision.axes_independent,
         "warnings": robot_notes(decision),
         "free": None if decision.free is None else decision_json(decision.free),
-        "in_arms": None if decision.arms is None else _arm_stability_json(decision.arms),
+        "in_arms": None if decision.arms is None else arm_stability_json(decision.arms),
     }
 
 
@@ -217,7 +217,8 @@ def _axis_uncertainty_json(axis: AxisUncertainty) -> dict[str, Any]:
     }
 
 
-def _arm_stability_json(arms: ArmStability) -> dict[str, Any]:
+def arm_stability_json(arms: ArmStability) -> dict[str, Any]:
+    """Return `in_arms` of `telespring decide --json`, the verdict on one condition."""
     reason = describe_unavailable_arms(arms)
     if arms.operators is None:
         return {"known": False, "reason": reason}

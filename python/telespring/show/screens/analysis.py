@@ -289,10 +289,7 @@ def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
             "holds for other dyads too."
         )
     elif analysed["simulated"]:
-        yield Text(
-            "The trials are simulated: p also depends on how many were run, and with enough of them any "
-            "difference is significant. Judge by the size of the differences."
-        )
+        yield Text(_simulated_line(numbers))
     elif analysed["dyads"] is None:
         yield Text(
             "All trials count as independent. If several dyads or people took part, name them in the column "
@@ -302,8 +299,21 @@ def _independence_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
         yield Text("All trials are of one dyad: p holds for this dyad only.")
 
 
+def _simulated_line(numbers: Mapping[str, Any]) -> str:
+    """State what p means for simulated trials: more of them change it only where something is random."""
+    judge = "Judge by the size of the differences."
+    if not any(row[f"te{robot}_distinct"] > 1 for row in numbers["table1"] for robot in (1, 2)):
+        return f"The trials are simulated and nothing in them is random, so p says nothing. {judge}"
+    where = ", where trials differ," if _has_copies(numbers) else ""
+    return (
+        f"The trials are simulated: p also depends on how many were run, and with enough of them{where} any "
+        f"difference is significant. {judge}"
+    )
+
+
 def _copy_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
     """State which trials are copies and do not count."""
+    is_simulated = numbers["analysed"]["simulated"]
     repeated: dict[tuple[int, int], list[str]] = {}
     for row in numbers["table1"]:
         for robot in (1, 2):
@@ -311,12 +321,11 @@ def _copy_lines(numbers: Mapping[str, Any]) -> Iterator[Text]:
             if copies:
                 name = tracking_error_name(robot, row["condition"])
                 repeated.setdefault((copies, copies + distinct), []).append(name)
-    reason = (
-        ": nothing in them is random, and more trials change nothing"
-        if numbers["analysed"]["simulated"]
-        else ""
-    )
     for (copies, completed), names in repeated.items():
+        is_random = completed - copies > 1
+        reason = (
+            "" if is_random or not is_simulated else ": nothing in them is random; more trials do not help"
+        )
         yield Text(
             f"{_listed(names)}: {copies} of {completed} trials repeat another one to the nanometre, so "
             f"{'it does' if copies == 1 else 'they do'} not count{reason}.",

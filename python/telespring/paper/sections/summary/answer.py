@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from telespring._json import finite_or_none
+from telespring.decision.arm_stability import arm_stability
 from telespring.decision.decide import decide
-from telespring.decision.question import Question
+from telespring.decision.question import Question, is_stable
 from telespring.decision.reserve import RESERVE
 from telespring.model import Study
-from telespring.show.decision_json import varying_json
+from telespring.show.decision_json import arm_stability_json, varying_json
 
 __all__ = ["answer_study"]
 
 
-def answer_study(study: Study) -> dict[str, Any]:
-    """Compute the key `summary.answer` of `study.json`."""
+def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
+    """Compute the key `summary.answer` of `study.json`; programs of a target are looked up in `modules`."""
     question = Question(study.dyad, study.network, study.operator_ranges, study.has_playout_buffer)
     decision = decide(question, study.stiffness, uncertainty=study.uncertainty, compare_free=True)
     known = decision.uncertainty
+    arms = None
+    if study.names_arms_or_agents and study.experiment is not None:
+        arms = arm_stability(study, [(decision.stiffness, decision.constant_delay)], modules)
     return {
         "status": decision.status,
         "axis": decision.worst_axis.name,
@@ -36,4 +41,17 @@ def answer_study(study: Study) -> dict[str, Any]:
         "delay_to_spare": finite_or_none(decision.delay_limit - decision.mean_delay),
         "probability_stable": None if known is None else known.stable.value,
         "free_handles": None if decision.free is None else decision.free.status,
+        "in_arms": None if arms is None else arm_stability_json(arms),
+        "unstable_conditions": _unstable_conditions(study, question.with_operators(None)),
     }
+
+
+def _unstable_conditions(study: Study, free: Question) -> list[dict[str, float]]:
+    """List the conditions of the protocol that are unstable with free handles at their constant delay."""
+    if study.experiment is None:
+        return []
+    return [
+        {"stiffness": stiffness, "delay": delay}
+        for stiffness, delay in study.experiment.conditions
+        if stiffness is not None and not is_stable(free.at_delay(delay).judge(stiffness))
+    ]

@@ -15,7 +15,7 @@ __all__ = ["SECTION", "find_summary"]
 
 def find_summary(scene: Scene) -> Findings:
     """Answer the study's question, and compute the largest stiffness by delay and by network."""
-    answer = answer_study(scene.study) if scene.is_condition_given else None
+    answer = answer_study(scene.study, scene.modules) if scene.is_condition_given else None
     if answer is not None:
         answer["figure_5_panel"] = _panel_of_figure_5(scene)
     return Findings(numbers={"summary": {"answer": answer, **summarise(scene.study)}})
