@@ -100,9 +100,9 @@ def verdicts(
         5 % below the truth; a bound that is given holds all the same. Tier 1 of sampled controllers has no
         bound over free handles with a coupling damper, nor with a computing time over grounded handles some
         of which may be free: `unavailable` is then "not proven over the range". `least_found` is the smallest
-        bound of one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled bound may
-        be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven` where
-        `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
+        bound of one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled
+        bound may be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven`
+        where `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
 
     Returns
     -------
