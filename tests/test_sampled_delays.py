@@ -241,3 +241,11 @@ def test_law_what_may_be_used_is_stable_with_unequal_delays(delay: float | tuple
     usable = limits(ts.hman(), delay).delays[0].usable_stiffness
     assert decide(ts.hman(), usable, delay).status == "stable"
     assert decide(ts.hman(), 1.03 * usable, delay).status == "marginal"
+
+
+def test_law_a_limit_that_was_not_found_is_not_called_unstable() -> None:
+    dyad = ts.Dyad(ts.Robot(0.23, 0.072), ts.Robot(0.32, 0.155), coupling_damping=4.33)
+    hands = ts.OperatorRange(ts.Operator(), ts.Operator(stiffness=300.0))
+    screen = " ".join(str(ts.decide(dyad, delay=0.056, operator_range=hands)).split())
+    assert "No limit is proven at this constant delay" in screen
+    assert "even a soft spring is unstable" not in screen

@@ -204,7 +204,12 @@ def test_law_the_summary_is_what_the_verdicts_say_of_the_whole_network(held: Ana
         for tier in judged.tiers:
             entry = row[tier.tier.replace(" ", "_")]
             bound = tier.stiffness_bound
-            assert bound is not None
+            if bound is None:
+                # A computing time, and hands that may be free.
+                assert (tier.tier, tier.unavailable) == ("any network", "not proven over the range")
+                assert entry["stiffness"] is None
+                assert not entry["unbounded"]
+                continue
             if tier.tier in {"constant delay", "any constant delay"}:
                 bound = min(bound, bears)
             assert entry["stiffness"] == bound
@@ -216,8 +221,10 @@ def test_law_the_summary_is_what_the_verdicts_say_of_the_whole_network(held: Ana
 
 def test_law_each_part_of_the_network_lowers_what_the_summary_allows() -> None:
     def allowed(old: str, new: str, key: str) -> float:
-        text = HELD.replace(old, new)
-        assert (text != HELD) == (old != new)
+        # With a computing time nothing is proven on any network for hands that may be free.
+        study = HELD.replace("computing_time = 0.0005", "") if key == "any_network" else HELD
+        text = study.replace(old, new)
+        assert (text != study) == (old != new)
         return float(summarise(ts.Study.from_toml(text))["rows"][3][key]["stiffness"])
 
     for old, new, key in (

@@ -81,7 +81,17 @@ class DelayLimits:
         takes power in proportion to k² only. A stiffer spring may be stable.
         """
         continuous = self.verdicts.tier("constant delay").stiffness_bound
-        return self.stiffness_limit == 0.0 and continuous is not None and continuous > 0.0
+        return (
+            self.stiffness_limit == 0.0
+            and self.is_sampled_proven
+            and continuous is not None
+            and continuous > 0.0
+        )
+
+    @property
+    def is_sampled_proven(self) -> bool:
+        """Whether the limit with sampled controllers is at most 5 % low; if not, a search was cut off."""
+        return all(axis.sampled_proven is not False for axis in self.verdicts.axes)
 
     @property
     def buffered(self) -> bool:

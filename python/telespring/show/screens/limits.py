@@ -124,6 +124,11 @@ def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
             "damping takes. A stiffer spring may be stable; give --stiffness."
         )
         return Text.assemble(("No stiffness is low enough", "bold red"), f" {where}: {why}")
+    if row.stiffness_limit == 0.0 and not row.is_sampled_proven:
+        return Text.assemble(
+            ("No limit is proven", "bold yellow"),
+            f" {where}: the search over the ranges was cut off. Give --stiffness to have one judged.",
+        )
     if row.stiffness_limit == 0.0:
         return Text.assemble(("No stiffness is stable", "bold red"), f" {where}, however soft the spring.")
     if row.usable_stiffness == 0.0:
