@@ -102,23 +102,12 @@ def callables() -> Iterator[tuple[str, Callable[..., Any]]]:
         public = getattr(ts, name)
         # what takes any keywords is tested with the study file; a named tuple checks nothing
         is_warning = inspect.isclass(public) and issubclass(public, Exception)
-        if (
-            is_warning
-            or not callable(public)
-            or name in {"Agent", "Arm", "Experiment", "Study", "Task", "Trajectory", "rehearse"}
-        ):
+        if is_warning or not callable(public) or name in OTHERS:
             continue
         yield name, public
     yield "Study.from_toml", ts.Study.from_toml
     yield "Study.read", lambda path: ts.Study.read(path)
-    for method in (
-        "maximum_delay",
-        "critical_stiffness",
-        "stability_map",
-        "is_stable",
-        "crossings",
-        "stable_delays",
-    ):
+    for method in METHODS:
         yield f"DyadAxis.{method}", getattr(DYAD["x"], method)
 
 

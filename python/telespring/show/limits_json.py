@@ -60,7 +60,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         "usable_stiffness": finite_or_none(row.usable_stiffness),
         "unbounded": math.isinf(row.stiffness_limit),
         "usable_stiffness_unbounded": math.isinf(row.usable_stiffness),
-        "sampled_proven": _is_sampled_proven(row),
+        "sampled_proven": row.is_sampled_proven if row.verdicts.network.sample_period > 0.0 else None,
         "soft_springs_fail_by_sampling": row.soft_springs_fail_by_sampling,
         "varying_delay": _varying_json(row),
         "verdicts": {
@@ -82,12 +82,6 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
             for tier in row.verdicts.tiers
         },
     }
-
-
-def _is_sampled_proven(row: DelayLimits) -> bool | None:
-    """Return whether the bound with sampled controllers is at most 5 % low on every axis."""
-    proven = [axis.sampled_proven for axis in row.verdicts.axes if axis.sampled_proven is not None]
-    return all(proven) if proven else None
 
 
 def _varying_json(row: DelayLimits) -> dict[str, Any] | None:

@@ -15,7 +15,7 @@ from telespring.show.quantities import (
     format_stiffness,
     format_time,
 )
-from telespring.show.screens.questions import allowed_stiffness, delay_clause
+from telespring.show.screens.questions import allowed_stiffness, answers_by_buffer, delay_clause, hands_name
 
 __all__ = ["answer_lines"]
 
@@ -34,27 +34,17 @@ def answer_lines(decision: Decision, held: str) -> list[Text]:
     """
     cases = [("", decision)]
     if decision.free is not None:
-        name = f"Handles {held}" if held.startswith("held") else f"Handles held ({held})"
-        cases = [("Free handles", decision.free), (name, decision)]
+        cases = [("Free handles", decision.free), (hands_name(held), decision)]
     lines = []
     for name, case in cases:
-        if case.varying is None:
-            lines.append(_named(name, _constant_delay_answer(case)))
-            continue
-        buffer = f"with a playout buffer of {delay_clause(case.constant_delay)}"
-        if not case.has_playout_buffer:
-            lines.append(
-                _named(
-                    f"{name}, without a playout buffer" if name else "Without a playout buffer",
-                    _varying_delay_answer(case),
-                )
-            )
-        lines.append(_named(f"{name}, {buffer}" if name else f"W{buffer[1:]}", _constant_delay_answer(case)))
+        lines += answers_by_buffer(
+            name,
+            _constant_delay_answer(case),
+            None if case.varying is None else _varying_delay_answer(case),
+            is_promised=case.has_playout_buffer,
+            buffer=delay_clause(case.constant_delay),
+        )
     return lines
-
-
-def _named(name: str, answer: Text) -> Text:
-    return Text.assemble((f"{name}: ", "bold"), answer) if name else answer
 
 
 def _varying_delay_answer(decision: Decision) -> Text:

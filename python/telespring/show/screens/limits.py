@@ -19,8 +19,10 @@ from telespring.show.screens.questions import (
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
     allowed_stiffness,
+    answers_by_buffer,
     delay_clause,
     hand_effect,
+    hands_name,
     network_clause,
     network_fits,
     range_notes,
@@ -68,7 +70,7 @@ def limits_screen(
         parts.append(Text(CONTINUOUS_TIERS))
         if found.is_delay_given:
             parts.append(Text(sampling_note(found.delays[0].verdicts)))
-    if any(axis.sampled_proven is False for row in found.delays for axis in row.verdicts.axes):
+    if not all(row.is_sampled_proven for row in found.delays):
         parts.append(Text(MAYBE_TOO_SMALL))
     if found.over_operator_ranges:
         judged = [row.verdicts for row in (found.delays[:1] if found.is_delay_given else found.delays)]
@@ -77,12 +79,10 @@ def limits_screen(
 
 
 def _usable(found: Limits, held: str) -> list[Text]:
-    name = f"Handles {held}" if held.startswith("held") else f"Handles held ({held})"
-    cases = [("", found)] if found.free is None else [("Free handles", found.free), (name, found)]
+    cases = [("", found)] if found.free is None else [("Free handles", found.free), (hands_name(held), found)]
     lines = []
     for name, case in cases:
         row, kept = case.delays[0], _kept(case)
-        is_promised = found.has_playout_buffer
         if case.stiffness is not None:
             buffered = _usable_delay(case.stiffness, kept)
             without = _usable_delay_while_varying(case.stiffness, kept)
@@ -91,22 +91,14 @@ def _usable(found: Limits, held: str) -> list[Text]:
             without = None if row.varying is None else _usable_while_varying(row.varying, kept)
         else:
             continue
-        if without is None:
-            lines.append(_named(name, buffered))
-            continue
-        if not is_promised:
-            lines.append(
-                _named(f"{name}, without a playout buffer" if name else "Without a playout buffer", without)
-            )
-        buffer = "with a playout buffer"
-        if case.is_delay_given:
-            buffer += f" of {delay_clause(row.constant_delay)}"
-        lines.append(_named(f"{name}, {buffer}" if name else f"W{buffer[1:]}", buffered))
+        lines += answers_by_buffer(
+            name,
+            buffered,
+            without,
+            is_promised=found.has_playout_buffer,
+            buffer=delay_clause(row.constant_delay) if case.is_delay_given else "",
+        )
     return lines or [Text(f"What each delay allows, with {_kept(found)}:")]
-
-
-def _named(name: str, answer: Text) -> Text:
-    return Text.assemble((f"{name}: ", "bold"), answer) if name else answer
 
 
 def _kept(found: Limits) -> str:

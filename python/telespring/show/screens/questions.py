@@ -22,10 +22,12 @@ __all__ = [
     "TABLE_TITLE",
     "TierBound",
     "allowed_stiffness",
+    "answers_by_buffer",
     "delay_clause",
     "describe_robots",
     "given_delay",
     "hand_effect",
+    "hands_name",
     "network_clause",
     "network_fits",
     "range_notes",
@@ -91,6 +93,33 @@ def tier_bounds(judged: Verdicts) -> list[TierBound]:
             row = row._replace(bound=limit, attained=False, axis=worst, is_satisfied=is_stable(judged))
         rows.append(row)
     return rows
+
+
+def hands_name(held: str) -> str:
+    """Name the case of held handles, by what holds them."""
+    return f"Handles {held}" if held.startswith("held") else f"Handles held ({held})"
+
+
+def _named(name: str, answer: Text) -> Text:
+    """Write the case that an answer is for before it; an empty name writes none."""
+    return Text.assemble((f"{name}: ", "bold"), answer) if name else answer
+
+
+def answers_by_buffer(
+    name: str, buffered: Text, without: Text | None, *, is_promised: bool, buffer: str = ""
+) -> list[Text]:
+    """Write the answer of a case without a playout buffer, unless one is promised, and that with it.
+
+    `without` is None if the delay does not vary: there is then one answer. `buffer` is the buffer's delay.
+    """
+    if without is None:
+        return [_named(name, buffered)]
+    clauses = [] if is_promised else [("without a playout buffer", without)]
+    clauses.append((f"with a playout buffer{f' of {buffer}' if buffer else ''}", buffered))
+    return [
+        _named(f"{name}, {clause}" if name else f"{clause[0].upper()}{clause[1:]}", answer)
+        for clause, answer in clauses
+    ]
 
 
 def sampling_note(judged: Verdicts) -> str:
