@@ -1,10 +1,14 @@
-"""Decisions and limits of a dyad over a network that is written out, for tests of many of them."""
+"""Questions to `decide`, its command and `limits`, for tests of many of them."""
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
+from typer.testing import CliRunner, Result
+
 import telespring as ts
+from telespring import cli
 from telespring.decision import decide as decisions
 from telespring.decision.decide import Decision
 from telespring.decision.limits import COMMON_DELAYS, Limits
@@ -12,6 +16,30 @@ from telespring.decision.limits import limits as find_limits
 from telespring.decision.question import Question
 
 Delay = float | tuple[float, float]
+
+#: The options of the robots of `one_axis`.
+MINE = ("--robot", "1.2,6", "--robot", "2,9")
+
+
+def one_axis() -> ts.Dyad:
+    return ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+
+
+def run(*arguments: str, columns: int = 80, **environment: str) -> Result:
+    return CliRunner(env={"COLUMNS": str(columns), "NO_COLOR": "1", **environment}).invoke(
+        cli.app, list(arguments)
+    )
+
+
+def answered(*arguments: str) -> dict[str, Any]:
+    found = run("decide", "--json", *arguments)
+    assert found.exit_code == 0, found.output
+    answer: dict[str, Any] = json.loads(found.stdout)
+    return answer
+
+
+def flat(text: str) -> str:
+    return " ".join(text.split())
 
 
 def question(

@@ -12,33 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
 
 import telespring as ts
-from questions import decide, limits
-from telespring import cli
+from questions import MINE, answered, decide, flat, limits, one_axis, run
 from telespring._html import _with_unit  # the table of units itself is compared with the documentation
-
-MINE = ("--robot", "1.2,6", "--robot", "2,9")
-
-
-def run(*arguments: str, columns: int = 80) -> Result:
-    return CliRunner(env={"COLUMNS": str(columns), "NO_COLOR": "1"}).invoke(cli.app, list(arguments))
-
-
-def answered(*arguments: str) -> dict[str, Any]:
-    found = run("decide", "--json", *arguments)
-    assert found.exit_code == 0, found.output
-    answer: dict[str, Any] = json.loads(found.stdout)
-    return answer
-
-
-def flat(text: str) -> str:
-    return " ".join(text.split())
-
-
-def mine() -> ts.Dyad:
-    return ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
 
 
 def bounded_delay_stiffness(oldest: float) -> float:
@@ -53,25 +30,25 @@ def bounded_delay_stiffness(oldest: float) -> float:
 def test_ref_without_a_buffer_the_answer_is_that_of_a_varying_delay(jitter: float) -> None:
     limit = bounded_delay_stiffness(0.04 + jitter)
     continuous = {"jitter": jitter, "sample_period": 0.0}
-    found = decide(mine(), 50.0, 0.04, **continuous).varying
+    found = decide(one_axis(), 50.0, 0.04, **continuous).varying
     assert found is not None
     assert found.stiffness_limit == pytest.approx(limit, rel=1e-12)
-    assert decide(mine(), 0.999 * limit / 1.05, 0.04, **continuous).status == "stable"
-    assert decide(mine(), 1.001 * limit / 1.05, 0.04, **continuous).status == "marginal"
-    beyond = decide(mine(), 1.001 * limit, 0.04, **continuous)
+    assert decide(one_axis(), 0.999 * limit / 1.05, 0.04, **continuous).status == "stable"
+    assert decide(one_axis(), 1.001 * limit / 1.05, 0.04, **continuous).status == "marginal"
+    beyond = decide(one_axis(), 1.001 * limit, 0.04, **continuous)
     assert beyond.status == "not proven"
     assert beyond.constant_delay_status == "stable"
-    assert decide(mine(), 1.001 * limit, 0.04, has_playout_buffer=True, **continuous).status == "stable"
+    assert decide(one_axis(), 1.001 * limit, 0.04, has_playout_buffer=True, **continuous).status == "stable"
 
 
 def test_cross_an_unstable_constant_delay_within_the_jitter_is_unstable() -> None:
     """By the characteristic roots: stable at 40 ms, unstable at 80 ms; jitter may give both."""
-    axis = mine().axis(0)
+    axis = one_axis().axis(0)
     assert axis.spectral_abscissa(130.0, 0.04) < 0.0 < axis.spectral_abscissa(130.0, 0.08)
-    found = decide(mine(), 130.0, 0.04, jitter=0.04, sample_period=0.0)
+    found = decide(one_axis(), 130.0, 0.04, jitter=0.04, sample_period=0.0)
     assert found.status == "unstable"
     # Stable behind a buffer of a later stable interval, unstable at the delay itself.
-    assert decide(mine(), 130.0, 0.04, sample_period=0.0).status == "stable"
+    assert decide(one_axis(), 130.0, 0.04, sample_period=0.0).status == "stable"
 
 
 @pytest.mark.parametrize("jitter", ["--jitter", "--ping-jitter"])
@@ -98,14 +75,14 @@ def test_law_check_counts_no_buffer_that_nobody_promised(jitter: str, tmp_path: 
 
 
 def test_law_gaps_vary_the_delay_as_jitter_does() -> None:
-    found = decide(mine(), 150.0, 0.04, max_gap=0.01)
+    found = decide(one_axis(), 150.0, 0.04, max_gap=0.01)
     assert (found.status, found.constant_delay_status) == ("not proven", "stable")
     assert "gaps of up to 10 ms" in run("decide", *MINE, "--delay", "40ms", "--max-gap", "10ms").stdout
 
 
 def test_ref_limits_say_both_answers_with_and_without_a_delay() -> None:
     limit = bounded_delay_stiffness(0.055)
-    row = limits(mine(), 0.04, jitter=0.015, sample_period=0.0).delays[0]
+    row = limits(one_axis(), 0.04, jitter=0.015, sample_period=0.0).delays[0]
     assert row.varying is not None
     assert row.varying.usable_stiffness == pytest.approx(limit / 1.05)
     assert row.usable_stiffness > row.varying.usable_stiffness
@@ -120,17 +97,17 @@ def test_ref_limits_say_both_answers_with_and_without_a_delay() -> None:
 
 def test_ref_the_delay_of_a_stiffness_leaves_room_for_jitter() -> None:
     """√(b₁b₂)/(1.05 k) less the jitter, in closed form."""
-    found = limits(mine(), None, 60.0, jitter=0.015, sample_period=0.0).stiffness
+    found = limits(one_axis(), None, 60.0, jitter=0.015, sample_period=0.0).stiffness
     assert found is not None
     assert found.usable_delay_while_varying == pytest.approx(
         bounded_delay_stiffness(1.05 * 60.0) - 0.015, abs=1e-6
     )
-    soft = limits(mine(), None, 5.0, jitter=0.015, sample_period=0.0).stiffness
+    soft = limits(one_axis(), None, 5.0, jitter=0.015, sample_period=0.0).stiffness
     assert soft is not None
     assert soft.usable_delay_while_varying == math.inf  # 5 N/m is stable on any network
     hands = ts.OperatorRange(ts.Operator(damping=1.0), ts.Operator(damping=3.0, stiffness=200.0))
     held = limits(
-        mine(), None, 60.0, jitter=0.015, sample_period=0.0, operator_ranges=(hands, hands)
+        one_axis(), None, 60.0, jitter=0.015, sample_period=0.0, operator_ranges=(hands, hands)
     ).stiffness
     assert held is not None
     assert held.usable_delay_while_varying == pytest.approx(math.sqrt(7.0 * 10.0) / 63.0 - 0.015, abs=1e-6)
@@ -140,12 +117,12 @@ def test_law_uncertain_robots_need_more_room_while_the_delay_varies() -> None:
     known = ts.Uncertainty([0.0], [0.6], [0.0])
     k = 0.97 * bounded_delay_stiffness(0.05) / 1.05
     common = {"jitter": 0.01, "sample_period": 0.0}
-    assert decide(mine(), k, 0.04, **common).status == "stable"
-    assert decide(mine(), k, 0.04, uncertainty=(known, known), **common).status == "marginal"
+    assert decide(one_axis(), k, 0.04, **common).status == "stable"
+    assert decide(one_axis(), k, 0.04, uncertainty=(known, known), **common).status == "marginal"
     # In another way: the share of draws for which the rule proves it is below 0.95.
     draws = np.random.default_rng(1).normal([6.0, 9.0], 0.6, size=(20_000, 2))
     assert np.mean(1.05 * k < np.sqrt(draws.prod(axis=1)) / 0.05) < 0.95
-    soft = decide(mine(), 0.6 * k, 0.04, uncertainty=(known, known), **common)
+    soft = decide(one_axis(), 0.6 * k, 0.04, uncertainty=(known, known), **common)
     assert soft.status == "stable"
 
 
@@ -155,14 +132,14 @@ def test_law_uncertain_robots_need_more_room_while_the_delay_varies() -> None:
 @pytest.mark.parametrize(
     ("arguments", "asked"),
     [
-        ((*MINE, "--ping", "80ms", "--stiffness", "150"), lambda: ts.decide(mine(), 150.0, 0.04)),
-        ((*MINE, "--ping", "80ms"), lambda: ts.decide(mine(), delay=0.04)),
-        (MINE, lambda: ts.decide(mine())),
-        ((*MINE, "--stiffness", "60"), lambda: ts.decide(mine(), 60.0)),
+        ((*MINE, "--ping", "80ms", "--stiffness", "150"), lambda: ts.decide(one_axis(), 150.0, 0.04)),
+        ((*MINE, "--ping", "80ms"), lambda: ts.decide(one_axis(), delay=0.04)),
+        (MINE, lambda: ts.decide(one_axis())),
+        ((*MINE, "--stiffness", "60"), lambda: ts.decide(one_axis(), 60.0)),
         (
             (*MINE, "--delay", "40ms", "--jitter", "10ms", "--stiffness", "90", "--grip", "50:300"),
             lambda: ts.decide(
-                mine(),
+                one_axis(),
                 90.0,
                 ts.Network(0.04, jitter=0.01, sample_period=0.001),
                 operator_range=ts.OperatorRange(ts.Operator(stiffness=50.0), ts.Operator(stiffness=300.0)),
@@ -198,8 +175,8 @@ def test_law_python_answers_what_the_command_answers(
 
 def test_law_the_default_of_both_calls_is_said() -> None:
     """The command and `ts.decide` sample every 1 ms; `ts.verdicts` is continuous and says so."""
-    assert ts.decide(mine(), 150.0, 0.04).to_dict()["sample_period"] == 0.001
-    assert "sample_period=0.0" in repr(ts.verdicts(mine(), 150.0, 0.04))
+    assert ts.decide(one_axis(), 150.0, 0.04).to_dict()["sample_period"] == 0.001
+    assert "sample_period=0.0" in repr(ts.verdicts(one_axis(), 150.0, 0.04))
     text = inspect.getdoc(ts.verdicts) or ""
     assert "continuous unless one is given" in flat(text)
     assert "sampled every 1 ms unless" in flat(inspect.getdoc(ts.decide) or "")
@@ -207,16 +184,16 @@ def test_law_the_default_of_both_calls_is_said() -> None:
 
 def test_law_verdicts_take_a_network() -> None:
     network = ts.Network((0.04, 0.05), jitter=0.01, max_gap=0.002, sample_period=0.001, computing_time=0.0005)
-    assert ts.verdicts(mine(), 90.0, network) == ts.verdicts(
-        mine(), 90.0, (0.04, 0.05), 0.01, 0.002, 0.001, 0.0005
+    assert ts.verdicts(one_axis(), 90.0, network) == ts.verdicts(
+        one_axis(), 90.0, (0.04, 0.05), 0.01, 0.002, 0.001, 0.0005
     )
     with pytest.raises(ts.InvalidInput, match="jitter") as refused:
-        ts.verdicts(mine(), 90.0, network, jitter=0.02)
+        ts.verdicts(one_axis(), 90.0, network, jitter=0.02)
     assert "Network(delay, jitter=0.02)" in refused.value.remedy
 
 
 def test_law_the_representation_of_verdicts_tells_every_tier() -> None:
-    found = ts.verdicts(mine(), 90.0, 0.04, sample_period=0.001)
+    found = ts.verdicts(one_axis(), 90.0, 0.04, sample_period=0.001)
     for tier in found.tiers:
         assert f"{tier.tier.replace(' ', '_')}={tier.satisfied}" in repr(found)
         assert tier.stiffness_bound is not None
@@ -231,7 +208,7 @@ def test_law_the_representation_of_verdicts_tells_every_tier() -> None:
 
 def test_law_tables_have_the_units_of_the_documentation() -> None:
     """The unit in the text of an attribute and the one that the table shows are the same."""
-    found = ts.verdicts(mine(), 90.0, ts.Network(0.04, jitter=0.01, sample_period=0.001))
+    found = ts.verdicts(one_axis(), 90.0, ts.Network(0.04, jitter=0.01, sample_period=0.001))
     records: list[Any] = [
         found,
         *found.tiers,
@@ -274,7 +251,7 @@ def test_law_a_study_keeps_its_unusual_values_out_of_a_decision() -> None:
     ):
         bad: Any = arguments
         with pytest.raises(ts.InvalidInput, match=f"^{field}") as refused:
-            ts.decide(mine(), **bad)
+            ts.decide(one_axis(), **bad)
         assert refused.value.remedy
 
 
@@ -331,7 +308,7 @@ def test_ref_growth_is_told_by_its_doubling_time() -> None:
     screen = flat(run("decide", *MINE, "--delay", "70ms", "--stiffness", "190", "--continuous").stdout)
     told = re.search(r"the motion doubles every ([0-9.]+) ms", screen)
     assert told is not None
-    rate = mine().axis(0).spectral_abscissa(190.0, 0.07)
+    rate = one_axis().axis(0).spectral_abscissa(190.0, 0.07)
     assert math.exp(rate * 1e-3 * float(told[1])) == pytest.approx(2.0, rel=1e-2)
 
 

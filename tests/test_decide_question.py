@@ -12,34 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
 
 import telespring as ts
-from questions import decide, limits
-from telespring import cli
-
-MINE = ("--robot", "1.2,6", "--robot", "2,9")
-
-
-def run(*arguments: str, columns: int = 80, **environment: str) -> Result:
-    return CliRunner(env={"COLUMNS": str(columns), "NO_COLOR": "1", **environment}).invoke(
-        cli.app, list(arguments)
-    )
-
-
-def answered(*arguments: str) -> dict[str, Any]:
-    found = run("decide", "--json", *arguments)
-    assert found.exit_code == 0, found.output
-    answer: dict[str, Any] = json.loads(found.stdout)
-    return answer
-
-
-def flat(text: str) -> str:
-    return " ".join(text.split())
-
-
-def one_axis() -> ts.Dyad:
-    return ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+from questions import MINE, answered, decide, flat, limits, one_axis, run
 
 
 def held_force_abscissa(k: float, delay: float, period: float) -> float:
