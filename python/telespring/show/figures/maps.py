@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
 from telespring.show.figures.style import (
@@ -30,8 +31,10 @@ __all__ = [
     "MapColumn",
     "StudyMark",
     "draw_axis_boundaries",
+    "draw_condition",
     "draw_stable_region",
     "draw_study_mark",
+    "draw_varying_boundary",
     "region_map",
     "stable_depth",
     "tier_map",
@@ -133,18 +136,19 @@ def draw_stable_region(
 
 
 def draw_axis_boundaries(
-    axes: Axes, boundaries: Sequence[tuple[str, Floats]], stiffness: Floats, delay: Floats
+    axes: Axes, boundaries: Sequence[tuple[str, Floats]], stiffness: Floats, delay: Floats, **shade: Any
 ) -> list[Line2D]:
     """Shade what is stable on every axis, and draw the boundary of each; return the lines for a legend.
 
-    `boundaries` has the name of each axis, and how far the points (delay, stiffness) lie inside its stable
-    region, negative outside, such as `stable_depth`; the boundary is where this is 0.
+    `boundaries` has a label for the boundary of each axis, and how far the points (delay, stiffness) lie
+    inside its stable region, negative outside, such as `stable_depth`; the boundary is where this is 0.
+    `shade` replaces the colour: what `contourf` takes.
     """
-    _shade(axes, stiffness, delay, np.min([depth for _, depth in boundaries], axis=0))
+    _shade(axes, stiffness, delay, np.min([depth for _, depth in boundaries], axis=0), **shade)
     handles = []
-    for (name, depth), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
+    for (label, depth), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
         _outline(axes, stiffness, delay, depth, colour)
-        handles.append(legend_line(f"boundary of axis {name}", colour))
+        handles.append(legend_line(label, colour))
     axes.set(
         xlim=(0.0, stiffness[-1]),
         ylim=(0.0, 1e3 * delay[-1]),
@@ -152,6 +156,45 @@ def draw_axis_boundaries(
         ylabel="One-way delay δ, ms",
     )
     return handles
+
+
+def draw_varying_boundary(axes: Axes, depth: Floats, stiffness: Floats, delay: Floats, label: str) -> Line2D:
+    """Shade what is proven while the delay varies, and draw its limit; return the line for a legend."""
+    style = COLOURS["black"], DASHES[3]
+    _shade(axes, stiffness, delay, depth)
+    _outline(axes, stiffness, delay, depth, style[0], style[1])
+    return legend_line(label, *style)
+
+
+def draw_condition(
+    axes: Axes, stiffness: float | None, delay: float | None, verdict: str | None
+) -> list[Line2D]:
+    """Mark a condition by a star and its verdict, or by a line where only one of both is known."""
+    style: dict[str, Any] = {"color": COLOURS["black"], "linestyle": DASHES[0], "linewidth": 1.2}
+    if stiffness is None or delay is None:
+        if stiffness is not None:
+            axes.axvline(stiffness, **style)
+            return [legend_line("this stiffness", COLOURS["black"], DASHES[0])]
+        if delay is not None:
+            axes.axhline(1e3 * delay, **style)
+            return [legend_line("this delay", COLOURS["black"], DASHES[0])]
+        return []
+    if verdict is not None:
+        # Towards the middle, so that the word stays on the map.
+        to_left, down = stiffness > 0.6 * axes.get_xlim()[1], 1e3 * delay > 0.85 * axes.get_ylim()[1]
+        axes.annotate(
+            verdict.upper(),
+            (stiffness, 1e3 * delay),
+            xytext=(-8 if to_left else 8, -9 if down else 5),
+            textcoords="offset points",
+            ha="right" if to_left else "left",
+            fontsize=8.0,
+            fontweight="bold",
+            color=COLOURS["black"],
+            zorder=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        )
+    return draw_study_mark(axes, StudyMark(stiffness, delay, delay), "this condition")
 
 
 def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style: Any) -> None:
@@ -167,9 +210,17 @@ def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style:
         )
 
 
-def _outline(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, colour: str) -> None:
+def _outline(
+    axes: Axes,
+    stiffness: Floats,
+    delay: Floats,
+    depth: Floats,
+    colour: str,
+    dashes: LineStyleType = "solid",
+) -> None:
     if (depth > 0.0).any() and (depth < 0.0).any():
-        axes.contour(stiffness, 1e3 * delay, depth, levels=[0.0], colors=[colour], linewidths=1.2)
+        drawn: dict[str, Any] = {"colors": [colour], "linestyles": [dashes], "linewidths": 1.2}
+        axes.contour(stiffness, 1e3 * delay, depth, levels=[0.0], **drawn)
 
 
 def tier_map(
