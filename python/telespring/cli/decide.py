@@ -21,7 +21,7 @@ from telespring.cli.common import (
     print_json,
     refusals,
 )
-from telespring.cli.figure_file import check_figure_name, save_figure
+from telespring.cli.figure_file import check_figure_name, check_not_an_input, save_figure
 from telespring.cli.grip import read_grip
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console, show
@@ -144,6 +144,8 @@ def decide_command(
         if figure is not None:
             check_figure_name(figure)
         asked.take_robots(robot, robot1, robot2)
+        if figure is not None:
+            check_not_an_input("--figure", figure, asked.inputs)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
         asked.take_ping(
