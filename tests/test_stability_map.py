@@ -37,10 +37,11 @@ def is_shaded(axes: Axes, stiffness: float, delay: float) -> bool:
     for each in axes.collections:
         if not (isinstance(each, ContourSet) and each.filled):
             continue
-        if mpl.colors.to_hex(each.get_facecolor()[0]).upper() != STABLE:
+        if mpl.colors.to_hex(tuple(np.asarray(each.get_facecolor())[0])).upper() != STABLE:
             continue
         for path in each.get_paths():
-            for corners in path.to_polygons(closed_only=True):
+            for polygon in path.to_polygons(closed_only=True):
+                corners = np.asarray(polygon, dtype=float)
                 (x1, y1), (x2, y2) = corners[:-1].T, corners[1:].T
                 crosses = (y1 > y) != (y2 > y)
                 with np.errstate(divide="ignore", invalid="ignore"):
@@ -58,21 +59,19 @@ def legend(axes: Axes) -> list[str]:
 def drawn(random: np.random.Generator, *, over_ranges: bool) -> dict[str, Any]:
     """Draw a question near its limit: slow or fast controllers, jitter, hands, unequal ways, dampers."""
     axes = int(random.integers(1, 3))
-    robots = [
+    one, other = (
         ts.Robot(np.exp(random.uniform(-1.0, 1.4, axes)), np.exp(random.uniform(-0.5, 2.7, axes)))
         for _ in range(2)
-    ]
+    )
     hands = [ts.Operator(stiffness=np.exp(random.uniform(1.0, 6.0, axes))) for _ in range(4)]
     held = random.random() < 0.4
     damper = float(random.uniform(0.0, 4.0)) if random.random() < 0.2 else 0.0
-    dyad = ts.Dyad(*robots, (hands[0], hands[1]) if held and not over_ranges else None, damper)
+    dyad = ts.Dyad(one, other, (hands[0], hands[1]) if held and not over_ranges else None, damper)
     ranges = None
     if over_ranges:
-        stiff = [
-            ts.Operator(stiffness=low.stiffness + high.stiffness)
-            for low, high in zip(hands[:2], hands[2:], strict=True)
-        ]
-        ranges = tuple(ts.OperatorRange(low, high) for low, high in zip(hands[:2], stiff, strict=True))
+        soft, stiff = hands[:2], hands[2:]
+        ends = [ts.Operator(stiffness=a.stiffness + b.stiffness) for a, b in zip(soft, stiff, strict=True)]
+        ranges = ts.OperatorRange(soft[0], ends[0]), ts.OperatorRange(soft[1], ends[1])
     delay = float(np.exp(random.uniform(math.log(0.005), math.log(0.3))))
     ways = (delay, delay * float(random.choice([1.0, 1.0, random.uniform(0.2, 4.0)])))
     period = float(random.choice([0.0, 0.001, np.exp(random.uniform(math.log(0.002), math.log(0.04)))]))
@@ -159,6 +158,35 @@ def test_cross_what_is_shaded_is_stable_by_the_one_period_matrix() -> None:
             if stable and not shaded:
                 assert radius(sides, k + widest / 200, 0.0, period, 0.0, (ticks, ticks)) >= 1.0
     assert min(counted.values()) > 30
+
+
+@pytest.mark.parametrize("period", [0.0, 0.005])
+def test_cross_what_is_shaded_over_a_range_is_stable_for_every_operator(period: float) -> None:
+    random = np.random.default_rng(DRAWN)
+    held = ts.OperatorRange(ts.Operator(), ts.Operator(stiffness=300.0))
+    axes = ts.plot.stability_map(
+        one_axis(), operator_range=(held, held), network=ts.Network(0.0, sample_period=period)
+    )
+    # A continuous controller is one with a very short period, which rounds the delay up by up to one.
+    short = period or 0.001
+    widest, checked = axes.get_xlim()[1], 0
+    for delay in random.uniform(0.02, 0.06, 12):
+        inside = _edge(axes, widest, delay)
+        assert inside > 0.0
+        ticks = math.ceil(delay / short - 1e-9) if period else math.floor(delay / short)
+        for springs in [(0.0, 0.0), *random.uniform(0.0, 300.0, (15, 2)).tolist()]:
+            sides = ((1.2, 6.0, springs[0]), (2.0, 9.0, springs[1]))
+            # Holding a sample for a period delays it by half of it more.
+            late = ticks if period else ticks - 1
+            assert radius(sides, inside, 0.0, short, 0.0, (late, late)) < 1.0
+            checked += 1
+    assert checked > 100
+
+
+def _edge(axes: Axes, widest: float, delay: float) -> float:
+    """Return the largest stiffness that is shaded at a delay, N/m."""
+    steps = np.linspace(0.0, widest, 600)[1:]
+    return max((k for k in steps.tolist() if is_shaded(axes, k, delay)), default=0.0)
 
 
 def test_ref_slow_controllers_have_a_map_of_their_own(tmp_path: Path) -> None:
