@@ -18,6 +18,9 @@ from matplotlib.contour import ContourSet
 import telespring as ts
 from one_period_map import radius
 from questions import MINE, flat, one_axis, run
+from telespring.paper.scene import Scene
+from telespring.paper.sections.map.section import find_map
+from telespring.show import figures
 
 #: The seed of `make verify`.
 DRAWN = int(os.environ.get("TELESPRING_VERIFY", "1"))
@@ -269,3 +272,75 @@ def test_law_a_map_without_a_condition_shows_delays_of_networks() -> None:
 def test_law_a_longest_delay_stands_alone() -> None:
     with pytest.raises(ts.InvalidInput, match="the network says by how much"):
         ts.plot.stability_map(one_axis(), mark=(150.0, 0.04, 0.05), network=ts.Network(0.04))
+
+
+OWN = """
+[robot1]
+mass = 1.2
+damping = 6.0
+[robot2]
+mass = 2.0
+damping = 9.0
+[coupling]
+stiffness = 140.0
+[network]
+delay = 0.04
+[controller]
+sample_period = 0.02
+"""
+
+
+def shown_in_report(study: ts.Study, monkeypatch: pytest.MonkeyPatch) -> tuple[dict[str, Any], str, Any]:
+    """Return what the report's map is drawn from, its drawing, and its stiffnesses."""
+    given: dict[str, Any] = {}
+    draw = figures.tier_map
+
+    def spy(shown: Any, **values: Any) -> Any:
+        given.update(values, shown=shown)
+        return draw(shown, **values)
+
+    monkeypatch.setattr(figures, "tier_map", spy)
+    found = find_map(Scene.of(study))
+    return given, found.drawings["map"], given["shown"][0].stiffness
+
+
+def test_cross_the_reports_map_shades_what_the_answer_calls_stable(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, drawing, stiffness = shown_in_report(ts.Study.from_toml(OWN), monkeypatch)
+    sides = ((1.2, 6.0, 0.0), (2.0, 9.0, 0.0))
+    assert np.interp(140.0, stiffness, given["judged"]) < 0.04
+    for k in (30.0, 60.0, 100.0, 131.0, 140.0):
+        limit = float(np.interp(k, stiffness, given["judged"]))
+        first = next(n for n in range(1, 60) if radius(sides, k, 0.0, 0.02, 0.0, (n, n)) >= 1.0)
+        assert limit == pytest.approx(0.02 * (first - 1))
+    for words in ("UNSTABLE", "controllers sampled every 20 ms", "exact, continuous controllers"):
+        assert words in drawing
+    # The line for a varying delay is of the same controllers: at 40 ms not beyond what a constant one allows.
+    allowed, delays = given["bounded"]
+    assert np.interp(0.04, delays, allowed) < 132.0
+
+
+@pytest.mark.parametrize("buffer", [False, True])
+def test_law_no_unstable_study_is_shaded_in_the_report(
+    monkeypatch: pytest.MonkeyPatch, *, buffer: bool
+) -> None:
+    random = np.random.default_rng(DRAWN)
+    seen = set()
+    for _ in range(12):
+        study = ts.Study.from_toml(
+            OWN,
+            coupling={"stiffness": float(random.uniform(100.0, 220.0))},
+            network={
+                "delay": 0.04,
+                "jitter": float(random.choice([0.0, 0.015])),
+                "playout_buffer": buffer,
+            },
+            controller={"sample_period": float(random.choice([0.0, 0.001, 0.02]))},
+        )
+        given, drawing, stiffness = shown_in_report(study, monkeypatch)
+        status = ts.decide(study).status
+        seen.add(status)
+        assert status is not None
+        assert status.upper() in drawing
+        if status == "unstable":
+            assert np.interp(study.stiffness, stiffness, given["judged"]) < 0.04
+    assert {"unstable", "stable"} <= seen

@@ -120,8 +120,8 @@ def decide_command(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Write the map of stable stiffnesses and delays, with this condition marked: .svg, .png or "
-            ".pdf.",
+            help="Write the map of what is stable over stiffness and delay, judged as here, with this condition "
+            "marked: .svg, .png or .pdf.",
         ),
     ] = None,
     allow_unusual: AllowUnusual = False,
@@ -190,6 +190,10 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
         study.stiffness if study.has_stiffness else None,
         0.5 * sum(study.delay) if study.has_delay else None,
     )
+    titles = [*answer.heading, *([answer.holders] if answer.holders else [])]
+    found = answer.decision or answer.limits
+    if found is not None and found.axes_independent is False:
+        titles.append("The axes of a robot are not independent: nothing on this map is proven.")
     with figure_style():
         drawing = Figure(figsize=(5.6, 4.8), layout="constrained")
         axes = drawing.subplots()
@@ -201,7 +205,7 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
         network=network,
         playout_buffer=study.has_playout_buffer,
         verdict=None if answer.decision is None else answer.decision.status,
-        title="\n".join((*answer.heading, *([answer.holders] if answer.holders else []))),
+        title="\n".join(titles),
         allow_unusual=True,
         ax=axes,
     )

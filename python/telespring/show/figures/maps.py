@@ -180,21 +180,25 @@ def draw_condition(
             return [legend_line("this delay", COLOURS["black"], DASHES[0])]
         return []
     if verdict is not None:
-        # Towards the middle, so that the word stays on the map.
-        to_left, down = stiffness > 0.6 * axes.get_xlim()[1], 1e3 * delay > 0.85 * axes.get_ylim()[1]
-        axes.annotate(
-            verdict.upper(),
-            (stiffness, 1e3 * delay),
-            xytext=(-8 if to_left else 8, -9 if down else 5),
-            textcoords="offset points",
-            ha="right" if to_left else "left",
-            fontsize=8.0,
-            fontweight="bold",
-            color=COLOURS["black"],
-            zorder=8,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-        )
+        _write_verdict(axes, stiffness, delay, verdict)
     return draw_study_mark(axes, StudyMark(stiffness, delay, delay), "this condition")
+
+
+def _write_verdict(axes: Axes, stiffness: float, delay: float, verdict: str) -> None:
+    """Write the answer beside a star: towards the middle, so that it stays on the map."""
+    to_left, down = stiffness > 0.6 * axes.get_xlim()[1], 1e3 * delay > 0.85 * axes.get_ylim()[1]
+    axes.annotate(
+        verdict.upper(),
+        (stiffness, 1e3 * delay),
+        xytext=(-8 if to_left else 8, -9 if down else 5),
+        textcoords="offset points",
+        ha="right" if to_left else "left",
+        fontsize=8.0,
+        fontweight="bold",
+        color=COLOURS["black"],
+        zorder=8,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+    )
 
 
 def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style: Any) -> None:
@@ -233,25 +237,31 @@ def tier_map(
     extent: tuple[float, float],
     mark: StudyMark | None = None,
     stable_for: str = "all axes",
+    judged: NDArray[np.float64] | None = None,
+    verdict: str | None = None,
+    is_sampled: bool = False,
 ) -> Figure:
     """Draw what each tier allows, with the exact boundary of every axis and the paper's.
 
     `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
     `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
     (s); None if that verdict is not available. Crosses mark the conditions of the paper's experiment.
-    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study. The legend says by
-    `stable_for` what the region holds for.
+    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study, and `verdict` the answer
+    there. The region lies below `judged`, the longest stable delay (s) at each stiffness, if that is given,
+    or else below the boundaries; the legend says by `stable_for` what it holds for. With `is_sampled` only
+    the boundaries and the limit for any constant delay are those of continuous controllers.
     """
     widest, longest = extent
     with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
         axes = figure.subplots()
         stiffness = axes_shown[0].stiffness
-        worst = np.min([axis.exact for axis in axes_shown], axis=0)
+        worst = np.min([axis.exact for axis in axes_shown], axis=0) if judged is None else judged
         axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=STABLE, linewidth=0.0)
+        continuous = ", continuous controllers" if is_sampled else ""
         for axis, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
             shown = np.where(np.isfinite(axis.exact), axis.exact, np.nan)
-            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact")
+            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact{continuous}")
             if axis.printed is not None:
                 printed = np.where(np.isfinite(axis.printed), axis.printed, np.nan)
                 inside = np.flatnonzero(1e3 * printed < 1e3 * longest)
@@ -272,7 +282,7 @@ def tier_map(
             color=black,
             linestyle=DASHES[1],
             linewidth=1.0,
-            label="any constant delay: left of this",
+            label=f"any constant delay{continuous}: left of this",
         )
         if bounded is not None:
             axes.plot(
@@ -303,8 +313,15 @@ def tier_map(
         handles, _ = axes.get_legend_handles_labels()
         if mark is not None:
             handles += draw_study_mark(axes, mark)
+            if verdict is not None:
+                _write_verdict(axes, mark.stiffness, mark.delay, verdict)
         handles.insert(0, Patch(color=STABLE, label=f"constant delay, stable: {stable_for}"))
-        figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
+        figure.legend(
+            handles=handles,
+            loc="outside upper center",
+            ncols=3 if judged is None else 2,
+            columnspacing=1.4,
+        )
     return figure
 
 
