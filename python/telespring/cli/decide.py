@@ -120,8 +120,8 @@ def decide_command(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Write the map of what is stable over stiffness and delay, judged as here, with this condition "
-            "marked: .svg, .png or .pdf.",
+            help="Write the map of what is stable over stiffness and delay, judged as here, with this "
+            "condition marked: .svg, .png or .pdf.",
         ),
     ] = None,
     allow_unusual: AllowUnusual = False,

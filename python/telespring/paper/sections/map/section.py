@@ -67,12 +67,12 @@ def find_map(scene: Scene) -> Findings:
         for k in (EXPERIMENT_STIFFNESSES if scene.of_the_paper else ())
         for delay in EXPERIMENT_DELAYS
     ]
-    status = judged = None
+    status, region = None, None
     stable_for = "operators in the middle" if study.operator_ranges is not None else "all axes"
     if mark is not None:
         question = Question(study.dyad, study.network, study.operator_ranges, study.has_playout_buffer)
         status = decide(question, study.stiffness, uncertainty=study.uncertainty).status
-        judged = _judged_delays(study, stiffness, longest)
+        region = _judged_delays(study, stiffness, longest)
         stable_for = _judged_for(study)
     svg = figures.to_svg(
         figures.tier_map(
@@ -84,7 +84,7 @@ def find_map(scene: Scene) -> Findings:
             extent=(widest, longest),
             mark=mark,
             stable_for=stable_for,
-            judged=judged,
+            judged=region,
             verdict=status,
             is_sampled=is_sampled,
         ),
@@ -148,7 +148,8 @@ def _judged_delays(study: Study, stiffness: FloatArray, longest: float) -> Float
     # Sampled controllers have steps: a line between two limits keeps below both.
     padded = np.pad(limits, 1, mode="edge")
     lower = np.minimum(np.minimum(padded[:-2], padded[2:]), limits)
-    return np.maximum(np.interp(stiffness, at, lower), 0.0)
+    shown: FloatArray = np.maximum(np.interp(stiffness, at, lower), 0.0)
+    return shown
 
 
 def _sampled_limits(study: Study, longest: float) -> tuple[float, tuple[FloatArray, FloatArray] | None]:
