@@ -48,6 +48,12 @@ class StudyOptions:
     _sections: dict[str, Any] = field(default_factory=dict)
     _backward: float | None = None
 
+    @property
+    def inputs(self) -> list[Path]:
+        """The files that the study is read from."""
+        robots = [robot.source for robot in self.robots if robot is not None]
+        return [path for path in (self.file, *robots) if isinstance(path, Path)]
+
     def take_robots(
         self, both: list[str] | None = None, robot1: str | None = None, robot2: str | None = None
     ) -> None:

@@ -78,6 +78,15 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "Choose another folder, or remove that file.",
         )
     dataset = check_layout(dataset)
+    study = place / STUDY
+    text = str(dataset.attrs.get("study", ""))
+    if text and study.exists() and study.read_bytes() != text.encode():
+        raise InvalidInput(
+            "folder",
+            str(place),
+            f"a folder without another {STUDY} is required: the trials bring theirs",
+            "Choose another folder, or rename that file.",
+        )
     status = trial_statuses(dataset)
     numbers, dyads = trial_numbers(dataset, status), trial_dyads(dataset, status)
     _check_trial_numbers(dataset, numbers, dyads, status)
