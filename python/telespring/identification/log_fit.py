@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring._types import FloatArray
 from telespring.identification.filtering import STRIBECK_VELOCITIES, Signals, filter_stretches
 from telespring.identification.joint_fit import SEPARABLE, JointFit, fit_axes, orthogonal_share
@@ -218,7 +219,7 @@ def _refuse_dependent_columns(
     if not condition < 1e6:
         raise InvalidInput(
             f"position ({name})",
-            f"condition number {condition:.3g}",
+            f"condition number {format_number(condition, 3)}",
             "a movement is required whose acceleration and velocity are not multiples of each other",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does.",
         )
@@ -226,16 +227,15 @@ def _refuse_dependent_columns(
         return
     frequency = single_frequency(signals, terms, axis)
     if frequency is not None:
+        mass_per_stiffness = format_number(1.0 / (2.0 * np.pi * frequency) ** 2, 2)
         raise InvalidInput(
             f"position ({name})",
-            f"a movement at one frequency, {frequency:.3g} Hz",
+            f"a movement at one frequency, {format_number(frequency, 3)} Hz",
             "a movement is required that tells the mass from a spring between robot and ground: at one "
-            f"frequency each N/m of a spring takes {1.0 / (2.0 * np.pi * frequency) ** 2:.2g} kg off "
-            f"the mass",
+            f"frequency each N/m of a spring takes {mass_per_stiffness} kg off the mass",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does. Only if "
-            "nothing pulls the handle to a place (no spring, cable, slope or gravity), rule a spring "
-            "out with "
-            "--no-stiffness.",
+            "nothing pulls the handle to a place (no spring, cable, slope or gravity), rule a spring out "
+            "with --no-stiffness.",
         )
 
 

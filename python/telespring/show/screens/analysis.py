@@ -13,7 +13,7 @@ from rich.text import Text
 
 from telespring.analysis.statistics import LEVEL, fewest_values
 from telespring.analysis.tracking_errors import tracking_error_name
-from telespring.show.quantities import format_in_column, format_p_value
+from telespring.show.quantities import format_in_column, format_p_value, format_time
 
 __all__ = ["analysis_screen"]
 
@@ -167,12 +167,12 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
         over = "mean ± standard deviation over the dyads, each with the mean of its trials"
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
-        f"{1e3 * analysed['sample_period']:.4g} ms. TE: tracking error, {over}. "
+        f"{format_time(analysed['sample_period'])}. TE: tracking error, {over}. "
         f"Other columns: means for robot 1|robot 2{forces}."
     )
     if resampled_to is not None:
         yield Text(
-            f"The trials had different sample times and were resampled every {1e3 * resampled_to:.4g} ms."
+            f"The trials had different sample times and were resampled every {format_time(resampled_to)}."
         )
     yield from _baseline_comparison_lines(numbers)
     for test in numbers["kruskal_wallis"]:
