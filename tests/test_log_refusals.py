@@ -239,7 +239,7 @@ def test_law_a_gap_of_a_second_or_more_is_in_seconds(tmp_path: Path, lost: int, 
 
 
 @pytest.mark.parametrize("code", sorted(_MESSAGES))
-@pytest.mark.parametrize("size", [123456.0, 1300.0, 6.0, 0.002, -0.0])
+@pytest.mark.parametrize("size", [2345.0, 1300.0, 6.0, 0.002, -0.0])
 def test_law_no_warning_has_an_exponent_or_minus_zero(code: str, size: float) -> None:
     values: dict[str, Any] = {}
     for _, name, spec, _ in string.Formatter().parse(_MESSAGES[code]):

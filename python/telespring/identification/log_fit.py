@@ -12,6 +12,7 @@ import numpy as np
 from telespring._errors import InvalidInput
 from telespring._quantities import format_number
 from telespring._types import FloatArray
+from telespring.identification.covariance import NORMAL_HALF_WIDTH
 from telespring.identification.filtering import STRIBECK_VELOCITIES, Signals, filter_stretches
 from telespring.identification.joint_fit import SEPARABLE, JointFit, fit_axes, orthogonal_share
 from telespring.identification.regression import Fit, least_squares
@@ -25,8 +26,6 @@ __all__ = ["FitOptions", "LogFit", "fit_log", "fit_with_column", "is_significant
 SIGNIFICANCE = 0.001
 #: A term is added where it shifts mass or damping by more than this share of the interval's half-width.
 _MATTERS = 0.25
-#: Half-widths of a normal distribution's 95 % interval in standard deviations.
-_NORMAL = 1.96
 #: The lag is not estimated where the model explains less of the force on every axis.
 _LAG_R_SQUARED = 0.8
 
@@ -146,7 +145,7 @@ def _widened_by_reversals(fit: LogFit) -> LogFit:
         change = np.zeros(own.estimate.size)
         change[:2] = own.estimate[:2] - alternative.estimate[:2]
         is_open = "reversal" in terms.names
-        wider = own.covariance + (np.outer(change, change) / _NORMAL**2 if is_open else 0.0)
+        wider = own.covariance + (np.outer(change, change) / NORMAL_HALF_WIDTH**2 if is_open else 0.0)
         fits.append(replace(own, covariance=wider))
     return replace(fit, joint=replace(fit.joint, fits=tuple(fits)))
 
@@ -198,7 +197,7 @@ def _axes_disagree(joint: JointFit, separate: JointFit) -> bool:
         return False
     values = np.array([lag.value for lag in lags])
     # Half-widths, not standard errors: their quantile accounts for a wide bandwidth.
-    errors = np.array([lag.half_width for lag in lags]) / _NORMAL
+    errors = np.array([lag.half_width for lag in lags]) / NORMAL_HALF_WIDTH
     mean = np.average(values, weights=errors**-2.0)
     excess = float((((values - mean) / errors) ** 2).sum())
     if excess < stats.chi2.ppf(1.0 - SIGNIFICANCE, len(lags) - 1):

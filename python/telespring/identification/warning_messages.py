@@ -285,7 +285,8 @@ class _QuantityFormatter(string.Formatter):
         spec, _, unit = format_spec.partition(" ")
         digits = re.fullmatch(r"\.(\d)g", spec)
         if digits is None:
-            shown = format(10.0 ** _SHIFTS[unit] * value if unit else value, spec)
+            # Adding 0 turns what rounds to −0 into 0.
+            shown = format(round(10.0 ** _SHIFTS[unit] * value) + 0 if unit else value, spec)
         elif unit == "s":
             return format_time(value, int(digits[1]))
         else:

@@ -228,7 +228,13 @@ def format_probability(share: float, standard_error: float, draws: int) -> str:
 
 
 def format_p_value(p: float) -> str:
-    """Format a p value with its sign of comparison."""
+    """Format a p value with its sign of comparison, however it was found.
+
+    Examples
+    --------
+    >>> format_p_value(0.0001), format_p_value(0.0002), format_p_value(0.01234)
+    ('< 0.001', '< 0.001', '= 0.0123')
+    """
     return "< 0.001" if p < 0.001 else f"= {p:.3g}"
 
 

@@ -196,16 +196,14 @@ def _group_test_sentence(test: Mapping[str, Any]) -> str:
     symbol, statistic = ("Q", test["q"]) if is_friedman else ("H", test["h"])
     effect = "W" if is_friedman else "ε²"
     size = test["kendalls_w"] if is_friedman else test["epsilon_squared"]
-    how = {"exact": ", exact", "permutation": ", by permutation"}.get(test["method"], "")
-    p_value = format_p_value(test["p"])
-    if test["is_p_bound"]:
-        p_value = f"≤ {test['p']:.1g}"
-        how = f", the smallest that {test['permutations']:,} random permutations can give"
+    how = ", exact" if test["method"] == "exact" else ""
+    if test["method"] == "permutation":
+        how = f", by {test['permutations']:,} random permutations"
     if test["least_p"] is not None and test["least_p"] >= LEVEL:
         how += f" (it cannot be below {_format_least_p(test['least_p'])})"
     return (
         f"TE{test['robot']} over all conditions: {test['test']} {symbol}({test['degrees_of_freedom']}) = "
-        f"{statistic:.2f}, p {p_value}{how}; {effect} = {size:.2f}."
+        f"{statistic:.2f}, p {format_p_value(test['p'])}{how}; {effect} = {size:.2f}."
     )
 
 
