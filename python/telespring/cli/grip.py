@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import typer
 
 from telespring._errors import InvalidInput
@@ -9,6 +11,7 @@ from telespring.cli.units import DAMPING, MASS, STIFFNESS, WithUnit, read_interv
 
 __all__ = ["read_grip"]
 
+_RANGE = re.compile(r"\s*(\d+\.?\d*)\s*(?:-|–|\.\.+|…|to|/|\s)\s*(\d+\.?\d*\s*[^\d\s.]*.*)")
 _PARTS = (("stiffness", STIFFNESS), ("damping", DAMPING), ("mass", MASS))
 
 
@@ -39,9 +42,16 @@ def read_grip(written: str, option: str, *, allow_unusual: bool = False) -> dict
         try:
             low, high = read_interval(part, unit)
         except typer.BadParameter as refused:
-            raise InvalidInput(option, written, f"the {key} is a number or low:high", str(refused)) from None
+            remedy = _colon_between(part) or str(refused)
+            raise InvalidInput(option, written, f"the {key} is a number or low:high", remedy) from None
         keys[key] = low if low == high else {"min": low, "max": high}
     return keys
+
+
+def _colon_between(part: str) -> str:
+    """Ask whether 50-300 and 50..300 are ranges; empty if they are something else."""
+    found = _RANGE.fullmatch(part)
+    return f"Did you mean {found[1]}:{found[2]}? A colon joins the ends of a range." if found else ""
 
 
 def _refuse_a_comma_for_a_colon(parts: list[str], written: str, option: str) -> None:

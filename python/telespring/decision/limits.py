@@ -221,9 +221,7 @@ def limits(
     questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None
     if compare_free and question.is_held:
-        free = limits(
-            question.released(), stiffness, delays=delays, uncertainty=uncertainty, records=records
-        )
+        free = limits(question.released(), stiffness, delays=delays, uncertainty=uncertainty, records=records)
     independent = are_axes_independent(records)
     errors = _Errors(uncertainty, known=uncertainty != (None, None) and independent is not False)
     return Limits(

@@ -206,7 +206,7 @@ def describe_robots(
     names: tuple[str | None, str | None] = (None, None),
     springs: tuple[Operator, Operator] | None = None,
 ) -> tuple[str, str]:
-    """Write the mass and damping of both robots, axis by axis, and their own springs to the ground, a line each.
+    """Write mass, damping and springs of their own of both robots, axis by axis, a line each.
 
     Examples
     --------
