@@ -23,7 +23,8 @@ class Command(TyperCommand):
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write the help."""
         # `TyperCommand` draws the table, its parent writes lines.
-        (super(TyperCommand, self) if _is_narrow() else super()).format_help(ctx, formatter)
+        write = super(TyperCommand, self) if _is_narrow() else super()
+        write.format_help(ctx, formatter)  # type: ignore[attr-defined]
 
 
 class Group(TyperGroup):
@@ -31,4 +32,5 @@ class Group(TyperGroup):
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write the help."""
-        (super(TyperGroup, self) if _is_narrow() else super()).format_help(ctx, formatter)
+        write = super(TyperGroup, self) if _is_narrow() else super()
+        write.format_help(ctx, formatter)  # type: ignore[attr-defined]

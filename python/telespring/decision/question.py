@@ -209,7 +209,8 @@ class Question:
 def _with_spring(hand: OperatorRange, spring: Operator) -> OperatorRange:
     low, high = (
         Operator(
-            *(np.broadcast_to(values, spring.stiffness.shape) for values in (end.mass, end.damping)),
+            np.broadcast_to(end.mass, spring.stiffness.shape),
+            np.broadcast_to(end.damping, spring.stiffness.shape),
             end.stiffness + spring.stiffness,
         )
         for end in (hand.low, hand.high)
