@@ -7,10 +7,11 @@ use telespring::quantity::{self, Quantity};
 use crate::errors::Outcome;
 
 /// The quantities that are checked outside a study, by name.
-const QUANTITIES: [(&str, Quantity); 12] = [
+const QUANTITIES: [(&str, Quantity); 13] = [
     ("mass", quantity::MASS),
     ("added mass", quantity::ADDED_MASS),
     ("damping", quantity::DAMPING),
+    ("operator damping", quantity::OPERATOR_DAMPING),
     ("stiffness", quantity::STIFFNESS),
     ("ground stiffness", quantity::GROUND_STIFFNESS),
     ("delay", quantity::DELAY),

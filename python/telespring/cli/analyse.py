@@ -14,6 +14,7 @@ from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.cli.common import print_json, refusals
 from telespring.cli.figure_file import check_folder_keeps_inputs
+from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
 from telespring.cli.units import TIME, number
 from telespring.model import Study
@@ -83,7 +84,8 @@ def analyse_command(
                 "a study whose robots have the axes x and y is required",
                 "Use a study with these axes: only such a study has a task.",
             )
-        dataset = open_trials(path, None if experiment is None else experiment.task)
+        with pointing_elsewhere("analyse", [path]):
+            dataset = open_trials(path, None if experiment is None else experiment.task)
         _check_outputs(out, export, figures, [*files_of_trials(path), *([] if study is None else [study])])
         if discard is None and experiment is not None and "discard" not in dataset.attrs:
             discard = experiment.discard

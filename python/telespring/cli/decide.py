@@ -163,7 +163,7 @@ def decide_command(
         asked.take("controller", "sample_period", 0.0 if continuous else sample_period, "--sample-period")
         if continuous:
             asked.take("controller", "computing_time", 0.0, "--continuous")
-        _take_grips(asked, grip, grip1, grip2)
+        _take_grips(asked, grip, grip1, grip2, allow_unusual=allow_unusual)
         read = asked.read()
         answer = _answer(asked, read, horizon, decay_rate, check=check)
         if as_json:
@@ -212,13 +212,17 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
     save_figure(drawing, path)
 
 
-def _take_grips(asked: StudyOptions, both: str | None, one: str | None, other: str | None) -> None:
+def _take_grips(
+    asked: StudyOptions, both: str | None, one: str | None, other: str | None, *, allow_unusual: bool
+) -> None:
     """Take how hands hold the handles."""
     if both is not None and (one is not None or other is not None):
         raise InvalidInput("--grip", both, "it holds for both robots", "Leave out --grip1 and --grip2.")
     for number_, own, option in ((1, one, "--grip1"), (2, other, "--grip2")):
         written, option = (both, "--grip") if both is not None else (own, option)
-        for key, value in ({} if written is None else read_grip(written, option)).items():
+        if written is None:
+            continue
+        for key, value in read_grip(written, option, allow_unusual=allow_unusual).items():
             asked.take(f"operator{number_}", key, value, option)
 
 

@@ -413,7 +413,7 @@ def decide(
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
         free=decide(
-            question.with_operators(None),
+            question.released(),
             stiffness,
             horizon=horizon,
             uncertainty=uncertainty,

@@ -153,7 +153,8 @@ class Limits:
     robot_records
         What identification recorded about robots 1 and 2.
     free
-        The limits with free handles; None if the handles are free, or if it was not requested.
+        The limits with free handles, which only the robots' own springs hold; None if the handles are free,
+        or if it was not requested.
     """
 
     axes: tuple[str, ...]
@@ -220,9 +221,7 @@ def limits(
     questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None
     if compare_free and question.is_held:
-        free = limits(
-            question.with_operators(None), stiffness, delays=delays, uncertainty=uncertainty, records=records
-        )
+        free = limits(question.released(), stiffness, delays=delays, uncertainty=uncertainty, records=records)
     independent = are_axes_independent(records)
     errors = _Errors(uncertainty, known=uncertainty != (None, None) and independent is not False)
     return Limits(
