@@ -96,7 +96,12 @@ def longest_with_reserve(limit: DelayLimit, stiffer: DelayLimit) -> float:
     `limit` is that of the stiffness, `stiffer` that of 5 % more.
     """
     own = limit.delay / _MORE if limit.attained else limit.delay / _MORE * WITHIN
-    return min(own, stiffer.delay if stiffer.attained else stiffer.delay * WITHIN)
+    return min(own, _clean(stiffer.delay) if stiffer.attained else stiffer.delay * WITHIN)
+
+
+def _clean(value: float) -> float:
+    """Return a number without what computing has rounded: 51 periods of 1 ms are 0.051 s."""
+    return float(f"{value:.14g}")
 
 
 def recommended_stiffness(usable: float) -> float:
@@ -123,6 +128,5 @@ def round_limit(value: float, *, up: bool = False) -> float:
     >>> round_limit(190.4837), round_limit(1.60212, up=True), round_limit(0.029999999999999999)
     (190.4, 1.603, 0.03)
     """
-    # What stands beyond the fourteenth digit is rounding of the computation.
-    exact = Context(prec=14).create_decimal_from_float(value)
-    return float(Context(prec=4, rounding=ROUND_CEILING if up else ROUND_FLOOR).plus(Decimal(exact)))
+    rounding = ROUND_CEILING if up else ROUND_FLOOR
+    return float(Context(prec=4, rounding=rounding).plus(Decimal(repr(_clean(value)))))
