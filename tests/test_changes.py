@@ -219,3 +219,56 @@ def test_law_two_limits_of_the_delay_are_told_apart() -> None:
     continuous = flat(run("decide", *MINE, "--ping", "80ms", "--stiffness", "150", "--continuous").stdout)
     assert "if the controllers were continuous" not in continuous
     assert "With these controllers" not in continuous
+
+
+# -- what you may use
+
+
+def check_usable(seeds: range) -> int:
+    """Ask random questions without a stiffness, then without a delay, and use as much as is printed."""
+    count = 0
+    for seed in seeds:
+        arguments = random_question(np.random.default_rng(seed))
+        for left_out in ("--stiffness", "--delay"):
+            kept = [
+                text
+                for pair in zip(arguments[::2], arguments[1::2], strict=True)
+                for text in pair
+                if pair[0] not in (left_out, "--backward")
+            ]
+            screen = run("decide", *kept, columns=300).stdout
+            for buffered in ([], ["--playout-buffer"]):
+                lines = [
+                    line
+                    for line in screen.splitlines()
+                    if ("with a playout" in line.lower()) == bool(buffered)
+                ]
+                if buffered and not any(lines):
+                    continue
+                unit = "N/m" if left_out == "--stiffness" else "m?s"
+                told = [
+                    found
+                    for line in lines
+                    for found in re.findall(
+                        rf"(?:You may use|The delay may be) up to ([0-9.e+-]+) ({unit})", line
+                    )
+                ]
+                verdicts = [line for line in lines if re.search("You may|The delay may|No |Any ", line)]
+                if not told or len(told) < len(verdicts):
+                    continue  # one of free and held handles may use none
+                factor = {"N/m": 1.0, "ms": 1e-3, "s": 1.0}
+                least, written = min(told, key=lambda each: float(each[0]) * factor[each[1]])
+                value = least if written == "N/m" else least + written
+                answer = run("decide", *kept, left_out, value, *buffered, "--check", columns=200)
+                assert answer.exit_code == 0, (seed, kept, screen, value, answer.output)
+                count += 1
+    return count
+
+
+def test_law_as_much_as_is_printed_may_be_used() -> None:
+    assert check_usable(range(8)) > 8
+
+
+@pytest.mark.verify
+def test_law_as_much_as_is_printed_may_be_used_of_many_questions() -> None:
+    assert check_usable(range(1000, 1500)) > 500

@@ -26,6 +26,8 @@ def suggested_changes(decision: Decision) -> Padding:
             f"To guarantee stability beyond this {network}, with the reserve: ",
             _guarantees(decision),
         )
+    if decision.arms is not None:
+        lines.append("(the study's arms and agents are not counted)")
     return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))
 
 
