@@ -76,8 +76,8 @@ def _if_continuous(decision: Decision) -> str:
 
 
 def _sampled_margin(decision: Decision) -> list[Text]:
-    """Give the limit of the delay that the answer is judged by, where δₘ is another one."""
-    if decision.sampled_stable is None:
+    """Give the limit of the delay that the answer is judged by, where the answer does not tell it."""
+    if decision.sampled_stable is None or decision.stable:
         return []
     end, period = decision.delay_limit, format_time(decision.verdicts.network.sample_period, 6)
     judged = f"With these controllers, sampled every {period}, "
