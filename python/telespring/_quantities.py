@@ -15,8 +15,9 @@ _ROUNDING = {"nearest": ROUND_HALF_EVEN, "down": ROUND_FLOOR, "up": ROUND_CEILIN
 
 def exact_decimal(value: float) -> Decimal:
     """Return a number as it is written: the shortest decimal that reads back as the same number."""
-    # 0.029 s is 29 ms, not a bit less.
-    return Decimal(repr(float(value)))
+    # 0.029 s is 29 ms, not a bit less. Beyond the fourteenth digit stands what computing has rounded: 51 periods of
+    # 1 ms are not more than 51 ms.
+    return Context(prec=14).plus(Decimal(repr(float(value))))
 
 
 def format_number(value: float, digits: int = 4, *, rounding: Rounding = "nearest", shift: int = 0) -> str:
@@ -29,6 +30,8 @@ def format_number(value: float, digits: int = 4, *, rounding: Rounding = "neares
     --------
     >>> format_number(0.16719, rounding="down", shift=3), format_number(0.3, rounding="down", shift=3)
     ('167.1', '300')
+    >>> format_number(51 * 0.001, rounding="up", shift=3)
+    '51'
     """
     shown = Context(prec=digits, rounding=_ROUNDING[rounding]).plus(exact_decimal(value).scaleb(shift))
     if shown == 0:

@@ -158,15 +158,15 @@ class Answer:
         assert self.limits is not None
         found = [("sample period", self.limits.delays[0].verdicts.network.sample_period, "s")]
         for row in self.limits.delays if self.limits.stiffness is None else ():
-            usable = row.usable_stiffness
+            usable = row.recommended_stiffness
             if row.varying is not None and not self.limits.has_playout_buffer:
-                usable = row.varying.usable_stiffness
+                usable = row.varying.recommended_stiffness
             found.append((f"usable at {delay_clause(row.delay)}", usable, "N/m"))
         given = self.limits.stiffness
         if given is not None:
-            usable = given.usable_delay
-            if given.usable_delay_while_varying is not None and not self.limits.has_playout_buffer:
-                usable = given.usable_delay_while_varying
+            usable = given.recommended_delay
+            if given.recommended_delay_while_varying is not None and not self.limits.has_playout_buffer:
+                usable = given.recommended_delay_while_varying
             found += [("stiffness", given.stiffness, "N/m"), ("usable delay each way", usable, "s")]
         return found
 

@@ -31,6 +31,7 @@ __all__ = [
     "STIFFEST",
     "Question",
     "are_axes_independent",
+    "are_roots_counted",
     "constant_delay",
     "constant_delay_tier",
     "is_instability_proven",
@@ -58,6 +59,12 @@ def is_instability_proven(judged: Verdicts) -> bool:
     return (not constant.satisfied and constant.proven) or any(
         each is not None and not each.stable for each in sampled
     )
+
+
+def are_roots_counted(judged: Verdicts) -> bool:
+    """Return whether no root that sampled controllers give was left out of the count."""
+    sampled = (axis.sampled for axis in judged.axes)
+    return all(each is None or each.certificate != "incomplete" for each in sampled)
 
 
 def constant_delay(judged: Verdicts) -> tuple[float, float]:

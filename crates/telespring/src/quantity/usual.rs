@@ -100,12 +100,31 @@ impl Quantity {
     /// assert!(refused.remedy.starts_with("Did you mean 80 ms? Write 0.08."));
     /// ```
     pub fn check_usual(&self, field: &str, value: f64) -> Result<f64> {
-        // The damping of a robot and its standard deviation differ in range, not in what is usual.
-        let kind = if *self == DAMPING_SD { &DAMPING } else { self };
-        match USUAL.iter().find(|usual| usual.quantity == *kind) {
+        match self.usual() {
             Some(usual) if !usual.contains(value) => Err(self.unusual(usual, field, value)),
             _ => Ok(value),
         }
+    }
+
+    /// The smallest and the largest magnitude, besides 0, that laboratories have; `None` if every value is usual.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::quantity::STIFFNESS;
+    /// let (softest, stiffest) = STIFFNESS.usual_range().unwrap();
+    /// assert!(STIFFNESS.check_usual("stiffness", stiffest).is_ok());
+    /// assert!(STIFFNESS.check_usual("stiffness", 0.9 * softest).is_err());
+    /// ```
+    pub fn usual_range(&self) -> Option<(f64, f64)> {
+        self.usual().map(|usual| (usual.minimum, usual.maximum))
+    }
+
+    /// What is usual of this quantity.
+    fn usual(&self) -> Option<&'static Usual> {
+        // The damping of a robot and its standard deviation differ in range, not in what is usual.
+        let kind = if *self == DAMPING_SD { &DAMPING } else { self };
+        USUAL.iter().find(|usual| usual.quantity == *kind)
     }
 
     /// The value of a text that is a number and a unit, this quantity's own or one that it is confused with.
