@@ -15,8 +15,8 @@ _ROUNDING = {"nearest": ROUND_HALF_EVEN, "down": ROUND_FLOOR, "up": ROUND_CEILIN
 
 def exact_decimal(value: float) -> Decimal:
     """Return a number as it is written: the shortest decimal that reads back as the same number."""
-    # 0.029 s is 29 ms, not a bit less. Beyond the fourteenth digit stands what computing has rounded: 51 periods of
-    # 1 ms are not more than 51 ms.
+    # 0.029 s is 29 ms, not a bit less. Beyond the fourteenth digit stands what computing has rounded: 51
+    # periods of 1 ms are not more than 51 ms.
     return Context(prec=14).plus(Decimal(repr(float(value))))
 
 
