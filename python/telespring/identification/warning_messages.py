@@ -68,7 +68,7 @@ _MESSAGES = {
     "same log": "{log} was given more than once. It counts once.",
     "copied log": "{log} has the same samples as {other}, to the last digit. They count once.",
     "repeated part": (
-        "Samples from {place} on that are the same as those from {source} on, to the last digit: {count}. "
+        "The samples from {place} on repeat those from {source} on, to the last digit ({count} in all). "
         "They count once."
     ),
     "uneven time stamps": (

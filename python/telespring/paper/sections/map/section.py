@@ -10,7 +10,7 @@ import numpy as np
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.decision.decide import decide
-from telespring.decision.question import Question
+from telespring.decision.question import LONGEST_DELAY, STIFFEST, Question
 from telespring.model import Network, Study
 from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify
@@ -24,8 +24,6 @@ from telespring.theory.verdicts import delay_limit, verdicts
 
 __all__ = ["SECTION", "find_map"]
 
-#: The largest stiffness in which the core computes, N/m.
-_WIDEST = 1e7
 #: Over ranges of operators a limit takes milliseconds: one in so many stiffnesses is judged.
 _RANGE_STEP = 6
 #: Delays at which the limit for a varying delay is drawn.
@@ -38,7 +36,7 @@ def find_map(scene: Scene) -> Findings:
     widest, longest, mark = MAP_WIDTH * base.stiffness, 2.4 * base.delay, scene.mark
     if mark is not None:
         # As far as the study itself needs, with room around it.
-        widest = max(widest, min(1.15 * mark.stiffness, _WIDEST))
+        widest = max(widest, min(1.15 * mark.stiffness, STIFFEST))
         longest = max(longest, 1.15 * mark.longest_delay)
     stiffness = np.linspace(0.0, widest, MAP_POINTS + 1)[1:]
     boundaries = []
@@ -156,7 +154,7 @@ def _sampled_limits(study: Study, longest: float) -> tuple[float, tuple[FloatArr
     """Return what sampled controllers allow on any network, N/m, and under a bounded delay: N/m and s."""
     own = study.network
     points = _VARYING_POINTS // (1 if study.operator_ranges is None else 2)
-    delays = np.linspace(0.0, longest, points)
+    delays = np.linspace(0.0, min(longest, LONGEST_DELAY), points)
     found = [
         verdicts(
             study.dyad,
