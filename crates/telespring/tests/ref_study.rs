@@ -104,7 +104,8 @@ fn ref_messages_verbatim() {
         ),
         (
             with("mass = [1.0, 2.0]", "mas = [1.0, 2.0]"),
-            "robot1.mas = [1.0, 2.0]: [robot1] has the keys name, axes, mass, damping, coulomb, mass_sd, \
+            "robot1.mas = [1.0, 2.0]: [robot1] has the keys name, axes, mass, damping, coulomb, \
+             ground_stiffness, mass_sd, \
              damping_sd, mass_damping_correlation. Did you mean \"mass\"? See line 3.",
         ),
         (
@@ -308,15 +309,15 @@ fn ref_a_robot_file_replaces_the_robot_and_adds_its_spring_to_the_operator() {
     assert_eq!(range.low().mass(), [0.5, 0.5]);
     assert_eq!(Study::from_toml(&second.to_toml()).unwrap(), second);
 
-    // A refusal names the file's own section.
+    // A refusal names the file and its key.
     let short = RobotFile::from_toml(
         "[robot]\nmass = 1\ndamping = 5\n[identification]\nstiffness = [3.0, 1.0, 2.0]",
         "short.toml",
     )
     .unwrap();
     let refused = study.with_robot(0, &short).unwrap_err();
-    assert_eq!(refused.field, "identification.stiffness");
-    assert!(refused.remedy.contains("short.toml"), "{refused}");
+    assert_eq!(refused.field, "robot1.ground_stiffness");
+    assert!(refused.remedy.contains("stiffness in [identification] in short.toml"), "{refused}");
     let negative = RobotFile::from_toml("[robot]\nmass = -1\ndamping = 5", "negative.toml").unwrap();
     let refused = study.with_robot(1, &negative).unwrap_err();
     assert_eq!(refused.field, "robot2.mass");
