@@ -139,6 +139,32 @@ def test_law_every_printed_change_of_many_questions_is_stable_with_the_reserve(t
     assert check_changes(range(1000, 2000), tmp_path) > 2000
 
 
+GRIPPED = ("--robot", "1.2,6", "--robot", "2,9", "--grip", "50:300")
+
+
+def test_law_what_is_guaranteed_holds_if_the_hands_let_go() -> None:
+    """Held handles allow more on any network than free ones, whose limit is then the one to print."""
+    screen = run("decide", *GRIPPED, "--ping", "80ms", "--stiffness", "150", columns=200).stdout
+    [line] = advice(screen)
+    told = re.fullmatch(r"a stiffness of up to ([0-9.]+) N/m on any network", line)
+    assert told is not None, screen
+    for network in (("--delay", "600ms"), ("--delay", "1s", "--jitter", "500ms")):
+        again = run("decide", *GRIPPED, *network, "--stiffness", told[1], "--check")
+        assert again.exit_code == 0, again.output
+
+
+def test_law_what_any_network_allows_a_bounded_delay_allows() -> None:
+    screen = run("decide", *GRIPPED, "--delay", "300ms", "--jitter", "20ms", columns=200).stdout
+    bounded, widest = (
+        re.search(rf"{name} +(?:below|up to) ([0-9.]+) +(?:below|up to) ([0-9.]+) +helps", screen)
+        for name in ("bounded varying delay", "any network")
+    )
+    assert bounded is not None, screen
+    assert widest is not None, screen
+    assert bounded[2] == widest[2]
+    assert float(bounded[1]) > float(widest[1])
+
+
 # -- what is recommended is accepted
 
 STIFF = ("--robot", "50,900", "--robot", "60,900", "--ping", "4ms")

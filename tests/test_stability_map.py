@@ -163,6 +163,28 @@ def test_cross_what_is_shaded_is_stable_by_the_one_period_matrix() -> None:
     assert min(counted.values()) > 30
 
 
+def test_law_what_is_shaded_is_stable_if_the_hands_let_go() -> None:
+    """Held by 50 N/m or more the condition is stable, free it is not."""
+    held = ts.OperatorRange(ts.Operator(stiffness=50.0), ts.Operator(stiffness=300.0))
+    network, ranges = ts.Network(0.3, sample_period=0.001), (held, held)
+    mark = (50.0, 0.3)
+    axes = ts.plot.stability_map(one_axis(), mark=mark, operator_range=ranges, network=network)
+    assert is_shaded(axes, *mark)
+    both = ts.plot.stability_map(
+        one_axis(), mark=mark, operator_range=ranges, network=network, free=one_axis()
+    )
+    assert not is_shaded(both, *mark)
+    assert is_shaded(both, 15.0, 0.3)
+    legend = both.get_legend()
+    assert legend is not None
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert "free and held" in labels[0]
+    assert "boundary of axis x, free handles" in labels
+    answer = ts.decide(one_axis(), 50.0, network, operator_range=ranges)
+    assert answer.decision is not None
+    assert (answer.decision.status, answer.decision.worst_status) == ("stable", "unstable")
+
+
 @pytest.mark.parametrize("period", [0.0, 0.005])
 def test_cross_what_is_shaded_over_a_range_is_stable_for_every_operator(period: float) -> None:
     random = np.random.default_rng(DRAWN)

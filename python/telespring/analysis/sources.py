@@ -45,7 +45,8 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
                 "path",
                 str(path),
                 f"a folder with {_REHEARSAL} (from `telespring rehearse`) or {INDEX} (recorded) is required",
-                "Name the folder that contains one of them, or the file itself.",
+                f"Name the folder that contains one of them, or the file itself. {INDEX} is the list of your "
+                "own trials: `telespring analyse --template my-trials` writes an example.",
             )
     if place.suffix.lower() == ".csv":
         return read_recorded(place, task)

@@ -182,10 +182,12 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
     """Draw where the answer would be "stable", with the question and its answer marked."""
     from matplotlib.figure import Figure
 
+    from telespring.decision.question import Question
     from telespring.plot import stability_map
     from telespring.show.figures.style import figure_style
 
     network = study.network if study.has_delay else study.replace(network={"delay": 0.0}).network
+    question = Question.of(study, network)
     mark = (
         study.stiffness if study.has_stiffness else None,
         0.5 * sum(study.delay) if study.has_delay else None,
@@ -204,7 +206,8 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
         operator_range=study.operator_ranges,
         network=network,
         playout_buffer=study.has_playout_buffer,
-        verdict=None if answer.decision is None else answer.decision.status,
+        free=question.released().dyad if question.is_held else None,
+        verdict=None if answer.decision is None else answer.decision.worst_status,
         title="\n".join(titles),
         allow_unusual=True,
         ax=axes,

@@ -253,26 +253,39 @@ def _sampled_faster(cases: Sequence[Question], stiffness: float, errors: RobotEr
 def find_guarantees(
     cases: Sequence[Question], stiffness: float, errors: RobotErrors
 ) -> tuple[Guarantee, ...]:
-    """Find what is stable on more networks than the one in question, the first case deciding.
+    """Find what is stable on more networks than the one in question, in all cases, free and held handles.
 
-    The network with more freedom comes later.
+    The network with more freedom comes later. "Any constant delay" has no rule for controllers that sample.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> mine = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+    >>> question = Question(mine, ts.Network(0.04, sample_period=0.001))
+    >>> [found] = find_guarantees([question], 150.0, RobotErrors((None, None), known=False))
+    >>> found.tier, found.stiffness
+    ('any network', 7.134)
     """
-    judged = cases[0].judge(stiffness)
-    is_varying = not (cases[0].network.is_constant or cases[0].has_playout_buffer)
-    found = []
-    for verdict in reversed(judged.tiers):
-        bound = verdict.stiffness_bound
+    network = cases[0].network
+    is_varying = not (network.is_constant or cases[0].has_playout_buffer)
+    found: list[Guarantee] = []
+    for verdicts in zip(*(reversed(each.judge(stiffness).tiers) for each in cases), strict=True):
+        tier = verdicts[0].tier
+        bounds = [each.stiffness_bound for each in verdicts if each.stiffness_bound is not None]
+        is_satisfied = all(each.satisfied for each in verdicts)
+        assumption_met = all(each.assumption_met for each in verdicts)
         if (
-            verdict.tier == "constant delay"
-            or bound is None
-            or (verdict.satisfied and verdict.assumption_met)
+            tier == "constant delay"
+            or (tier == "any constant delay" and network.sample_period > 0.0)
+            or len(bounds) < len(cases)
+            or (is_satisfied and assumption_met)
         ):
             continue
-        needs_buffer = is_varying and not verdict.assumption_met
+        needs_buffer = is_varying and not assumption_met
         k = (
             stiffness
-            if verdict.satisfied
-            else round_limit(min(bound / (1.0 + RESERVE) * WITHIN, STIFFEST_USUAL))
+            if is_satisfied
+            else round_limit(min(min(bounds) / (1.0 + RESERVE) * WITHIN, STIFFEST_USUAL))
         )
         if k < SOFTEST_USUAL:
             continue
@@ -281,5 +294,14 @@ def find_guarantees(
         else:
             is_good = _are_usable(cases, k, errors)
         if is_good:
-            found.append(Guarantee(verdict.tier, k, needs_buffer, verdict.satisfied))
-    return tuple(found)
+            found.append(Guarantee(tier, k, needs_buffer, is_satisfied))
+    return _without_less(found)
+
+
+def _without_less(found: list[Guarantee]) -> tuple[Guarantee, ...]:
+    """Leave out what allows no more than a network with more freedom."""
+    return tuple(
+        each
+        for i, each in enumerate(found)
+        if not any(wider.stiffness >= each.stiffness and not wider.needs_buffer for wider in found[i + 1 :])
+    )

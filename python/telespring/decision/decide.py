@@ -244,6 +244,12 @@ class Decision:
         return "not proven" if is_good and self.axes_independent is False else self.varying.status
 
     @property
+    def worst_status(self) -> Status:
+        """The answer for free and held handles together, the worse of both."""
+        answers = [each.status for each in (self, self.free) if each is not None]
+        return max(answers, key=("stable", "marginal", "not proven", "unstable").index)
+
+    @property
     def constant_delay_status(self) -> Status:
         """The answer at a constant delay, which with jitter or gaps needs a playout buffer."""
         if not self.stable:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +46,7 @@ def stability_map(
     operator_range: tuple[OperatorRange, OperatorRange] | None = None,
     network: Network | None = None,
     playout_buffer: bool = False,
+    free: Dyad | None = None,
     verdict: str | None = None,
     title: str | None = None,
     allow_unusual: bool = False,
@@ -80,6 +83,9 @@ def stability_map(
     playout_buffer
         Whether both sides hold every sample until it is as old as the latest one can be: the map is then of
         the constant delay behind it.
+    free
+        The same robots with free handles: their limits are drawn, and what is shaded is stable with them,
+        too.
     verdict
         The answer at the mark, in a word, which is written beside the star.
     title
@@ -112,6 +118,7 @@ def stability_map(
     check_settings({"stiffness": stiffness}, {"delay": delay}, allow_unusual)
     point, longest_delay = _point_of(mark, network, allow_unusual)
     asked = MapQuestion(dyad, network or Network(point[1] or 0.0), operator_range, playout_buffer)
+    cases = [asked] if free is None else [asked, replace(asked, dyad=free, ranges=None)]
     wide, long = map_extent(asked, point) if stiffness is None or delay is None else (0.0, 0.0)
     if longest_delay is not None:
         long = max(long, 1.15 * longest_delay)
@@ -119,7 +126,7 @@ def stability_map(
     k, delays = asked.grid(extent, point)
     with figure_style():
         ax = given_or_new_axes(ax, (5.2, 4.4))
-        handles = _draw_regions(ax, asked, k, delays)
+        handles = _draw_regions(ax, cases, k, delays)
         ax.set(xlim=(0.0, extent[0]), ylim=(0.0, 1e3 * extent[1]), ylabel=_delay_label(asked))
         handles += draw_condition(ax, *point, verdict)
         if longest_delay is not None and point[0] is not None and point[1] is not None:
@@ -129,15 +136,21 @@ def stability_map(
     return ax
 
 
-def _draw_regions(ax: Axes, asked: MapQuestion, stiffness: np.ndarray, delays: np.ndarray) -> list[Artist]:
-    """Shade what is stable and draw its limits; return what the legend lists."""
+def _draw_regions(
+    ax: Axes, cases: Sequence[MapQuestion], stiffness: np.ndarray, delays: np.ndarray
+) -> list[Artist]:
+    """Shade what is stable in all cases and draw its limits; return what the legend lists."""
+    asked = cases[0]
     network, controllers = asked.network, sampling_clause(asked.network.sample_period)
     suffix = f"{controllers}{', every operator' if asked.ranges is not None else ''}"
+    suffix += ", free and held" if len(cases) > 1 else ""
     more = format_time(asked.extra, 6)
     constant = asked.constant(stiffness, delays)
+    for case in cases[1:]:
+        constant += [(f"{label}, free handles", depth) for label, depth in case.constant(stiffness, delays)]
     handles: list[Artist]
     if asked.is_varying:
-        depth = asked.varying(stiffness, delays)
+        depth = np.min([case.varying(stiffness, delays) for case in cases], axis=0)
         lines = draw_axis_boundaries(ax, constant, stiffness, delays, **_WITH_BUFFER)
         line = draw_varying_boundary(ax, depth, stiffness, delays, "proven up to here while the delay varies")
         handles = [
@@ -158,7 +171,7 @@ def _draw_regions(ax: Axes, asked: MapQuestion, stiffness: np.ndarray, delays: n
         else:
             what = f"with the playout buffer (a constant delay, {more} longer)"
         handles = [Patch(color=STABLE, label=f"stable {what}, {suffix}"), *lines]
-    critical = _critical_stiffness(asked)
+    critical = min((_critical_stiffness(case) for case in cases), key=lambda k: math.inf if k is None else k)
     if critical is not None and critical < stiffness[-1]:
         ax.axvline(critical, color=COLOURS["black"], linestyle=DASHES[1], linewidth=1.0)
         handles.append(

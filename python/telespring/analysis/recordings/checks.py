@@ -82,7 +82,8 @@ def check_required_columns(file: str, columns: Sequence[str], required: Sequence
             stem = name if name in ("file", "trial") else name.rsplit("_", 1)[0]
             similar = [column for column in columns if column.startswith(stem) or stem.startswith(column)]
             similar = similar or difflib.get_close_matches(name, columns, n=1)
-            value = f"missing; {similar[0]} is there instead" if similar else "missing"
+            there = f"{similar[0]} is there instead" if similar else f"the columns are {', '.join(columns)}"
+            value = f"missing; {there}" if columns else "missing"
             refuse(f"{file}: {name}", value, f"the column {name} is required")
 
 

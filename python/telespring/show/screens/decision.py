@@ -20,6 +20,7 @@ from telespring.show.screens.questions import (
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
     hand_effect,
+    hand_rows,
     network_clause,
     network_fits,
     range_notes,
@@ -69,24 +70,15 @@ def _warnings(decision: Decision) -> list[RenderableType]:
 
 
 def _verdict_table(decision: Decision) -> Fitting:
-    bounds = tier_bounds(decision.verdicts)
     if decision.free is not None:
-        beside: list[tuple[str, ...]] = [
-            (
-                own.verdict.tier,
-                free.allowed,
-                own.allowed,
-                hand_effect(free.bound, own.bound),
-            )
-            for own, free in zip(bounds, tier_bounds(decision.free.verdicts), strict=True)
-        ]
+        beside = hand_rows(decision.free.verdicts, decision.verdicts)
         delays = decision.free.delay_limit, decision.delay_limit
         free_delay, held_delay = (format_time(end, rounding="down") for end in delays)
         beside.append(("longest delay", free_delay, held_delay, hand_effect(*delays)))
         columns = ("network", "free, N/m", "held, N/m", "a hand")
         return fitting_table(TABLE_TITLE, columns, beside, right=(1, 2))
     rows: list[tuple[str | Text, ...]] = []
-    for own in bounds:
+    for own in tier_bounds(decision.verdicts):
         formula = TIERS[own.verdict.tier].formula
         if own.bound is None:
             rows.append((own.verdict.tier, formula, own.allowed, "–", "–", "–"))

@@ -94,8 +94,8 @@ def _is_improbable(decision: Decision) -> bool:
 
 
 def _guarantees(decision: Decision) -> list[str]:
-    strongest = decision.verdicts.tier("any network")
-    if strongest.stiffness_bound is not None and strongest.satisfied:
+    answers = [each.verdicts for each in (decision, decision.free) if each is not None]
+    if all(each.tier("any network").satisfied for each in answers):
         return ["nothing to change"]
     oldest = max(budget.total for budget in decision.verdicts.delay_budget)
     promises = {
@@ -103,19 +103,22 @@ def _guarantees(decision: Decision) -> list[str]:
         "bounded varying delay": f"while no sample is older than {format_time(oldest, 6)}",
         "any network": "on any network",
     }
+    if decision.sampled_stable is not None:
+        # No rule says it of controllers that sample.
+        del promises["any constant delay"]
     given = {found.tier: found for found in decision.guarantees}
     lines = []
-    for verdict in reversed(decision.verdicts.tiers):
-        promise, found = promises.get(verdict.tier), given.get(verdict.tier)
-        if promise is None or (verdict.satisfied and verdict.assumption_met):
+    for verdicts in zip(*(reversed(each.tiers) for each in answers), strict=True):
+        promise, found = promises.get(verdicts[0].tier), given.get(verdicts[0].tier)
+        if promise is None or all(each.satisfied and each.assumption_met for each in verdicts):
             continue
-        if verdict.unavailable == "not proven over the range":
+        if any(each.unavailable == "not proven over the range" for each in verdicts):
             lines.append(f"no stiffness is proven {promise} for the whole range")
         elif found is not None and found.is_proven_now:
             lines.append(f"a playout buffer, to be stable {promise}")
         elif found is not None:
             buffer = " behind a playout buffer" if found.needs_buffer else ""
             lines.append(f"a stiffness of up to {format_stiffness(found.stiffness)} {promise}{buffer}")
-        elif verdict.stiffness_bound is not None:
+        elif all(each.stiffness_bound is not None for each in verdicts) and "any network" not in given:
             lines.append(f"no stiffness is low enough {promise}")
     return lines or ["nothing to change"]

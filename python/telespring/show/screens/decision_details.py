@@ -86,7 +86,8 @@ def _sampled_margin(decision: Decision) -> list[Text]:
     if end == 0.0:
         return [Text(f"{judged}no delay is stable.")]
     within = "up to" if decision.delay_limit_attained else "below"
-    return [Text(f"{judged}a delay {within} {format_time(end, rounding='down')} is stable.")]
+    which = "a delay" if decision.delay[0] == decision.delay[1] else "a delay, the mean of both ways,"
+    return [Text(f"{judged}{which} {within} {format_time(end, rounding='down')} is stable.")]
 
 
 def _margins_over_ranges(decision: Decision) -> Group:

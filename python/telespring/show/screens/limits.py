@@ -23,6 +23,7 @@ from telespring.show.screens.questions import (
     answers_by_buffer,
     delay_clause,
     hand_effect,
+    hand_rows,
     hands_name,
     network_clause,
     network_fits,
@@ -208,7 +209,6 @@ def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
 
 
 def _tier_table(found: Limits) -> Fitting:
-    bounds = tier_bounds(found.delays[0].verdicts)
     if found.free is None:
         rows: list[tuple[str | Text, ...]] = [
             (
@@ -218,19 +218,11 @@ def _tier_table(found: Limits) -> Fitting:
                 own.axis,
                 network_fits(own.verdict.assumption),
             )
-            for own in bounds
+            for own in tier_bounds(found.delays[0].verdicts)
         ]
         headings = ("network", "rule", "k, N/m", "axis", "yours")
         return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
-    beside = [
-        (
-            own.verdict.tier,
-            free.allowed,
-            own.allowed,
-            hand_effect(free.bound, own.bound),
-        )
-        for own, free in zip(bounds, tier_bounds(found.free.delays[0].verdicts), strict=True)
-    ]
+    beside = hand_rows(found.free.delays[0].verdicts, found.delays[0].verdicts)
     columns = ("network", "free, N/m", "held, N/m", "a hand")
     return fitting_table(TABLE_TITLE, columns, beside, right=(1, 2))
 

@@ -27,6 +27,7 @@ __all__ = [
     "describe_robots",
     "given_delay",
     "hand_effect",
+    "hand_rows",
     "hands_name",
     "network_clause",
     "network_fits",
@@ -93,6 +94,32 @@ def tier_bounds(judged: Verdicts) -> list[TierBound]:
             row = row._replace(bound=limit, attained=False, axis=worst, is_satisfied=is_stable(judged))
         rows.append(row)
     return rows
+
+
+def hand_rows(free: Verdicts, held: Verdicts) -> list[tuple[str, str, str, str]]:
+    """List what each network allows with free and with held handles, and what a hand does.
+
+    What is stable on any network is stable while the delay is bounded.
+    """
+    rows = []
+    for own, other in zip(_nested(free), _nested(held), strict=True):
+        rows.append((own[0], own[1].allowed, other[1].allowed, hand_effect(own[1].bound, other[1].bound)))
+    return rows
+
+
+def _nested(judged: Verdicts) -> list[tuple[str, TierBound]]:
+    """List the tiers with the bound that holds there, which may be that for any network."""
+    bounds = tier_bounds(judged)
+    widest = next(each for each in bounds if each.verdict.tier == "any network")
+    return [
+        (
+            each.verdict.tier,
+            widest
+            if each.verdict.tier == "bounded varying delay" and (widest.bound or 0.0) > (each.bound or 0.0)
+            else each,
+        )
+        for each in bounds
+    ]
 
 
 def hands_name(held: str) -> str:
