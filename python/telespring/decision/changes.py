@@ -264,7 +264,7 @@ def find_guarantees(
     >>> question = Question(mine, ts.Network(0.04, sample_period=0.001))
     >>> [found] = find_guarantees([question], 150.0, RobotErrors((None, None), known=False))
     >>> found.tier, found.stiffness
-    ('any network', 7.134)
+    ('any network', 7.133)
     """
     network = cases[0].network
     is_varying = not (network.is_constant or cases[0].has_playout_buffer)
