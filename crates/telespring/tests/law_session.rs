@@ -1,7 +1,8 @@
 //! Laws of one side of a coupling: bytes, play-out and force.
 
 use proptest::prelude::*;
-use telespring::session::wire::{LENGTH, MAX_VALUE};
+use telespring::session::motion::MAX_VALUE;
+use telespring::session::wire::LENGTH;
 use telespring::session::{Endpoint, Law, Motion, Nanoseconds, Packet, PacketError, Playout};
 
 fn at(x: f64) -> Motion {

@@ -15,7 +15,7 @@ use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, wire};
+use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, motion};
 
 /// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
 /// that far.
@@ -96,7 +96,7 @@ impl RunningStation {
     /// Whether, in the running trial, a handle is beyond the position limit or too fast for a packet.
     fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
-        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
+        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), motion::MAX_VALUE)
     }
 
     /// Measures position and velocity with the sensor's resolution at a tick of the trial.

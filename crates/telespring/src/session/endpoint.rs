@@ -1,7 +1,7 @@
 //! One side of a coupling: sends, receives and computes the force.
 
-use super::wire::{LENGTH, Motion, Packet, PacketError};
-use super::{Law, Nanoseconds, Playout};
+use super::wire::{LENGTH, Packet, PacketError, check_motion};
+use super::{Law, Motion, Nanoseconds, Playout};
 
 /// One side of a coupling: it measures and sends, receives, and computes the force on its own handle.
 ///
@@ -45,7 +45,7 @@ impl Endpoint {
     ///
     /// [`PacketError::Value`] if the device reports an impossible value; the previous motion is kept.
     pub fn send(&mut self, now: Nanoseconds, motion: Motion) -> Result<[u8; LENGTH], PacketError> {
-        let motion = motion.check()?;
+        let motion = check_motion(motion)?;
         self.own = Some(motion);
         let packet = Packet { sequence: self.sequence, time: now, motion };
         self.sequence += 1;

@@ -7,20 +7,27 @@
 //! | part | job |
 //! |---|---|
 //! | [`wire`] | packets as bytes, and their errors |
+//! | [`motion`] | position and velocity of a handle |
 //! | [`playout`] | the partner's motion, a fixed time after its measurement |
+//! | [`predictor`] | from the partner's motion of some time ago to now |
 //! | [`law`] | the force from both motions |
+//! | [`strategy`] | the force of one side: the bare spring and what keeps it safe |
 //! | [`endpoint`] | one side: wire, playout and law together |
 //!
 //! All times are whole nanoseconds of a clock shared by both sides ([`Nanoseconds`]).
 
 pub mod endpoint;
 pub mod law;
+pub mod motion;
 pub mod playout;
+pub mod predictor;
+pub mod strategy;
 mod time;
 pub mod wire;
 
 pub use endpoint::Endpoint;
 pub use law::Law;
+pub use motion::Motion;
 pub use playout::Playout;
-pub use time::Nanoseconds;
-pub use wire::{Motion, Packet, PacketError};
+pub use time::{LocalTime, Nanoseconds, PeerTime, Span};
+pub use wire::{Packet, PacketError};

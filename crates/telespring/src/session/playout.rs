@@ -8,7 +8,7 @@
 use std::collections::VecDeque;
 
 use super::Nanoseconds;
-use super::wire::Motion;
+use super::motion::Motion;
 
 /// The maximum number of waiting samples: at 1 kHz slightly more than the longest delay of 100 s. Beyond it
 /// the oldest are dropped.

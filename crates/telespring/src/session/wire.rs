@@ -14,6 +14,7 @@
 //! from the same instant.
 
 use super::Nanoseconds;
+use super::motion::{MAX_VALUE, Motion};
 
 /// The first bytes of every packet.
 pub const MAGIC: [u8; 4] = *b"TSPR";
@@ -21,35 +22,7 @@ pub const MAGIC: [u8; 4] = *b"TSPR";
 pub const VERSION: u8 = 1;
 /// The length of a packet in bytes.
 pub const LENGTH: usize = 54;
-/// The largest position (m) or velocity (m/s) in a packet: no handle exceeds it, and every force computed
-/// from it is finite.
-pub const MAX_VALUE: f64 = 1e6;
-
 const AXES: u8 = 2;
-
-/// The motion of a handle at one instant.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
-    /// Position per axis, m.
-    pub position: [f64; 2],
-    /// Velocity per axis, m/s.
-    pub velocity: [f64; 2],
-}
-
-impl Motion {
-    /// Returns the motion, fit for a packet, if every value is finite and at most [`MAX_VALUE`].
-    ///
-    /// # Errors
-    ///
-    /// [`PacketError::Value`] otherwise.
-    pub fn check(self) -> Result<Self, PacketError> {
-        let values = [self.position, self.velocity];
-        match values.iter().flatten().find(|value| !(value.abs() <= MAX_VALUE)) {
-            None => Ok(self),
-            Some(&value) => Err(PacketError::Value { value }),
-        }
-    }
-}
 
 /// The content of a packet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,6 +71,11 @@ pub enum PacketError {
         /// The first such value.
         value: f64,
     },
+}
+
+/// Returns the motion if it is fit for a packet.
+pub(super) fn check_motion(motion: Motion) -> Result<Motion, PacketError> {
+    motion.impossible_value().map_or(Ok(motion), |value| Err(PacketError::Value { value }))
 }
 
 /// The `N` bytes of a packet from index `at`.
@@ -153,7 +131,7 @@ impl Packet {
         }
         let number = |at| f64::from_le_bytes(bytes_at(bytes, at));
         let motion =
-            Motion { position: [number(22), number(30)], velocity: [number(38), number(46)] }.check()?;
+            check_motion(Motion { position: [number(22), number(30)], velocity: [number(38), number(46)] })?;
         Ok(Self {
             sequence: u64::from_le_bytes(bytes_at(bytes, 6)),
             time: Nanoseconds(u64::from_le_bytes(bytes_at(bytes, 14))),

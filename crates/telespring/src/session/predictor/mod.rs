@@ -1,0 +1,43 @@
+//! Predictors: from the partner's motion of some time ago to its motion now.
+//!
+//! The play-out gives a motion of a known age. A predictor says where the partner is now. It may be wrong: the guard
+//! makes any answer safe. The bare spring with a predictor is a delay system of its own.
+
+mod hold;
+
+pub use hold::Hold;
+
+use super::motion::Motion;
+use super::time::{PeerTime, Span};
+
+/// The partner's motion as it left the play-out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Played {
+    /// The motion.
+    pub motion: Motion,
+    /// When the partner measured it, on the partner's clock.
+    pub time: PeerTime,
+    /// How long ago that is.
+    pub age: Span,
+    /// Whether an older motion is held because no newer one has come.
+    pub held: bool,
+}
+
+/// The target that both sides show, on the shared clock.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharedTargetView {
+    /// The target now.
+    pub now: Motion,
+    /// The target when the partner measured the played motion.
+    pub then: Motion,
+}
+
+/// From the partner's motion of some time ago to its motion now.
+pub trait Predictor {
+    /// The partner's motion now. Called once per tick with the motion in use; `target` is the shared target, if there
+    /// is one.
+    fn predict(&mut self, played: &Played, target: Option<&SharedTargetView>) -> Motion;
+
+    /// Forgets everything, for instance after the partner has restarted.
+    fn reset(&mut self);
+}
