@@ -242,6 +242,7 @@ fn cross_no_operator_of_a_hundred_ranges_is_unstable_below_the_bounds() {
 
 #[test]
 #[ignore = "2,000 ranges with 4,000 operators each take an hour"]
+#[allow(clippy::disallowed_methods, reason = "the core starts no thread; this test of it may")]
 fn cross_no_operator_of_many_ranges_is_unstable_below_the_bounds() {
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get());
     std::thread::scope(|scope| {
