@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// The modules from the ground up, each with all that it may import.
 const FLOORS: [(&str, &[&str]); 15] = [
     ("error", &[]),
-    ("session", &[]),
+    ("session", &["error"]),
     ("poly", &[]),
     ("quantity", &["error"]),
     ("model", &["error", "quantity"]),

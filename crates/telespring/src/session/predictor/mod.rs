@@ -41,3 +41,31 @@ pub trait Predictor {
     /// Forgets everything, for instance after the partner has restarted.
     fn reset(&mut self);
 }
+
+/// The predictor of a session.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum PredictorChoice {
+    /// The motion as played.
+    Hold(Hold),
+}
+
+impl Default for PredictorChoice {
+    fn default() -> Self {
+        Self::Hold(Hold)
+    }
+}
+
+impl Predictor for PredictorChoice {
+    fn predict(&mut self, played: &Played, target: Option<&SharedTargetView>) -> Motion {
+        match self {
+            Self::Hold(predictor) => predictor.predict(played, target),
+        }
+    }
+
+    fn reset(&mut self) {
+        match self {
+            Self::Hold(predictor) => predictor.reset(),
+        }
+    }
+}

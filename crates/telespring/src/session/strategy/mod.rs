@@ -103,3 +103,37 @@ pub trait Strategy {
     /// The running account.
     fn report(&self) -> StrategyReport;
 }
+
+/// The strategy of a session.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum StrategyChoice {
+    /// The bare spring of the paper.
+    Spring(Spring),
+}
+
+impl Strategy for StrategyChoice {
+    fn settle(&mut self, tick: &Tick) {
+        match self {
+            Self::Spring(strategy) => strategy.settle(tick),
+        }
+    }
+
+    fn force(&mut self, tick: &Tick) -> [f64; 2] {
+        match self {
+            Self::Spring(strategy) => strategy.force(tick),
+        }
+    }
+
+    fn outgoing(&self) -> Outgoing {
+        match self {
+            Self::Spring(strategy) => strategy.outgoing(),
+        }
+    }
+
+    fn report(&self) -> StrategyReport {
+        match self {
+            Self::Spring(strategy) => strategy.report(),
+        }
+    }
+}
