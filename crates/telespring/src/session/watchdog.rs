@@ -144,6 +144,9 @@ pub(super) struct Fault {
     pub(super) since: LocalTime,
 }
 
+/// What is wrong with this side and with the partner.
+pub(super) type Faults = [Option<Fault>; 2];
+
 /// The state of the coupling.
 #[derive(Debug, Clone)]
 pub(super) struct Watchdog {
@@ -161,36 +164,24 @@ impl Watchdog {
         Self { settings, state, since: LocalTime(0), from: 0.0, well_since: None }
     }
 
-    pub(super) fn settings(&self) -> &WatchdogSettings {
-        &self.settings
-    }
-
     pub(super) fn state(&self) -> WatchdogState {
         self.state
     }
 
-    /// The next change of state at `now`, or before it; `ready`: there is a motion to follow.
-    pub(super) fn step(
-        &mut self,
-        now: LocalTime,
-        fault: Option<Fault>,
-        ready: bool,
-    ) -> Option<WatchdogState> {
+    /// The next change of state at `now`, or before it, because of these faults; `ready`: there is a motion to follow.
+    pub(super) fn step(&mut self, now: LocalTime, faults: Faults, ready: bool) -> Option<WatchdogState> {
         use WatchdogState::{Disengaged, Engaged, Holding, RampingIn, RampingOut};
-        let (state, since) = match (self.state, fault) {
-            (Engaged, Some(Fault { cause: cause @ Cause::PartnerRestarted, since }))
-            | (RampingIn, Some(Fault { cause, since })) => (RampingOut { cause }, since.max(self.since)),
+        let first = faults.into_iter().flatten().min_by_key(|fault| fault.since);
+        let (state, since) = match (self.state, first) {
+            (RampingIn, Some(Fault { cause, since })) => (RampingOut { cause }, since.max(self.since)),
             (Engaged, Some(Fault { cause, since })) => (Holding { cause }, since.max(self.since)),
             (Holding { .. }, None) => (Engaged, now),
-            (Holding { .. }, Some(Fault { cause: cause @ Cause::PartnerRestarted, .. })) => {
-                (RampingOut { cause }, now)
-            }
-            (Holding { cause }, Some(_)) => {
-                let end = self.since + self.hold(cause);
+            (Holding { .. }, Some(_)) => {
+                let (cause, end) = self.end_of_hold(faults)?;
                 if now < end {
                     return None;
                 }
-                (RampingOut { cause }, end)
+                (RampingOut { cause }, end.max(self.since))
             }
             (RampingOut { cause }, _) => {
                 let end = self.since + self.settings.ramp_out.scaled(self.from);
@@ -219,9 +210,31 @@ impl Watchdog {
             }
             (Engaged, None) => return None,
         };
+        self.enter(state, since);
+        Some(state)
+    }
+
+    /// The partner has restarted: the force ramps out at once. Returns the state if it changes.
+    pub(super) fn restart(&mut self, now: LocalTime) -> Option<WatchdogState> {
+        self.well_since = None;
+        if matches!(self.state, WatchdogState::Disengaged { .. } | WatchdogState::RampingOut { .. }) {
+            return None;
+        }
+        let state = WatchdogState::RampingOut { cause: Cause::PartnerRestarted };
+        self.enter(state, now);
+        Some(state)
+    }
+
+    fn enter(&mut self, state: WatchdogState, since: LocalTime) {
         self.from = self.factor(since);
         (self.state, self.since, self.well_since) = (state, since, None);
-        Some(state)
+    }
+
+    /// The first fault that has lasted, or will have lasted, for as long as the force is held, and when.
+    fn end_of_hold(&self, faults: Faults) -> Option<(Cause, LocalTime)> {
+        let ends =
+            faults.into_iter().flatten().map(|fault| (fault.cause, fault.since + self.hold(fault.cause)));
+        ends.min_by_key(|(_, end)| *end)
     }
 
     fn hold(&self, cause: Cause) -> Span {
@@ -242,13 +255,13 @@ impl Watchdog {
         }
     }
 
-    /// The next time at which the state changes by itself.
-    pub(super) fn next_timeout(&self) -> Option<LocalTime> {
+    /// The next time at which the state changes if these faults last and no other comes.
+    pub(super) fn next_timeout(&self, faults: Faults) -> Option<LocalTime> {
         match self.state {
             WatchdogState::Disengaged { .. } => self.well_since.map(|since| since + self.settings.recovery),
             WatchdogState::RampingIn => Some(self.since + self.settings.ramp_in),
             WatchdogState::Engaged => None,
-            WatchdogState::Holding { cause } => Some(self.since + self.hold(cause)),
+            WatchdogState::Holding { .. } => self.end_of_hold(faults).map(|(_, end)| end),
             WatchdogState::RampingOut { .. } => Some(self.since + self.settings.ramp_out.scaled(self.from)),
         }
     }

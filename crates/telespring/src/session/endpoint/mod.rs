@@ -27,7 +27,7 @@ use super::predictor::{Played, Predictor, PredictorChoice};
 use super::strategy::{PartnerView, Strategy, StrategyChoice, StrategyReport, Tick};
 use super::target::Targets;
 use super::time::{LocalTime, PeerTime, Span};
-use super::watchdog::{Cause, Fault, Watchdog, WatchdogState};
+use super::watchdog::{Cause, Fault, Faults, Watchdog, WatchdogState};
 use super::wire::{Flags, LENGTH, MAX_ENERGY, MAX_SIGNAL, MAX_STAMP, MAX_STIFFNESS, Packet, PacketError};
 use crate::error::Result;
 use partner::{Arrival, Partner};
@@ -182,7 +182,7 @@ impl Endpoint {
             playout,
             clock: Clock::new(settings.clock)?,
             watchdog: settings.watchdog.map(Watchdog::new),
-            partner: Partner::new(),
+            partner: Partner::new(settings.watchdog),
             targets,
             events: Events::new(),
             now: LocalTime(0),
@@ -222,7 +222,7 @@ impl Endpoint {
             self.note_impossible(now, value);
             self.impossible_since.get_or_insert(now);
             self.to_answer = false;
-            self.watch(now, None);
+            self.watch(now);
             return Err(ImpossibleMeasurement { value });
         }
         self.impossible_since = None;
@@ -280,7 +280,7 @@ impl Endpoint {
                 .map(|value| if value.is_nan() { 0.0 } else { value.clamp(-MAX_SIGNAL, MAX_SIGNAL) }),
         };
         self.sent = self.sent.saturating_add(1);
-        self.watch(now, None);
+        self.watch(now);
         Some(packet.encode())
     }
 
@@ -336,7 +336,9 @@ impl Endpoint {
                 self.playout.forget();
                 self.predictor.reset();
                 (self.ready, self.restarted) = (false, true);
-                self.watch(now, Some(Fault { cause: Cause::PartnerRestarted, since: now }));
+                if let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.restart(now)) {
+                    self.enter(now, state);
+                }
             }
             Arrival::Later | Arrival::Other => {}
         }
@@ -362,7 +364,7 @@ impl Endpoint {
         }
         let looked = self.look(now);
         self.ready = looked.is_some();
-        self.watch(now, None);
+        self.watch(now);
         let partner = match self.state() {
             WatchdogState::Disengaged { .. } => None,
             // whatever the partner does now, the force falls along its last motion
@@ -432,40 +434,56 @@ impl Endpoint {
         if now > self.now {
             self.now = now;
             self.clock.advance(now);
-            self.watch(now, None);
+            self.watch(now);
         }
         self.now
     }
 
-    /// Lets the watchdog judge at `now`; `sudden`: a fault of just this moment.
-    fn watch(&mut self, now: LocalTime, sudden: Option<Fault>) {
-        let Some(watchdog) = &mut self.watchdog else { return };
+    /// What is wrong at `now`.
+    fn faults(&self, now: LocalTime) -> Faults {
         let impossible = self.impossible_since.map(|since| Fault { cause: Cause::OwnMeasurement, since });
-        let silent = self.own.map(|own| own.at + self.sample_period + self.sample_period);
-        let silent = silent.filter(|silent| now > *silent);
-        let own = impossible.or(silent.map(|since| Fault { cause: Cause::OwnSilence, since }));
-        let fault = sudden.or(own).or_else(|| self.partner.fault(now, watchdog.settings()));
+        let silent = self.own_silence().filter(|silent| now > *silent);
+        let silent = silent.map(|since| Fault { cause: Cause::OwnSilence, since });
+        [impossible.or(silent), self.partner.fault(now)]
+    }
+
+    /// After this time the own device is silent.
+    fn own_silence(&self) -> Option<LocalTime> {
+        self.own.map(|own| own.at + self.sample_period + self.sample_period)
+    }
+
+    /// Lets the watchdog judge at `now`.
+    fn watch(&mut self, now: LocalTime) {
         // at most every state once
         for _ in 0..5 {
-            let Some(state) = watchdog.step(now, fault, self.ready) else { return };
-            let kind = match state {
-                WatchdogState::Holding { cause } => EventKind::Holding(cause),
-                WatchdogState::RampingOut { cause } => EventKind::RampingOut(cause),
-                WatchdogState::Disengaged { cause } => EventKind::Disengaged(cause),
-                WatchdogState::RampingIn => {
-                    self.clock.settle(now);
-                    if let Some(peer) = self.clock.to_peer(now) {
-                        self.playout.settle(peer);
-                    }
-                    EventKind::RampingIn
-                }
-                WatchdogState::Engaged => {
-                    self.restarted = false;
-                    EventKind::Engaged
-                }
+            let (faults, ready) = (self.faults(now), self.ready);
+            let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.step(now, faults, ready))
+            else {
+                return;
             };
-            self.events.push(now, kind);
+            self.enter(now, state);
         }
+    }
+
+    /// Notes a new state of the watchdog.
+    fn enter(&mut self, now: LocalTime, state: WatchdogState) {
+        let kind = match state {
+            WatchdogState::Holding { cause } => EventKind::Holding(cause),
+            WatchdogState::RampingOut { cause } => EventKind::RampingOut(cause),
+            WatchdogState::Disengaged { cause } => EventKind::Disengaged(cause),
+            WatchdogState::RampingIn => {
+                self.clock.settle(now);
+                if let Some(peer) = self.clock.to_peer(now) {
+                    self.playout.settle(peer);
+                }
+                EventKind::RampingIn
+            }
+            WatchdogState::Engaged => {
+                self.restarted = false;
+                EventKind::Engaged
+            }
+        };
+        self.events.push(now, kind);
     }
 
     fn note_impossible(&mut self, now: LocalTime, value: f64) {
@@ -491,11 +509,12 @@ impl Endpoint {
     /// The next time at which the state changes if nothing else comes; `None` without a watchdog or partner.
     pub fn next_timeout(&self) -> Option<LocalTime> {
         let watchdog = self.watchdog.as_ref()?;
-        let acting = matches!(watchdog.state(), WatchdogState::Engaged | WatchdogState::RampingIn);
-        let silent = self.own.map(|own| own.at + self.sample_period + self.sample_period + Span(1));
-        let faults = [silent, self.partner.next_timeout(watchdog.settings())];
-        let faults = faults.into_iter().filter(|_| acting).flatten();
-        faults.chain(watchdog.next_timeout()).min()
+        let state = watchdog.state();
+        let acting = !matches!(state, WatchdogState::Disengaged { .. } | WatchdogState::RampingOut { .. });
+        let own = [self.own_silence().map(|silence| silence + Span(1))];
+        let faults = own.into_iter().chain(self.partner.timeouts()).flatten();
+        let coming = faults.filter(|time| acting && *time > self.now);
+        coming.chain(watchdog.next_timeout(self.faults(self.now))).min()
     }
 
     /// Does what is due at `now`.

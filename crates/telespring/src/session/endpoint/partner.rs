@@ -5,7 +5,7 @@
 use super::DatagramError;
 use crate::session::watchdog::{Cause, Fault, WatchdogSettings};
 use crate::session::wire::{Echo, Flags, Packet};
-use crate::session::{LocalTime, PeerTime};
+use crate::session::{LocalTime, PeerTime, Span};
 
 /// Sessions of the partner that are over and recognised as such.
 const RETIRED: usize = 8;
@@ -33,16 +33,21 @@ struct Latest {
     /// Since when the position is the same, and how far the velocities sent since then go.
     still_since: PeerTime,
     still_travel: [f64; 2],
+    /// Since when that contradicts each other for long and far enough.
+    frozen_since: Option<LocalTime>,
     position: [f64; 2],
 }
 
 /// The partner, from its packets.
 #[derive(Debug, Clone)]
 pub(super) struct Partner {
+    watchdog: Option<WatchdogSettings>,
     latest: Option<Latest>,
     /// Session ids that are over, newest first.
     retired: [Option<u64>; RETIRED],
     heard: Option<LocalTime>,
+    /// The latest stamp of ours that the partner has echoed.
+    echoed: Option<LocalTime>,
     /// The energy of the sessions that are over, and the largest total of this one, J.
     energy: (f64, f64),
     stiffness: f64,
@@ -51,11 +56,13 @@ pub(super) struct Partner {
 }
 
 impl Partner {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(watchdog: Option<WatchdogSettings>) -> Self {
         Self {
+            watchdog,
             latest: None,
             retired: [None; RETIRED],
             heard: None,
+            echoed: None,
             energy: (0.0, 0.0),
             stiffness: 0.0,
             flags: Flags::default(),
@@ -63,8 +70,9 @@ impl Partner {
         }
     }
 
-    /// Takes a packet. `idle`: nothing later has come for so long that an earlier stamp means a restart, not a packet
-    /// that was overtaken.
+    /// Takes a packet. `idle`: nothing later has come for so long that an earlier stamp may mean a restart, not a packet
+    /// that was overtaken. It does if the packet echoes a later stamp of ours than any before, which no old packet that is
+    /// sent once more does.
     pub(super) fn accept(
         &mut self,
         now: LocalTime,
@@ -82,7 +90,9 @@ impl Partner {
                 use std::cmp::Ordering::{Equal, Greater, Less};
                 match order {
                     (Greater, Greater) => Arrival::Later,
-                    (Less, Less) if idle => Arrival::Restarted,
+                    (Less, Less) if idle && packet.echo.map(|echo| echo.stamp) > self.echoed => {
+                        Arrival::Restarted
+                    }
                     // a program whose clock stands still may go on counting
                     (Less, Less) | (Equal, Equal) | (Greater, Equal) => Arrival::Other,
                     (Less, Equal | Greater) | (Equal, Less | Greater) | (Greater, Less) => Arrival::Restarted,
@@ -102,6 +112,7 @@ impl Partner {
             self.latest = None;
         }
         self.heard = Some(now);
+        self.echoed = self.echoed.max(packet.echo.map(|echo| echo.stamp).filter(|stamp| *stamp <= now));
         self.energy.1 = self.energy.1.max(packet.energy_sent);
         if arrival != Arrival::Other {
             self.latest = Some(self.follow(now, packet));
@@ -119,6 +130,7 @@ impl Partner {
             arrival: now,
             still_since: packet.sent,
             still_travel: [0.0; 2],
+            frozen_since: None,
             position: packet.motion.position,
         };
         if let Some(before) = self.latest.filter(|before| before.position == latest.position) {
@@ -126,31 +138,34 @@ impl Partner {
             let ([x, y], [u, v]) = (before.still_travel, packet.motion.velocity);
             latest.still_since = before.still_since;
             latest.still_travel = [x + u * elapsed, y + v * elapsed];
+            let frozen = self.watchdog.is_some_and(|settings| {
+                let far = latest.still_travel.iter().any(|travel| travel.abs() >= settings.frozen_distance);
+                far && latest.sent - latest.still_since >= settings.frozen
+            });
+            latest.frozen_since = if frozen { before.frozen_since.or(Some(now)) } else { None };
         }
         latest
     }
 
     /// What is wrong with the partner at `now`, if anything.
-    pub(super) fn fault(&self, now: LocalTime, settings: &WatchdogSettings) -> Option<Fault> {
-        let (heard, latest) = (self.heard?, self.latest?);
+    pub(super) fn fault(&self, now: LocalTime) -> Option<Fault> {
+        let (settings, heard, latest) = (self.watchdog?, self.heard?, self.latest?);
         let silent = heard + settings.silence;
-        if now >= silent {
+        if now > silent {
             return Some(Fault { cause: Cause::Silence, since: silent });
         }
         let frozen = latest.arrival + settings.frozen;
-        if now >= frozen {
+        if now > frozen {
             return Some(Fault { cause: Cause::FrozenStamps, since: frozen });
         }
-        let still = latest.sent - latest.still_since;
-        let travelled = latest.still_travel.iter().any(|travel| travel.abs() >= settings.frozen_distance);
-        (still >= settings.frozen && travelled)
-            .then_some(Fault { cause: Cause::FrozenMotion, since: latest.arrival })
+        latest.frozen_since.map(|since| Fault { cause: Cause::FrozenMotion, since })
     }
 
-    /// The next time at which the partner is at fault if no packet comes.
-    pub(super) fn next_timeout(&self, settings: &WatchdogSettings) -> Option<LocalTime> {
-        let (heard, latest) = (self.heard?, self.latest?);
-        Some((heard + settings.silence).min(latest.arrival + settings.frozen))
+    /// The times at which the partner is at fault if no packet comes.
+    pub(super) fn timeouts(&self) -> [Option<LocalTime>; 2] {
+        let Some(settings) = self.watchdog else { return [None; 2] };
+        let frozen = self.latest.map(|latest| latest.arrival + settings.frozen + Span(1));
+        [self.heard.map(|heard| heard + settings.silence + Span(1)), frozen]
     }
 
     /// The newest stamp, as a packet sent at `now` echoes it.
