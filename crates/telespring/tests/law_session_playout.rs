@@ -86,13 +86,11 @@ fn law_the_playout_keeps_no_more_than_it_may_play() {
 /// What a network does to a packet: when it arrives, if it does, and once more if it is repeated.
 type Fate<'a> = &'a mut dyn FnMut(u64) -> [Option<u64>; 2];
 
+/// Sees a tick: the time, all that has arrived so far, and what is played.
+type Sight<'a> = &'a mut dyn FnMut(u64, &[Sample], Option<Playing>);
+
 /// Plays a partner at 1 kHz through a network, with the motion x = t; calls `see` at every tick.
-fn through(
-    playout: &mut Playout,
-    ticks: u64,
-    fate: Fate<'_>,
-    see: &mut dyn FnMut(u64, &[Sample], Option<Playing>),
-) {
+fn through(playout: &mut Playout, ticks: u64, fate: Fate<'_>, see: Sight<'_>) {
     let (mut travelling, mut arrived) = (Vec::new(), Vec::new());
     for tick in 0..ticks {
         let now = tick * PERIOD;

@@ -21,7 +21,10 @@
 //! After its construction an endpoint allocates nothing, takes no lock, reads no clock and does not panic, whatever
 //! comes in. It is written for the control loop of a robot.
 
-#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable, clippy::todo)]
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable, clippy::todo)
+)]
 
 pub mod clock;
 pub mod endpoint;
