@@ -36,7 +36,8 @@ fn exchange(
     clock: &mut Clock,
 ) {
     // (arrival, sent stamp) towards the partner; (arrival, packet) from it
-    let (mut there, mut back): (Vec<(f64, LocalTime)>, Vec<(f64, Packet)>) = (Vec::new(), Vec::new());
+    let mut there: Vec<(f64, LocalTime)> = Vec::new();
+    let mut back: Vec<(f64, Packet)> = Vec::new();
     let mut newest: Option<(LocalTime, f64)> = None;
     for tick in 0..seconds * 1_000 {
         let time = tick as f64 * 1e-3 + 1.0;
