@@ -12,10 +12,12 @@
 //! | [`predictor`] | from the partner's motion of some time ago to now |
 //! | [`law`] | the force from both motions |
 //! | [`strategy`] | the force of one side: the bare spring and what keeps it safe |
+//! | [`account`] | the energy that one side may still give out |
 //! | [`endpoint`] | one side: wire, playout and law together |
 //!
 //! All times are whole nanoseconds of a clock shared by both sides ([`Nanoseconds`]).
 
+pub mod account;
 pub mod endpoint;
 pub mod law;
 pub mod motion;
@@ -25,6 +27,7 @@ pub mod strategy;
 mod time;
 pub mod wire;
 
+pub use account::{AccountSettings, EnergyAccount};
 pub use endpoint::Endpoint;
 pub use law::Law;
 pub use motion::Motion;

@@ -4,8 +4,16 @@
 //! makes any answer safe. The bare spring with a predictor is a delay system of its own.
 
 mod hold;
+mod kalman;
+mod linear;
+mod noise_fit;
+mod shared_target;
 
 pub use hold::Hold;
+pub use kalman::{Kalman, MotionModel, Noise};
+pub use linear::Linear;
+pub use noise_fit::{FitEnd, NoiseFit, fit_noise};
+pub use shared_target::SharedTarget;
 
 use super::motion::Motion;
 use super::time::{PeerTime, Span};
@@ -40,4 +48,9 @@ pub trait Predictor {
 
     /// Forgets everything, for instance after the partner has restarted.
     fn reset(&mut self);
+}
+
+/// The predicted motion if a handle can have it, otherwise the played one.
+fn possible(predicted: Motion, played: &Played) -> Motion {
+    if predicted.impossible_value().is_none() { predicted } else { played.motion }
 }

@@ -6,8 +6,10 @@
 //!
 //! No strategy allocates, reads a clock or fails: whatever comes in, it returns a finite force.
 
+mod guard;
 mod spring;
 
+pub use guard::Guard;
 pub use spring::Spring;
 
 use super::motion::Motion;
