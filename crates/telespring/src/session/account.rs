@@ -139,16 +139,20 @@ impl EnergyAccount {
         let AccountSettings { stiffness, capacity, computing_tick, .. } = self.settings;
         let [x, y] = wanted;
         let size = x.hypot(y);
-        let allowed = self.largest_force();
-        let allowed =
-            if computing_tick { allowed.min((2.0 * allowed - self.paid).max(0.0)) } else { allowed };
+        // The force that is still to act before this one.
+        let pending = if computing_tick { self.paid } else { 0.0 };
+        let most = self.largest_force();
+        let allowed = if computing_tick { most.min((2.0 * most - pending).max(0.0)) } else { most };
         let (force, paid) = match size {
             _ if !size.is_finite() => ([0.0; 2], 0.0),
             _ if size <= allowed => (wanted, size),
             _ => (wanted.map(|force| force / size * allowed), allowed),
         };
         self.paid = paid;
-        let kept = if size.is_finite() { (size * size / (2.0 * stiffness)).max(stored) } else { 0.0 };
+        let spring = if size.is_finite() { (size * size / (2.0 * stiffness)).max(stored) } else { 0.0 };
+        // No energy leaves that the pending force may need.
+        let committed = (pending + paid) * (pending + paid) / (8.0 * stiffness);
+        let kept = if computing_tick { spring.max(committed) } else { spring };
         let excess = self.balance - (kept + capacity);
         if excess > 0.0 {
             self.balance -= excess;
