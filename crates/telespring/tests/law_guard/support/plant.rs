@@ -16,7 +16,6 @@ const NODES: [(f64, f64); 5] = [
 #[derive(Debug, Clone)]
 pub struct AxisPlant {
     pub mass: f64,
-    pub damping: f64,
     pub stiffness: f64,
     pub position: f64,
     pub velocity: f64,
@@ -32,7 +31,6 @@ impl AxisPlant {
         let after = |time: f64| (generator * time).exp();
         Self {
             mass,
-            damping,
             stiffness,
             position: 0.0,
             velocity: 0.0,

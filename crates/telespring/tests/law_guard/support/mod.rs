@@ -5,7 +5,7 @@ pub mod copy;
 mod ledger;
 pub mod plant;
 
-pub use case::{Case, Network, PredictorKind};
+pub use case::{Case, CaseSide, Network, PredictorKind};
 pub use ledger::{Law, Violation};
 
 use ledger::{Ledger, Together};
@@ -53,14 +53,16 @@ struct Station {
 }
 
 /// What came of a run.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Outcome {
+    /// The positions per tick, side and axis, m.
+    pub positions: Vec<[[f64; 2]; 2]>,
     /// The largest distance of a handle from the origin along an axis, m.
     pub farthest: f64,
     /// The largest speed along an axis over the last second, m/s.
     pub last_speed: f64,
-    /// The share of ticks at which side 1 was limited.
-    pub limited: f64,
+    /// The share of ticks at which each side was limited.
+    pub limited: [f64; 2],
 }
 
 /// Runs a case with these strategies; the first law broken ends it.
@@ -96,6 +98,9 @@ pub fn run(
     let (mut outcome, mut together) = (Outcome::default(), Together::default());
     for n in 0..=case.ticks {
         let now = n as f64 * period;
+        outcome
+            .positions
+            .push([0, 1].map(|side| stations[side].plants.each_ref().map(|plant| plant.position)));
         let measured =
             [0, 1].map(|side| measure(&stations[side].plants, case.sides[side].settings.encoder_step));
         let ticks = [0, 1].map(|side| Tick {
@@ -164,8 +169,10 @@ pub fn run(
             }
         }
     }
-    let report = stations[0].strategy.report();
-    outcome.limited = report.limited_ticks as f64 / report.ticks.max(1) as f64;
+    outcome.limited = stations.each_ref().map(|station| {
+        let report = station.strategy.report();
+        report.limited_ticks as f64 / report.ticks.max(1) as f64
+    });
     Ok(outcome)
 }
 

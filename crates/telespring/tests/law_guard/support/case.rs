@@ -4,6 +4,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use telespring::session::{AccountSettings, Law, Motion};
 
+use super::Law as Broken;
+
 /// What stands between the two sides.
 #[derive(Debug, Clone, Copy)]
 pub enum Network {
@@ -56,6 +58,8 @@ pub struct Case {
     pub ramps: f64,
     /// When the hands let go, s.
     pub let_go: f64,
+    /// The laws that are not checked.
+    pub unchecked: &'static [Broken],
 }
 
 /// A number whose logarithm is uniform.
@@ -145,6 +149,7 @@ impl Case {
             force_limit: pick(random, &[f64::INFINITY, 20.0, 2.0]),
             ramps: pick(random, &[0.0, 0.0, 0.7]),
             let_go: 0.5 * ticks as f64 * period,
+            unchecked: &[],
         }
     }
 

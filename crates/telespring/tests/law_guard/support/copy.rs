@@ -29,6 +29,10 @@ pub enum Missing {
     Deficit,
     /// The spring is not limited.
     Limit,
+    /// With a computing tick, the force still to act is not thought of when the next is paid.
+    Pending,
+    /// With a computing tick, energy leaves that the force still to act may need.
+    Committed,
 }
 
 pub struct GuardCopy {
@@ -130,7 +134,7 @@ impl Strategy for GuardCopy {
         let size = wanted[0].hypot(wanted[1]);
         let most = (2.0 * self.law.stiffness * self.balance.max(0.0)).sqrt();
         let mut allowed = most;
-        if self.settings.computing_tick {
+        if self.settings.computing_tick && self.missing != Missing::Pending {
             allowed = allowed.min(2.0 * most - self.commanded[1][0].hypot(self.commanded[1][1])).max(0.0);
         }
         let factor = if size > allowed && self.missing != Missing::Limit { allowed / size } else { 1.0 };
