@@ -9,6 +9,7 @@ mod settings;
 
 pub use settings::AccountSettings;
 
+use crate::error::Result;
 use loss::LossWindow;
 
 /// The longest time between two measurements for which energy is taken in, s: a clock that jumps brings in no more.
@@ -63,8 +64,8 @@ impl EnergyAccount {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) for the first setting out of range.
-    pub fn new(settings: AccountSettings) -> crate::Result<Self> {
+    /// [`InvalidInput`](crate::error::InvalidInput) for the first setting out of range.
+    pub fn new(settings: AccountSettings) -> Result<Self> {
         let settings = settings.checked()?;
         Ok(Self {
             settings,
@@ -121,8 +122,7 @@ impl EnergyAccount {
         if claimed.is_finite() {
             self.claimed = self.claimed.max(claimed);
         }
-        // NaN gives no time
-        let time = elapsed.max(0.0).min(LONGEST_INTAKE);
+        let time = if elapsed > 0.0 { elapsed.min(LONGEST_INTAKE) } else { 0.0 };
         let received = (self.received + self.settings.intake * time).min(self.claimed);
         let taken_in = received - self.received;
         self.received = received;

@@ -7,18 +7,23 @@ use crate::session::Motion;
 /// The fewest samples that a fit needs.
 const FEWEST: usize = 20;
 /// The ratios of process to measurement noise that are tried, as powers of ten, without a unit.
-const RATIOS: (i32, i32) = (-16, 12);
-/// The variances of velocity and acceleration at the start, over those that two or three samples give.
-const UNKNOWN: f64 = 1e8;
+const RATIOS: (i32, i32) = (-16, 6);
+/// The difference of logarithmic likelihoods that tells a noise from none: half the 95 % point of χ² with one degree of
+/// freedom.
+const CONFIDENT: f64 = 1.92;
+/// The variances of velocity and acceleration at the start, over those that two or three samples give: far above what the
+/// largest ratio adds.
+const UNKNOWN: f64 = 1e12;
 
 /// How the fit of a noise ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitEnd {
-    /// The likelihood has a maximum.
+    /// The likelihood has a maximum, and both noises are surely there.
     Maximum,
-    /// The likelihood rises up to the largest ratio tried: the positions are exact, or too far apart to show their noise.
+    /// The record does not tell the measurement noise from none (likelihood ratio at 95 %): the positions are exact, or too
+    /// far apart to show their noise.
     NoMeasurementNoise,
-    /// The likelihood rises down to the smallest ratio tried: the recorded motion follows the model without noise.
+    /// The record does not tell the process noise from none: the motion follows the model.
     NoProcessNoise,
 }
 
@@ -75,14 +80,15 @@ pub fn fit_noise(model: MotionModel, times: &[f64], positions: &[[f64; 2]]) -> R
             best = (half_decades, likelihood);
         }
     }
-    let end = match best.0 {
-        half_decades if half_decades == last => FitEnd::NoMeasurementNoise,
-        half_decades if half_decades == first => FitEnd::NoProcessNoise,
-        _ => FitEnd::Maximum,
+    let at_edge = |edge: i32| at(f64::from(edge)).0 > best.1 - CONFIDENT;
+    let end = match () {
+        () if at_edge(last) => FitEnd::NoMeasurementNoise,
+        () if at_edge(first) => FitEnd::NoProcessNoise,
+        () => FitEnd::Maximum,
     };
-    let exponent = match end {
-        FitEnd::Maximum => largest(|x| at(x).0, f64::from(best.0) - 1.0, f64::from(best.0) + 1.0),
-        _ => f64::from(best.0),
+    let exponent = match best.0 {
+        edge if edge == first || edge == last => f64::from(edge),
+        inside => largest(|x| at(x).0, f64::from(inside) - 1.0, f64::from(inside) + 1.0),
     };
     let (log_likelihood, variance) = at(exponent);
     if !(variance > 0.0) {
