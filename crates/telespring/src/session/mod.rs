@@ -14,6 +14,7 @@
 //! | [`predictor`] | from the partner's motion of some time ago to now |
 //! | [`law`] | the force from both motions |
 //! | [`strategy`] | the force of one side: the bare spring and what keeps it safe |
+//! | [`account`] | the energy that one side may still give out |
 //! | [`watchdog`] | whether the force may act: hold, ramp out, begin again from zero |
 //! | [`event`] | what happened, and why |
 //! | [`endpoint`] | one side: all of it together |
@@ -26,6 +27,7 @@
     deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable, clippy::todo)
 )]
 
+pub mod account;
 pub mod clock;
 pub mod endpoint;
 pub mod event;
@@ -39,6 +41,7 @@ mod time;
 pub mod watchdog;
 pub mod wire;
 
+pub use account::{AccountSettings, EnergyAccount};
 pub use clock::{Clock, ClockSettings};
 pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport};
 pub use event::{Event, EventKind};

@@ -4,8 +4,16 @@
 //! makes any answer safe. The bare spring with a predictor is a delay system of its own.
 
 mod hold;
+mod kalman;
+mod linear;
+mod noise_fit;
+mod shared_target;
 
 pub use hold::Hold;
+pub use kalman::{Kalman, MotionModel, Noise};
+pub use linear::Linear;
+pub use noise_fit::{FitEnd, NoiseFit, fit_noise};
+pub use shared_target::SharedTarget;
 
 use super::motion::Motion;
 use super::time::{PeerTime, Span};
@@ -48,6 +56,12 @@ pub trait Predictor {
 pub enum PredictorChoice {
     /// The motion as played.
     Hold(Hold),
+    /// The partner goes on at its velocity.
+    Linear(Linear),
+    /// A Kalman filter of the partner's motion.
+    Kalman(Kalman),
+    /// The partner keeps its distance from the target that both sides show.
+    SharedTarget(SharedTarget),
 }
 
 impl Default for PredictorChoice {
@@ -56,16 +70,28 @@ impl Default for PredictorChoice {
     }
 }
 
+impl PredictorChoice {
+    fn chosen_mut(&mut self) -> &mut dyn Predictor {
+        match self {
+            Self::Hold(predictor) => predictor,
+            Self::Linear(predictor) => predictor,
+            Self::Kalman(predictor) => predictor,
+            Self::SharedTarget(predictor) => predictor,
+        }
+    }
+}
+
 impl Predictor for PredictorChoice {
     fn predict(&mut self, played: &Played, target: Option<&SharedTargetView>) -> Motion {
-        match self {
-            Self::Hold(predictor) => predictor.predict(played, target),
-        }
+        self.chosen_mut().predict(played, target)
     }
 
     fn reset(&mut self) {
-        match self {
-            Self::Hold(predictor) => predictor.reset(),
-        }
+        self.chosen_mut().reset();
     }
+}
+
+/// The predicted motion if a handle can have it, otherwise the played one.
+fn possible(predicted: Motion, played: &Played) -> Motion {
+    if predicted.impossible_value().is_none() { predicted } else { played.motion }
 }

@@ -6,8 +6,10 @@
 //!
 //! No strategy allocates, reads a clock or fails: whatever comes in, it returns a finite force.
 
+mod guard;
 mod spring;
 
+pub use guard::Guard;
 pub use spring::Spring;
 
 use super::motion::Motion;
@@ -110,30 +112,40 @@ pub trait Strategy {
 pub enum StrategyChoice {
     /// The bare spring of the paper.
     Spring(Spring),
+    /// The spring behind an energy account.
+    Guard(Guard),
+}
+
+impl StrategyChoice {
+    fn chosen(&self) -> &dyn Strategy {
+        match self {
+            Self::Spring(strategy) => strategy,
+            Self::Guard(strategy) => strategy,
+        }
+    }
+
+    fn chosen_mut(&mut self) -> &mut dyn Strategy {
+        match self {
+            Self::Spring(strategy) => strategy,
+            Self::Guard(strategy) => strategy,
+        }
+    }
 }
 
 impl Strategy for StrategyChoice {
     fn settle(&mut self, tick: &Tick) {
-        match self {
-            Self::Spring(strategy) => strategy.settle(tick),
-        }
+        self.chosen_mut().settle(tick);
     }
 
     fn force(&mut self, tick: &Tick) -> [f64; 2] {
-        match self {
-            Self::Spring(strategy) => strategy.force(tick),
-        }
+        self.chosen_mut().force(tick)
     }
 
     fn outgoing(&self) -> Outgoing {
-        match self {
-            Self::Spring(strategy) => strategy.outgoing(),
-        }
+        self.chosen().outgoing()
     }
 
     fn report(&self) -> StrategyReport {
-        match self {
-            Self::Spring(strategy) => strategy.report(),
-        }
+        self.chosen().report()
     }
 }
