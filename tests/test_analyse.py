@@ -237,7 +237,7 @@ def test_law_trials_that_look_cut_off_or_stuck_are_reported(made: xr.Dataset, tm
     assert len(warnings) == 3
     assert warnings[0].startswith(f"Trial 2 of {labels[0]} counts as completed after ")
     assert warnings[1].startswith(f"Trial 3 of {labels[1]}: the handle of robot 1 does not move throughout")
-    assert warnings[1].endswith("Then set the trial's status to stopped, so that it is left out.")
+    assert warnings[1].endswith("Then set the trial's status to stopped, which leaves it out.")
     mended = odd.copy(deep=True)
     status = np.full((odd.sizes["condition"], 6), "completed", dtype=object)
     status[0, 1] = status[1, 2] = status[2, 3] = "stopped"

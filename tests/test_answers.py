@@ -291,13 +291,13 @@ def test_law_the_header_names_robots_values_and_axes(tmp_path: Path) -> None:
 
 
 def test_law_a_hand_that_lets_go_decides_what_to_change() -> None:
-    """105 N/m at 100 ms: held handles are stable, free ones are not; what is advised is for the free ones."""
+    """105 N/m at 100 ms: held handles are stable, free ones are not; what is advised is for both."""
     asked = ("--stiffness", "105", "--delay", "0.1", "--grip", "200:300")
     screen = flat(run("decide", *asked).stdout)
-    told = re.search(r"With free handles: to be stable .*? a stiffness below ([0-9.]+) N/m", screen)
+    told = re.search(r"with the reserve, free and held, one of: a stiffness of up to ([0-9.]+) N/m", screen)
     assert told is not None
-    assert decide(ts.hman(), 0.999 * float(told[1]), 0.1).stable
-    assert not decide(ts.hman(), 1.01 * float(told[1]), 0.1).stable
+    assert run("decide", "--stiffness", told[1], *asked[2:], "--check").exit_code == 0
+    assert decide(ts.hman(), 1.01 * float(told[1]), 0.1).status == "marginal"
 
 
 # -- messages

@@ -85,20 +85,6 @@ def test_law_the_flag_of_a_usable_delay_is_its_own() -> None:
     assert not stiffness["usable_delay_unbounded"]
 
 
-def test_cross_the_map_over_a_range_lies_within_the_limit() -> None:
-    held = ts.OperatorRange(ts.Operator(), ts.Operator(stiffness=300.0))
-    from telespring.plot.dyad import _bounds_over_range
-
-    delays = np.linspace(0.0, 0.4, 401)
-    k = np.array([1.0, 500.0])
-    (_, depth), *_ = _bounds_over_range(MINE, (held, held), k, delays)[0]
-    for i in (28, 63, 100):
-        judged = ts.verdicts(MINE, 1.0, float(delays[i]), operator_range=held)
-        bound = judged.tier("constant delay").stiffness_bound
-        assert bound is not None
-        assert depth[i, 0] + 1.0 <= bound * (1.0 + 1e-9)
-
-
 @pytest.mark.parametrize("subject", [MINE, STUDY])
 @pytest.mark.parametrize("stiffness", [None, 100.0])
 def test_law_a_network_without_a_sample_period_is_announced(subject: Any, stiffness: float | None) -> None:

@@ -78,8 +78,8 @@ def test_law_a_log_that_repeats_counts_once(tmp_path: Path) -> None:
     found = identify_logs([read_log(written(tmp_path, "again.csv", again))])
     np.testing.assert_allclose(intervals(found), intervals(once), rtol=1e-9)
     [warning] = [warning for warning in found.warnings if "count once" in warning]
-    assert warning.startswith("7000 samples, from 20 s (sample 10001, line 10002) on, are the same as those ")
-    assert "from 6 s (sample 3001, line 3002) on" in warning
+    assert warning.startswith("The samples from 20 s (sample 10001, line 10002) on repeat those from 6 s ")
+    assert "(sample 3001, line 3002) on, to the last digit (7000 in all)" in warning
     part = identify_logs(
         [read_log(written(tmp_path, "log.csv", rows)), read_log(written(tmp_path, "part.csv", again[8000:]))]
     )

@@ -471,7 +471,7 @@ def test_law_a_spring_in_the_robot_file_holds_the_robot_and_adds_to_a_grip() -> 
     np.testing.assert_array_equal(held[1].low.stiffness, [3.0, 2.5])
     np.testing.assert_array_equal(held[1].high.stiffness, [303.0, 302.5])
     assert robot_record(text).logs == 2
-    with pytest.raises(InvalidInput, match="one stiffness per axis"):
+    with pytest.raises(InvalidInput, match="one value per axis"):
         ts.Study.paper().with_robot(2, text.replace("[3.0, 2.5]", "[3.0]"))
     for spoilt in ("logs = 0", 'logs = "two"', "stiffness = [-1.0, 2.0]", "stiffness = 3.0"):
         with pytest.raises(InvalidInput, match=r"identification\."):

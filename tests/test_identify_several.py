@@ -22,7 +22,7 @@ from telespring.study.robot_file import robot_record
 
 
 def estimate(value: float, error: float) -> Estimate:
-    return Estimate(value, error, (value - 1.96 * error, value + 1.96 * error))
+    return Estimate(value, error, (value - 1.959963984540054 * error, value + 1.959963984540054 * error))
 
 
 def test_ref_hartung_and_knapp_by_their_closed_form() -> None:
@@ -46,7 +46,7 @@ def test_law_logs_that_agree_by_chance_give_no_narrower_interval_than_their_erro
     found = combine_estimates([estimate(1.0, 0.1), estimate(1.0, 0.1)])
     low, high = found.estimate.interval
     # the mean of two: 0.1/√2
-    assert high - low == pytest.approx(2.0 * 1.96 * 0.1 / math.sqrt(2.0), rel=1e-6)
+    assert high - low == pytest.approx(2.0 * 1.959963984540054 * 0.1 / math.sqrt(2.0), rel=1e-6)
     assert not found.disagree
 
 

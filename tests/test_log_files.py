@@ -498,7 +498,7 @@ def test_law_words_and_repeated_rows_are_told(tmp_path: Path) -> None:
     log = read(tmp_path / "log.csv", "\n".join(lines))
     assert np.flatnonzero(np.isnan(log.force[:, 1])).tolist() == [7]
     assert len(log.time) == SAMPLES
-    assert any('force_y has 1 fields that are no numbers, the first "ERR"' in note for note in log.notes)
+    assert any('force_y that are no numbers: 1, the first "ERR"' in note for note in log.notes)
     assert any("Repeated samples: 1." in note for note in log.notes)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shlex
+import string
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,9 @@ from typer.testing import CliRunner
 from made_logs import made_log
 from telespring import InvalidInput, cli
 from telespring.identification import Log, identify_logs, read_log
+
+# every sentence of a warning, to fill them
+from telespring.identification.warning_messages import _MESSAGES, diagnostic
 
 COLUMNS: dict[str, Any] = {"time": "t", "position": ["q_x", "q_y"], "force": ["F_x", "F_y"]}
 OPTIONS = shlex.split("--time t --position q_x --position q_y --force F_x --force F_y")
@@ -30,6 +35,10 @@ def written(folder: Path, table: pd.DataFrame) -> Path:
     path = folder / "walk.csv"
     table.to_csv(path, index=False)
     return path
+
+
+def logged(folder: Path, table: pd.DataFrame) -> Log:
+    return read_log(written(folder, table), **COLUMNS)
 
 
 def dead(column: str = "q_x") -> pd.DataFrame:
@@ -197,3 +206,45 @@ def test_law_warnings_name_the_users_column_and_of_several_logs_the_one_that_has
     [jump] = [message for message in messages if "jumps by" in message]
     assert jump.startswith("log-1.csv: The column q_x jumps by 50")
     assert "after 13.998 s (sample 7000, line 7001)" in jump
+
+
+@pytest.mark.parametrize(
+    ("repeated", "words"), [([700], "1 wrong time stamp; the"), ([700, 900], "2 wrong time stamps; the")]
+)
+def test_law_one_of_something_is_in_the_singular(tmp_path: Path, repeated: list[int], words: str) -> None:
+    table = walk()
+    time = table["t"].to_numpy().copy()
+    time[repeated] = time[np.array(repeated) - 1]
+    with pytest.raises(InvalidInput) as refused:
+        identify_logs([logged(tmp_path, table.assign(t=time))])
+    assert refused.value.value.startswith(words)
+
+
+def test_law_a_force_of_minus_zero_is_zero(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput) as refused:
+        identify_logs([logged(tmp_path, walk().assign(F_x=-0.0))])
+    assert refused.value.value == "0 N throughout"
+
+
+@pytest.mark.parametrize(
+    ("lost", "words"), [(650, "longest 1.3 s after"), (3000, "longest 6 s after"), (200, "longest 402 ms")]
+)
+def test_law_a_gap_of_a_second_or_more_is_in_seconds(tmp_path: Path, lost: int, words: str) -> None:
+    table = walk(40.0).drop(index=range(9000, 9000 + lost))
+    [told] = [
+        each for each in identify_logs([logged(tmp_path, table)]).warnings if each.startswith("Long gaps: 1")
+    ]
+    assert words in told
+    assert "(stretches: 2)" in told
+
+
+@pytest.mark.parametrize("code", sorted(_MESSAGES))
+@pytest.mark.parametrize("size", [2345.0, 1300.0, 6.0, 0.002, -0.0])
+def test_law_no_warning_has_an_exponent_or_minus_zero(code: str, size: float) -> None:
+    values: dict[str, Any] = {}
+    for _, name, spec, _ in string.Formatter().parse(_MESSAGES[code]):
+        if name is not None:
+            values[name] = size if spec else name
+    message = diagnostic(code, **values).message
+    assert not re.search(r"\de[+-]\d|(?<!\d)-0(?![.\d])", message), message
+    assert not re.search(r"\d{4} ms", message), message

@@ -163,7 +163,7 @@ def test_ref_an_axis_that_is_not_there_is_refused_with_those_that_are(axis: Any,
 
 
 def test_law_an_axis_is_the_same_by_name_and_by_any_integer() -> None:
-    axes: list[Any] = ["y", 1, np.int64(1), True]
+    axes: list[Any] = ["y", 1, np.int64(1), np.uint8(1)]
     found = [ts.spectral_abscissa(ts.hman(), 71.2, 0.1, axis=axis) for axis in axes]
     assert found == found[:1] * 4
 

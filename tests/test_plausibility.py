@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path as FilePath
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
+import telespring as ts
 from made_trials import FREQUENCY, RATE, experiment, figure_eight
-from telespring.analysis import compare_conditions
+from telespring.analysis import compare_conditions, read_recorded, write_recorded
 from telespring.analysis.trials import Trials
 
 Path = NDArray[np.float64]
@@ -87,7 +90,7 @@ def spiked(position: Path) -> None:
             stuck,
             ["Trial 3 of CM-36-167", "robot 2", "exactly where it is for 4", "from 1.5 s, then jumps by"],
         ),
-        (spiked, ["Trial 2 of UM", "robot 1", "single samples (2)", "mm at 3 s"]),
+        (spiked, ["Trial 2 of UM", "robot 1", "for 2 single samples", "mm at 3 s"]),
     ],
 )
 def test_law_what_a_set_up_does_wrong_is_said_once(change: Callable[[Path], None], words: list[str]) -> None:
@@ -123,3 +126,79 @@ def test_law_the_named_mirror_mends_the_error() -> None:
             mended = mended * [-1.0 if mirrored[axis] else 1.0 for axis in "xy"]
             away = np.hypot(*(mended - target).T).mean()
             assert away < 2 * 0.15 * FREQUENCY * 0.12
+
+
+def listed(folder: FilePath, trials: xr.Dataset) -> FilePath:
+    """Write trials as a lab does: its own names of files, in a list."""
+    index = write_recorded(trials, folder)
+    table = pd.read_csv(index)
+    for row, old in enumerate(table["file"]):
+        table.loc[row, "file"] = f"session {row + 1}.csv"
+        (folder / old).rename(folder / f"session {row + 1}.csv")
+    table.to_csv(index, index=False)
+    return folder
+
+
+def test_law_single_trials_are_named_with_the_file_that_a_user_can_open(tmp_path: FilePath) -> None:
+    trials = followed()
+    position = trials["position"].values
+    position[1, 1, :, 0] = position[1, 1, :, 0, ::-1].copy()  # swapped in one trial of eight
+    position[0, 2, 300, 1, 1] += 0.04
+    position[1, 3, 150:190, 1] = position[1, 3, 150, 1]
+    position[0, 3, 200:, 0] = position[0, 3, 200, 0]
+    position[1, 2, :, 1] *= 100.0
+    warnings = compare_conditions(Trials.from_dataset(read_recorded(listed(tmp_path, trials))))["warnings"]
+    for start, words in (
+        ("Trial 2 of CM-36-167 (session 6.csv), robot 1:", "only if x and y are swapped"),
+        ("Trial 3 of CM-36-167 (session 7.csv), robot 2:", "its positions in cm"),
+        ("Trial 3 of UM (session 3.csv): the handle of robot 2", "for 1 single sample, the"),
+        ("Trial 4 of UM (session 4.csv): the handle of robot 1", "set the trial's status to stopped"),
+        ("Trial 4 of CM-36-167 (session 8.csv): the handle of robot 2", "set the trial's status to stopped"),
+    ):
+        assert any(each.startswith(start) and words in each for each in warnings), (start, warnings)
+    assert len(warnings) == 5
+
+
+def test_law_the_same_in_several_trials_is_said_once() -> None:
+    def swapped_in_five(position: Path) -> None:
+        position[0, :, :, 0] = position[0, :, :, 0, ::-1].copy()
+        position[1, 0, :, 0] = position[1, 0, :, 0, ::-1].copy()
+
+    [warning] = warnings_after(swapped_in_five)
+    assert warning.startswith(
+        "Robot 1, in 5 of 8 completed trials (trial 1 of UM, trial 2 of UM, trial 3 of UM and 2 more): "
+    )
+
+
+def test_law_people_who_follow_badly_are_in_the_right_coordinates() -> None:
+    """Late by up to half a second, too wide or narrow, off centre, on one axis only, wandering or resting."""
+    time = np.arange(801) / RATE
+    random = np.random.default_rng(3)
+    position = np.empty((2, 20, time.size, 2, 2))
+    for place in np.ndindex(2, 20, 2):
+        path = figure_eight(time - random.uniform(0.0, 0.5)) * random.uniform(0.2, 2.5, 2)
+        path += random.normal(0.0, 0.03, 2)
+        wander = np.cumsum(random.normal(0.0, 1.0, path.shape), axis=0)
+        path += random.uniform(0.0, 0.05) * wander / np.abs(wander).max()
+        position[place[0], place[1], :, place[2]] = path
+    warnings = compare_conditions(Trials.from_dataset(experiment(position, [(np.nan, 0.0), (36.0, 0.1)])))
+    assert [each for each in warnings["warnings"] if "Trial" in each] == []
+
+
+def test_law_a_refusal_names_the_file_of_the_trial(tmp_path: FilePath) -> None:
+    trials = read_recorded(listed(tmp_path, followed()))
+    trials["position"].values[1, 2, 50, 0, 0] = np.nan
+    with pytest.raises(ts.InvalidInput, match=r"trial 3 of CM-36-167 \(session 7.csv\) counts as completed"):
+        Trials.from_dataset(trials)
+
+
+def test_law_an_export_keeps_the_names_of_files_and_replaces_none(tmp_path: FilePath) -> None:
+    lab = listed(tmp_path / "lab", followed())
+    trials = read_recorded(lab)
+    again = read_recorded(write_recorded(trials, tmp_path / "copy"))
+    assert again.identical(trials)
+    (lab / "trials.csv").rename(lab / "mine.csv")
+    before = {file.name: file.read_bytes() for file in lab.iterdir()}
+    with pytest.raises(ts.InvalidInput, match=r"session 1\.csv"):
+        write_recorded(trials, lab)
+    assert {file.name: file.read_bytes() for file in lab.iterdir()} == before

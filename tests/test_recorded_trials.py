@@ -35,8 +35,9 @@ def test_law_a_rehearsal_comes_back_identical(tmp_path: Path) -> None:
     trials.attrs["study"] = 'name = "a study"\n'
     index = write_recorded(trials, tmp_path / "lab")
     again = read_recorded(tmp_path / "lab")
-    assert again.identical(trials), (again, trials)
     assert again.identical(read_recorded(index))
+    again = again.drop_vars("file")
+    assert again.identical(trials), (again, trials)
     assert measure(again).identical(measure(trials))
     again.to_netcdf(tmp_path / "again.nc", engine="h5netcdf")
 
@@ -48,7 +49,7 @@ def test_law_a_target_of_each_trial_comes_back_identical(tmp_path: Path) -> None
     trials["target"] = ("condition", "trial", "time", "axis"), goals, {"units": "m"}
     trials["status"] = ("condition", "trial"), np.full((2, 2), "completed")
     write_recorded(trials, tmp_path)
-    assert read_recorded(tmp_path).identical(trials)
+    assert read_recorded(tmp_path).drop_vars("file").identical(trials)
 
 
 def test_law_conditions_of_one_name_stay_apart(tmp_path: Path) -> None:
@@ -196,7 +197,7 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
     ),
     "gap": (
         in_first(lambda table: table.drop(index=range(20, 40))),
-        [f"{FIRST}, line 22", "0.21 s without a sample"],
+        [f"{FIRST}, line 22", "210 ms without a sample"],
     ),
     "empty field": (in_first(replaced("target_x_m", 3, "")), [f"{FIRST}, line 5: target_x_m = empty"]),
     "word": (
@@ -204,7 +205,7 @@ REFUSED: dict[str, tuple[Callable[[Path], None], list[str]]] = {
         ["line 5: target_x_m = lost", "a number is required"],
     ),
     "infinite": (in_first(replaced("target_x_m", 3, "inf")), ["line 5: target_x_m = inf"]),
-    "no samples": (in_first(lambda table: table.iloc[:1]), ["1 samples", "at least two"]),
+    "no samples": (in_first(lambda table: table.iloc[:1]), ["1 sample:", "at least two"]),
     "ragged": (
         first_is("time_s,target_x_m\n1,2\n1,2,3\n"),
         [f"{FIRST}, line 3 = 3 fields", "2 fields, as many as names in line 1"],

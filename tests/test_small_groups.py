@@ -393,3 +393,15 @@ def test_law_targets_that_differ_make_no_copies() -> None:
     made["target"] = ("trial", "time", "axis"), np.stack([figure_eight(time), 1.1 * figure_eight(time)])
     row = analyse_trials(made)["table1"][0]
     assert (row["te1_n"], row["te1_copies"]) == (2, 0)
+
+
+def test_law_the_same_test_reads_alike_for_both_robots() -> None:
+    """A p that no permutation reaches beside one that one permutation reaches."""
+    from telespring.show.screens.analysis import _group_test_sentence  # one line of a long screen
+
+    test = {"test": "Friedman", "q": 14.04, "degrees_of_freedom": 3, "kendalls_w": 0.8, "least_p": None}
+    test |= {"method": "permutation", "permutations": 9999}
+    one = _group_test_sentence(test | {"robot": 1, "p": 1e-4, "is_p_bound": True})
+    two = _group_test_sentence(test | {"robot": 2, "p": 2e-4, "is_p_bound": False})
+    assert one.replace("TE1", "TE2") == two
+    assert "p < 0.001, by 9,999 random permutations;" in one

@@ -276,7 +276,7 @@ def test_ref_a_robot_file_replaces_the_robot_whole(tmp_path: Path) -> None:
         ("[robot]\nmass = 1 kg", "TOML text, and this is not"),
         ("[robot1]\nmass = 1\ndamping = 5", "has only the sections [robot]"),
         ("", "no section [robot]"),
-        (ROBOT + "[coupling]\nstiffness = 5", "If this is a study file, pass it as the study instead"),
+        (ROBOT + "[coupling]\nstiffness = 5", "This is a study: give it as the study, without --robot."),
     ],
 )
 def test_ref_a_wrong_robot_file_is_refused_by_its_name(tmp_path: Path, text: str, said: str) -> None:

@@ -464,7 +464,7 @@ def test_law_conditions_of_one_name_stay_apart_everywhere(
 def test_law_conditions_that_are_the_same_are_reported() -> None:
     errors = 0.03 + 0.001 * np.random.default_rng(2).normal(size=(3, 3, 2))
     [warning] = analyse_trials(offsets(errors, [(math.nan, 0.0), (math.nan, 0.1), (36.0, 0.1)]))["warnings"]
-    assert warning.startswith("UM, UM (2): all are unconnected, with the delays 0, 100 ms.")
+    assert warning.startswith("UM, UM (2): all are unconnected, with the delays 0 ms, 100 ms.")
     [warning] = analyse_trials(offsets(errors, [(math.nan, 0.0), (36.0, 0.1), (36.0, 0.1)]))["warnings"]
     assert warning == "CM-36-100, CM-36-100 (2): stiffness and delay are the same, but are listed separately."
 

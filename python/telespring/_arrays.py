@@ -32,10 +32,13 @@ def unmasked(value: Any) -> Any:
 
 
 def as_numbers(name: str, value: ArrayLike) -> FloatArray:
-    """Return the argument as an array of doubles, NaN where it is masked, or refuse it by its name."""
+    """Return the argument as an array of doubles, NaN where it is masked, or refuse it by its name.
+
+    Truth values are refused: Python counts them as 1 and 0, but who passes one has mixed up two arguments.
+    """
     try:
         given = np.asarray(unmasked(value))
-        if given.dtype.kind not in "biuf":
+        if given.dtype.kind not in "iuf" or _holds_truth_value(value):
             raise TypeError
         return given.astype(np.float64, copy=False)
     except (TypeError, ValueError):
@@ -45,6 +48,12 @@ def as_numbers(name: str, value: ArrayLike) -> FloatArray:
             "a real number or an array of real numbers is required",
             "Convert it, for instance with numpy.asarray(..., dtype=float).",
         ) from None
+
+
+def _holds_truth_value(value: object) -> bool:
+    if isinstance(value, list | tuple):
+        return any(map(_holds_truth_value, value))
+    return isinstance(value, bool | np.bool_) or (isinstance(value, np.ndarray) and value.dtype.kind == "b")
 
 
 def quoted_value(value: object) -> str:
@@ -69,7 +78,7 @@ def as_number(name: str, value: ArrayLike) -> float:
 def as_whole_number(name: str, value: SupportsIndex) -> int:
     """Return the argument as a whole number of 1 or more, or refuse it by its name."""
     try:
-        number = operator.index(value)
+        number = 0 if isinstance(value, bool) else operator.index(value)
     except TypeError:
         number = 0
     if number < 1 or number >= 2**63:

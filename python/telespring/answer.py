@@ -158,15 +158,15 @@ class Answer:
         assert self.limits is not None
         found = [("sample period", self.limits.delays[0].verdicts.network.sample_period, "s")]
         for row in self.limits.delays if self.limits.stiffness is None else ():
-            usable = row.usable_stiffness
+            usable = row.recommended_stiffness
             if row.varying is not None and not self.limits.has_playout_buffer:
-                usable = row.varying.usable_stiffness
+                usable = row.varying.recommended_stiffness
             found.append((f"usable at {delay_clause(row.delay)}", usable, "N/m"))
         given = self.limits.stiffness
         if given is not None:
-            usable = given.usable_delay
-            if given.usable_delay_while_varying is not None and not self.limits.has_playout_buffer:
-                usable = given.usable_delay_while_varying
+            usable = given.recommended_delay
+            if given.recommended_delay_while_varying is not None and not self.limits.has_playout_buffer:
+                usable = given.recommended_delay_while_varying
             found += [("stiffness", given.stiffness, "N/m"), ("usable delay each way", usable, "s")]
         return found
 
@@ -256,12 +256,10 @@ def decide(
             raise InvalidInput(field, repr(value)[:60], "a real number is required", "Give one number.")
     if isinstance(subject, Study):
         study = _changed(subject, stiffness, delay, allow_unusual=allow_unusual)
-        dyad, ranges = study.dyad, study.operator_ranges
+        dyad, ranges = study.dyad, None
         stiffness = study.stiffness if study.has_stiffness else None
         network = study.network if study.has_delay else _network_without_delay(study)
         is_delay_given = study.has_delay
-        if playout_buffer is None:
-            playout_buffer = study.has_playout_buffer
     elif isinstance(subject, Dyad):
         study, dyad, ranges = None, subject, None
         is_delay_given = delay is not None
@@ -288,7 +286,11 @@ def decide(
             "True, False or None is required",
             "Pass True only if both sides hold every sample until it is as old as the latest one can be.",
         )
-    question = Question(dyad, network, ranges, bool(playout_buffer))
+    question = (
+        Question(dyad, network, ranges, bool(playout_buffer))
+        if study is None
+        else Question.of(study, network, ranges, has_playout_buffer=playout_buffer)
+    )
     return _answer(
         question,
         stiffness,
@@ -319,7 +321,7 @@ def answer_study(
     """
     network = study.network if study.has_delay else _network_without_delay(study)
     return _answer(
-        Question(study.dyad, network, study.operator_ranges, study.has_playout_buffer),
+        Question.of(study, network),
         study.stiffness if study.has_stiffness else None,
         study=study,
         is_delay_given=study.has_delay,
@@ -349,8 +351,9 @@ def _answer(
 ) -> Answer:
     names = robot_names or ((None, None) if study is None else study.robot_names)
     title = (study.name if study is not None else "") if name is None else name
-    heading = (*((title,) if title else ()), *describe_robots(question.dyad, names))
-    holders = describe_holders(question.dyad, question.operator_ranges)
+    springs = question.robot_springs
+    heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
+    holders = describe_holders(question.dyad, question.operator_ranges, springs)
     if stiffness is None or not is_delay_given:
         for field, value in (("horizon", horizon), ("decay_rate", decay_rate)):
             if value is not None:

@@ -1,8 +1,8 @@
 //! Arguments as Python passes them. One of the wrong type is refused by its name, like a value out of range.
 
-use numpy::PyReadonlyArray2;
+use numpy::{PyArrayDescrMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyTuple};
 use std::convert::Infallible;
 use telespring::spectrum::MAX_ROOTS;
 use telespring::{Delay, InvalidInput};
@@ -25,7 +25,50 @@ impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
 
     /// The argument in its type, or as written text if Python passed another type.
     fn extract(value: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        if holds_truth_value(&value) {
+            return Ok(Self::Other(written(&value)));
+        }
         Ok(value.extract().map_or_else(|_| Self::Other(written(&value)), Self::Given))
+    }
+}
+
+/// Whether a value is True or False, or a list or an array with one: Python counts them as 1 and 0, but a user
+/// who passes one has mixed up two arguments.
+pub fn holds_truth_value(value: &Bound<'_, PyAny>) -> bool {
+    if value.is_exact_instance_of::<PyFloat>() || value.is_exact_instance_of::<PyInt>() {
+        return false;
+    }
+    if value.is_instance_of::<PyBool>() {
+        return true;
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let items = value.try_iter().map(|items| items.flatten().any(|item| holds_truth_value(&item)));
+        return items.unwrap_or(false);
+    }
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        return array.dtype().kind() == b'b';
+    }
+    let name = value.get_type().fully_qualified_name();
+    name.is_ok_and(|name| name.to_cow().is_ok_and(|name| matches!(&*name, "numpy.bool" | "numpy.bool_")))
+}
+
+/// An argument that is True or False.
+pub struct Truth(Result<bool, String>);
+
+impl Truth {
+    /// The argument as a boolean, or a refusal with this field.
+    pub fn named(self, field: &str) -> Outcome<bool> {
+        Ok(self
+            .0
+            .map_err(|text| InvalidInput::new(field, text, "True or False is required", "Give a bool."))?)
+    }
+}
+
+impl FromPyObject<'_, '_> for Truth {
+    type Error = Infallible;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(value.extract().map_err(|_| written(&value))))
     }
 }
 
@@ -63,7 +106,6 @@ macro_rules! named {
 named! {
     String: "a string is required", "Give a str.";
     usize: "a whole number of 0 or more is required", "Give an int.";
-    bool: "True or False is required", "Give a bool.";
     Option<Vec<String>>: "a name for each axis is required, in a list", "Write it such as ['x', 'y'].";
 }
 
@@ -310,6 +352,9 @@ impl FromPyObject<'_, '_> for DelayChoice {
     type Error = Infallible;
 
     fn extract(value: Borrowed<'_, '_, PyAny>) -> Result<Self, Infallible> {
+        if holds_truth_value(&value) {
+            return Ok(Self::Other(written(&value)));
+        }
         // The row first: numpy makes a number of an array of one.
         if let Ok(row) = value.extract::<Vec<f64>>() {
             return Ok(Self::Row(row, written(&value)));

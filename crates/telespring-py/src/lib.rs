@@ -91,7 +91,7 @@ mod _core {
     #[pymodule_export]
     use crate::study::Study;
     #[pymodule_export]
-    use crate::usual::check_usual;
+    use crate::usual::{check_usual, usual_range};
     #[pymodule_export]
     use crate::verdicts::{
         AxisTier, AxisVerdict, DelayBudget, DelayLimit, OperatorPoint, PaperVerdict, Remedies,

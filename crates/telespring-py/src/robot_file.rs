@@ -144,13 +144,20 @@ pub fn read_text(path: &Bound<'_, PyAny>, kind: &str) -> Outcome<String> {
     let bytes = file.call_method0("read_bytes")?;
     let bytes: Vec<u8> = bytes.extract()?;
     String::from_utf8(bytes).map_err(|error| {
+        // a spreadsheet, MATLAB or Parquet file, not text in another encoding
+        let is_binary = error.as_bytes().contains(&0);
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         InvalidInput::new(
             path.to_string(),
             format!("a byte on line {line}"),
             format!("{kind} is text in UTF-8"),
-            "Save it in that encoding.",
+            if is_binary {
+                "This file is not text. If it is a log, make a robot file of it: telespring identify LOG --out \
+                 robot.toml."
+            } else {
+                "Save it in that encoding."
+            },
         )
         .into()
     })

@@ -7,7 +7,7 @@ use telespring::dde::linear::{
 };
 use telespring::{Delay, InvalidInput};
 
-use crate::arguments::{Argument, DelayChoice, Number};
+use crate::arguments::{Argument, DelayChoice, Number, Truth};
 use crate::errors::Outcome;
 use crate::interrupt::{Watch, apart};
 use crate::model::Dyad;
@@ -205,7 +205,7 @@ pub fn simulate<'py>(
     duration: Number,
     rate: Number,
     history: Option<Vec<Vec<Argument<HistoryValue>>>>,
-    velocities: Argument<bool>,
+    velocities: Truth,
 ) -> Outcome<Simulated<'py>> {
     let axes: Vec<_> = dyad.named("dyad")?.get().0.axes().collect();
     let (stiffness, delay) = (stiffness.named("stiffness")?, delay.check()?);

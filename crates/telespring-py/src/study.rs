@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
 
-use crate::arguments::{Argument, hash, written};
+use crate::arguments::{Argument, hash, holds_truth_value, written};
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
 use crate::experiment::Experiment;
@@ -201,8 +201,8 @@ impl Study {
     ///
     /// A robot file, as `telespring identify` writes it, has the section `[robot]` with the keys that
     /// `[robot1]` and `[robot2]` have in a study. Its section `[identification]`, if any, is a record that
-    /// `robot_record` reads. If the record has a spring between the robot and the ground, its stiffness is
-    /// added to that of this side's operator.
+    /// `robot_record` reads. If the record has a spring between the robot and the ground, it becomes the
+    /// robot's `ground_stiffness`.
     ///
     /// Parameters
     /// ----------
@@ -232,7 +232,7 @@ impl Study {
     /// (array([0.84, 1.07]), array([0.01, 0.01]))
     fn with_robot(&self, side: &Bound<'_, PyAny>, robot_file: &Bound<'_, PyAny>) -> Outcome<Self> {
         let robot = match side.extract() {
-            Ok(number @ 1..=2_usize) => number - 1,
+            Ok(number @ 1..=2_usize) if !holds_truth_value(side) => number - 1,
             _ => {
                 let allowed = "a dyad has the robots 1 and 2";
                 return Err(InvalidInput::new("side", written(side), allowed, "Choose one of them.").into());
@@ -353,6 +353,14 @@ impl Study {
     fn coulomb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let friction = self.0.coulomb();
         friction.concat().into_pyarray(py).reshape([2, friction[0].len()])
+    }
+
+    /// Stiffness of a spring between each robot and the ground per axis, N/m, as an array (2, axes); 0 without
+    /// one. The operators of `dyad` and `operator_ranges` include it.
+    #[getter]
+    fn ground_stiffness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let springs = self.0.ground_stiffness();
+        springs.concat().into_pyarray(py).reshape([2, springs[0].len()])
     }
 
     /// The experiment to rehearse, or None if the robots have other axes than x and y.

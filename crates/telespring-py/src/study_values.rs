@@ -139,7 +139,8 @@ fn robot_keys(robot: &telespring::Robot) -> BTreeMap<String, Option<Value>> {
     let axes = robot.axes().iter().cloned().map(Value::String).collect();
     let kept =
         [("mass", row(robot.mass())), ("damping", row(robot.damping())), ("axes", Some(Value::Array(axes)))];
-    let dropped = ["name", "coulomb", "mass_sd", "damping_sd", "mass_damping_correlation"];
+    let dropped =
+        ["name", "coulomb", "ground_stiffness", "mass_sd", "damping_sd", "mass_damping_correlation"];
     let dropped = dropped.into_iter().map(|key| (key, None));
     kept.into_iter().chain(dropped).map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -33,6 +33,10 @@ pub(crate) const SIDE_DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0
 pub const STIFFNESS: Quantity = Quantity::new("a coupling stiffness", "N/m", 1e-6, 1e7, None);
 /// A stiffness to ground in N/m; 0 if absent (an operator's).
 pub const GROUND_STIFFNESS: Quantity = Quantity::new("an operator stiffness", "N/m", 0.0, 1e7, None);
+/// The stiffness of a spring between a robot and the ground in N/m; 0 if absent.
+pub const ROBOT_SPRING: Quantity = Quantity::new("a robot's spring to the ground", "N/m", 0.0, 1e7, None);
+/// The viscous damping of an operator in N·s/m.
+pub const OPERATOR_DAMPING: Quantity = Quantity::new("an operator damping", "N·s/m", 0.0, 1e6, None);
 /// A one-way delay in s.
 pub const DELAY: Quantity = Quantity::new("a delay", "s", 0.0, 100.0, Some(("ms", 1e-3)));
 /// A time span in s other than a network delay: jitter, gap, sample period.

@@ -175,8 +175,8 @@ fn generator(case: u64) -> ChaCha8Rng {
 }
 
 /// Bounds and maximum delay of ranges: no operator is unstable at 0.999 of them, and they are not more than 5 % below
-/// the least found.
-fn check_constant_delay_bounds(numbers: impl Iterator<Item = u64>, draws: usize) {
+/// the least found. `draws` operators are judged by the criteria of one axis, `roots` of them by characteristic roots.
+fn check_constant_delay_bounds(numbers: impl Iterator<Item = u64>, draws: usize, roots: usize) {
     for number in numbers {
         let mut rng = generator(number);
         let case = if number % 2 == 0 { Case::random(&mut rng, 0.0) } else { Case::wide(&mut rng, 0.0) };
@@ -215,7 +215,7 @@ fn check_constant_delay_bounds(numbers: impl Iterator<Item = u64>, draws: usize)
             assert!(axis.maximum_delay >= 0.95 * delay.min(1e3), "{number} {case:?} {axis:?} {delay}");
         }
 
-        for _ in 0..draws {
+        for _ in 0..roots {
             let drawn = case.axis(&case.pair(&mut rng), 0.0);
             let below = 0.999 * fourth.stiffness_bound.unwrap();
             let rate = growth(&drawn, below, case.delay);
@@ -237,17 +237,18 @@ fn check_constant_delay_bounds(numbers: impl Iterator<Item = u64>, draws: usize)
 
 #[test]
 fn cross_no_operator_of_a_hundred_ranges_is_unstable_below_the_bounds() {
-    check_constant_delay_bounds(0..100, 40);
+    check_constant_delay_bounds(0..100, 40, 40);
 }
 
 #[test]
-#[ignore = "2,000 ranges with 4,000 operators each take an hour"]
+#[ignore = "2,000 ranges with 4,000 operators each take minutes"]
 #[allow(clippy::disallowed_methods, reason = "the core starts no thread; this test of it may")]
 fn cross_no_operator_of_many_ranges_is_unstable_below_the_bounds() {
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get());
     std::thread::scope(|scope| {
         for first in 0..threads {
-            scope.spawn(move || check_constant_delay_bounds((first as u64..2000).step_by(threads), 4000));
+            scope
+                .spawn(move || check_constant_delay_bounds((first as u64..2000).step_by(threads), 4000, 200));
         }
     });
 }

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use telespring::verdicts::{
-    Network, OperatorRange, Tier, Unavailable, Verdicts, sampled_spectral_radius, verdicts,
+    Network, OperatorRange, Tier, Unavailable, Verdicts, delay_limit, is_stable_over_delays,
+    sampled_spectral_radius, verdicts,
 };
 use telespring::{Delay, Dyad, DyadAxis, Operator, Robot, hman};
 
@@ -436,4 +437,52 @@ fn law_a_sampled_bound_is_called_proven_only_if_a_stiffer_spring_is_unstable() {
         axis.sampled_proven
     });
     assert_eq!(proven, [Some(true), Some(false), Some(true)]);
+}
+
+/// The end of a range of delays counts in whole periods as the same delay does alone, rounding included.
+#[test]
+fn law_the_end_of_a_range_of_delays_counts_as_that_delay_alone() {
+    let robot = |mass: f64, damping: f64| Robot::new(vec![mass], vec![damping], None).unwrap();
+    let dyad = Dyad::new(robot(1.2, 6.0), robot(2.0, 9.0), None, 0.0).unwrap();
+    let (k, period) = (40.0, 0.001);
+    let network = |delay: f64| Network::new(Delay::each_way(delay).unwrap(), 0.0, 0.0, period, 0.0).unwrap();
+    let limit = delay_limit(&dyad, None, k, &network(0.1)).unwrap().delay;
+    assert!(limit / period > 50.0);
+    let answers = [-0.5, 0.0, 1e-10, 2e-8, 1e-6, 0.5].map(|periods| {
+        let network = network(limit + periods * period);
+        let alone = sampled_spectral_radius(&dyad.axis(0).unwrap(), k, &network).unwrap().is_stable();
+        assert_eq!(is_stable_over_delays(&dyad, None, k, &network, (0.9, 1.0)).unwrap(), alone, "{periods}");
+        alone
+    });
+    assert_eq!(answers, [true, true, true, false, false, false]);
+}
+
+/// The worst operators of a range have its ends, or values apart from them: no remainder of a subtraction.
+#[test]
+fn law_the_worst_operators_have_the_ends_of_their_range() {
+    let mut state = 7_u64;
+    let mut uniform = |low: f64, high: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let operator =
+        |values: [f64; 3]| Operator::new(vec![values[0]], vec![values[1]], vec![values[2]]).unwrap();
+    for _ in 0..60 {
+        let robots =
+            [0, 1].map(|_| Robot::new(vec![uniform(0.3, 3.0)], vec![uniform(0.5, 12.0)], None).unwrap());
+        let most = [0, 1].map(|_| [uniform(0.0, 2.0), uniform(0.1, 9.0), uniform(10.0, 300.0)]);
+        let ranges = most.map(|most| OperatorRange::new(operator([0.0; 3]), operator(most)).unwrap());
+        let [one, two] = robots;
+        let dyad = Dyad::new(one, two, None, 0.0).unwrap();
+        let network =
+            Network::new(Delay::each_way(uniform(0.01, 0.3)).unwrap(), 0.0, 0.0, 0.001, 0.0).unwrap();
+        for tier in &verdicts(&dyad, Some(&ranges), uniform(5.0, 100.0), &network).unwrap().axes[0].tiers {
+            for (at, most) in tier.operators.iter().zip(most) {
+                for (value, high) in [at.mass, at.damping, at.stiffness].into_iter().zip(most) {
+                    let apart = value.min(high - value);
+                    assert!(apart == 0.0 || apart > 1e-12, "{value:e} of {high:e}");
+                }
+            }
+        }
+    }
 }

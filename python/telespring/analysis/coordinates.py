@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 
-__all__ = ["DOUBTS", "CoordinateFault", "Doubt", "find_coordinate_fault"]
+__all__ = ["CENTIMETRES", "DOUBTS", "MILLIMETRES", "CoordinateFault", "Doubt", "find_coordinate_fault"]
 
-#: A handle that travels so many times as far as the target, or its inverse, is in another unit.
-_SCALE = 8.0
+#: A handle that travels so many times as far as the target, or its inverse, is in another unit; from these
+#: factors on probably in cm, and in mm.
+_SCALE, CENTIMETRES, MILLIMETRES = 8.0, 30.0, 300.0
 #: A centre of the path so far from the target's, in extents of the target, is another origin.
 _OFFSET = 0.25
 #: Other axes explain the path if they correlate with the target at least so well, and so much better than the

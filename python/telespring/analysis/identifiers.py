@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._types import FloatArray
-from telespring.analysis.layout import name_place, refuse_trials
+from telespring.analysis.layout import file_name, name_place, refuse_trials
 from telespring.study.conditions import condition_labels, distinct_labels
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["TrialNames", "condition_names", "trial_dyads", "trial_numbers"]
+__all__ = ["TrialNames", "condition_names", "trial_dyads", "trial_files", "trial_numbers"]
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,13 @@ class TrialNames:
     labels: tuple[str, ...]
     numbers: NDArray[Any]
     dyads: NDArray[np.str_] | None
+    files: NDArray[np.str_] | None
 
     def __call__(self, condition: int, trial: int) -> str:
-        """Name one trial, such as "trial 3 of UM"."""
-        return f"trial {self.number(condition, trial)} of {self.labels[condition]}"
+        """Name one trial and its file if that is known, such as "trial 3 of UM (um-3.csv)"."""
+        name = f"trial {self.number(condition, trial)} of {self.labels[condition]}"
+        file = "" if self.files is None else str(self.files[condition, trial])
+        return f"{name} ({file})" if file else name
 
     def number(self, condition: int, trial: int) -> str:
         """Name one trial within its condition, such as "3", or "3 of dyad B"."""
@@ -61,6 +64,14 @@ def trial_numbers(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[Any]
     if "trial" in dataset.coords:
         return np.broadcast_to(np.asarray(dataset["trial"]), status.shape)
     return np.broadcast_to(np.arange(1, status.shape[1] + 1), status.shape)
+
+
+def trial_files(dataset: xr.Dataset) -> NDArray[np.str_] | None:
+    """Return the name of the file of every trial, (condition, trial), "" where unknown; None without."""
+    if "file" not in dataset.variables:
+        return None
+    values = np.asarray(dataset["file"])
+    return np.array([file_name(value) for value in values.flat], dtype=str).reshape(values.shape)
 
 
 def trial_dyads(dataset: xr.Dataset, status: NDArray[np.str_]) -> NDArray[np.str_] | None:

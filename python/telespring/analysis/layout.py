@@ -19,6 +19,7 @@ __all__ = [
     "PER_TRIAL",
     "STATUSES",
     "check_layout",
+    "file_name",
     "name_place",
     "refuse_trials",
     "trial_statuses",
@@ -121,6 +122,9 @@ def check_layout(dataset: xr.Dataset) -> xr.Dataset:
         if name in dataset.variables:
             broadcast = name in ("dyad", "participant")
             checked[name] = _in_dimensions(dataset[name], PER_TRIAL, sizes if broadcast else None)
+    # Names of files only help to find a trial: something else of that name is left alone.
+    if "file" in dataset.variables and set(dataset["file"].dims) <= set(PER_TRIAL):
+        checked["file"] = _in_dimensions(dataset["file"], PER_TRIAL, sizes)
     for name, values in checked.items():
         _check_sizes(name, values, sizes)
     return xr.Dataset(
@@ -196,7 +200,10 @@ def _status_word(raw: Any, words: dict[int, str] | None) -> str | None:
 
 
 def name_place(dataset: xr.Dataset, condition: int, trial: int) -> str:
-    """Name a trial of a checked dataset by its labels, such as "trial 3 of UM", or by its place from 1."""
+    """Name a trial of a checked dataset by its labels, such as "trial 3 of UM", or by its place from 1.
+
+    With the name of its file, if that is known.
+    """
     number: Any = trial + 1
     if "trial_number" in dataset.variables:
         number = f"{float(dataset['trial_number'][condition, trial]):g}"
@@ -205,7 +212,14 @@ def name_place(dataset: xr.Dataset, condition: int, trial: int) -> str:
     label: Any = f"condition {condition + 1}"
     if "condition" in dataset.coords:
         label = np.asarray(dataset["condition"])[condition]
-    return f"trial {number} of {label}"
+    file = file_name(np.asarray(dataset["file"])[condition, trial]) if "file" in dataset.variables else ""
+    return f"trial {number} of {label}{f' ({file})' if file else ''}"
+
+
+def file_name(value: Any) -> str:
+    """Return the name of a trial's file, "" where it is missing (a join or reindex leaves NaN)."""
+    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return str(value) if isinstance(value, str) else ""
 
 
 def _unknown_status(raw: Any, words: dict[int, str] | None, where: str) -> InvalidInput:

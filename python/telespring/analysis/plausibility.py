@@ -1,6 +1,7 @@
 """Completed trials that look wrong: cut off, a handle that is stuck or jumps, or coordinates that do not fit.
 
-Units, axes and offsets belong to a set-up, not to a trial: what most trials of a robot show is reported once.
+Units, axes and offsets usually belong to a set-up: what most trials of a robot show is reported once. What
+only some trials show is reported with their names.
 """
 
 from __future__ import annotations
@@ -11,7 +12,14 @@ from typing import TypeAlias
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.analysis.coordinates import DOUBTS, CoordinateFault, Doubt, find_coordinate_fault
+from telespring.analysis.coordinates import (
+    CENTIMETRES,
+    DOUBTS,
+    MILLIMETRES,
+    CoordinateFault,
+    Doubt,
+    find_coordinate_fault,
+)
 from telespring.analysis.trials import Trials
 
 __all__ = [
@@ -34,7 +42,7 @@ _FROZEN, _FROZEN_JUMP = 0.1, 5.0
 #: A sample that lies off its neighbours by so many times what samples usually do, and by so much of the
 #: target's extent, is a spike.
 _SPIKE, _SPIKE_EXTENT = 8.0, 0.02
-#: Coordinates are suspect if this fraction of the trials of a robot show the same.
+#: What this fraction of the trials of a robot show alike belongs to the set-up.
 _SYSTEMATIC = 0.8
 
 
@@ -42,7 +50,6 @@ _SYSTEMATIC = 0.8
 class ShortTrial:
     """A completed trial much shorter than the median one; durations in s."""
 
-    condition: str
     trial: str
     duration: float
     usual_duration: float
@@ -52,7 +59,6 @@ class ShortTrial:
 class StillHandle:
     """A handle that does not move from `since` (s) to the end; None: throughout. `robot` is 1 or 2."""
 
-    condition: str
     trial: str
     robot: int
     since: float | None
@@ -62,7 +68,6 @@ class StillHandle:
 class FrozenHandle:
     """A position that repeats from `since` for `duration` (s) and then jumps by `jump` (m)."""
 
-    condition: str
     trial: str
     robot: int
     since: float
@@ -74,7 +79,6 @@ class FrozenHandle:
 class Spikes:
     """Single samples far off the path: how many, and the largest, m, and its time, s."""
 
-    condition: str
     trial: str
     robot: int
     count: int
@@ -84,13 +88,14 @@ class Spikes:
 
 @dataclass(frozen=True)
 class SuspectCoordinates:
-    """What `trials` of the `of` trials of a robot show: see `CoordinateFault`."""
+    """What `trials` (their names) of the `of` completed trials of a robot show: see `CoordinateFault`."""
 
     robot: int
     kind: Doubt
     value: float | str
-    trials: int
+    trials: tuple[str, ...]
     of: int
+    is_systematic: bool
 
 
 Implausible: TypeAlias = ShortTrial | StillHandle | FrozenHandle | Spikes | SuspectCoordinates
@@ -105,12 +110,12 @@ def implausible_trials(trials: Trials) -> list[Implausible]:
     usual = float(np.median(counts[trials.completed]))
     step = trials.sample_period
     implausible: list[Implausible] = []
-    faults: dict[int, list[CoordinateFault]] = {0: [], 1: []}
+    faults: dict[int, dict[str, CoordinateFault]] = {0: {}, 1: {}}
     for condition, trial in completed.tolist():
-        label, number = trials.labels[condition], trials.trial_number(condition, trial)
+        name = trials.trial_name(condition, trial)
         count = int(counts[condition, trial])
         if count < _SHORT * usual:
-            implausible.append(ShortTrial(label, number, count * step, usual * step))
+            implausible.append(ShortTrial(name, count * step, usual * step))
         window = trials.window[condition, trial]
         time = trials.time[window]
         target = trials.trial_target(condition, trial)[window]
@@ -122,36 +127,69 @@ def implausible_trials(trials: Trials) -> list[Implausible]:
             still = _still_samples_at_the_end(path, _STILL_EXTENT * extent)
             if still >= _STILL_TIME * count:
                 since = None if still == count else float(time[count - still])
-                implausible.append(StillHandle(label, number, robot + 1, since))
+                implausible.append(StillHandle(name, robot + 1, since))
                 continue
             frozen = _longest_freeze(path, step)
             if frozen is not None:
                 start, length, jump = frozen
-                implausible.append(
-                    FrozenHandle(label, number, robot + 1, float(time[start]), length * step, jump)
-                )
+                implausible.append(FrozenHandle(name, robot + 1, float(time[start]), length * step, jump))
             spikes = _find_spikes(path, extent)
             if spikes is not None:
                 found, size, place = spikes
-                implausible.append(Spikes(label, number, robot + 1, found, size, float(time[place])))
+                implausible.append(Spikes(name, robot + 1, found, size, float(time[place])))
             fault = find_coordinate_fault(path, target, step)
             if fault is not None:
-                faults[robot].append(fault)
-    return [*_systematic_faults(faults, len(completed)), *implausible]
+                faults[robot][name] = fault
+    return [*_suspect_coordinates(faults, len(completed), trials.is_simulated), *implausible]
 
 
-def _systematic_faults(faults: dict[int, list[CoordinateFault]], trials: int) -> list[Implausible]:
-    """Report what most trials of a robot show alike."""
-    found: list[Implausible] = []
-    for robot, alike in faults.items():
+def _suspect_coordinates(
+    faults: dict[int, dict[str, CoordinateFault]], of: int, is_simulated: bool
+) -> list[SuspectCoordinates]:
+    """Report what most trials of a robot show alike, and then what single ones show.
+
+    A simulation has one set of coordinates: what single simulated trials show is their motion.
+    """
+    found: list[SuspectCoordinates] = []
+    for robot, of_robot in faults.items():
         for kind in DOUBTS:
-            same = [fault.value for fault in alike if fault.kind == kind]
-            if len(same) < _SYSTEMATIC * trials:
+            alike = {name: fault.value for name, fault in of_robot.items() if fault.kind == kind}
+            if len(alike) >= _SYSTEMATIC * of:
+                value = _typical(list(alike.values()))
+                found.append(SuspectCoordinates(robot + 1, kind, value, tuple(alike), of, True))
+            elif not is_simulated:
+                found += _of_single_trials(robot + 1, kind, alike, of)
+    return sorted(found, key=lambda suspect: not suspect.is_systematic)
+
+
+def _of_single_trials(
+    robot: int, kind: Doubt, values: dict[str, float | str], of: int
+) -> list[SuspectCoordinates]:
+    """Report single trials: those with the same axes together, and a scale only if it may be another unit.
+
+    A person who stays beside the target, or moves too far, does so in the right coordinates.
+    """
+    if kind == "offset":
+        return []
+    grouped: dict[str, list[str]] = {}
+    for name, value in values.items():
+        if kind == "scale":
+            factor = max(float(value), 1.0 / float(value))
+            if factor < CENTIMETRES:
                 continue
-            numbers = [value for value in same if isinstance(value, float)]
-            value = float(np.median(numbers)) if numbers else max(set(same), key=same.count)
-            found.append(SuspectCoordinates(robot + 1, kind, value, len(same), trials))
-    return found
+            grouped.setdefault(f"{float(value) > 1.0}, {factor < MILLIMETRES}", []).append(name)
+        else:
+            grouped.setdefault(str(value), []).append(name)
+    return [
+        SuspectCoordinates(robot, kind, _typical([values[name] for name in names]), tuple(names), of, False)
+        for names in grouped.values()
+    ]
+
+
+def _typical(values: list[float | str]) -> float | str:
+    """Return the median of numbers, or the most frequent word."""
+    numbers = [value for value in values if isinstance(value, float)]
+    return float(np.median(numbers)) if numbers else max(set(values), key=values.count)
 
 
 def _still_samples_at_the_end(path: FloatArray, limit: float) -> int:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from telespring._quantities import format_count, format_number, format_time
+from telespring.analysis.coordinates import CENTIMETRES, MILLIMETRES
 from telespring.analysis.plausibility import (
-    FrozenHandle,
     Implausible,
     ShortTrial,
     Spikes,
@@ -13,51 +14,73 @@ from telespring.analysis.plausibility import (
 
 __all__ = ["implausible_trial_warning"]
 
+#: So many trials are named one by one.
+_NAMED = 3
+
 
 def implausible_trial_warning(implausible: Implausible) -> str:
     """Write the sentence for trials that look cut off, stuck, or recorded in other coordinates."""
     if isinstance(implausible, SuspectCoordinates):
         return _coordinate_warning(implausible)
-    trial = f"Trial {implausible.trial} of {implausible.condition}"
+    trial = _capitalised(implausible.trial)
     if isinstance(implausible, ShortTrial):
         return (
-            f"{trial} counts as completed after {implausible.duration:.4g} s, although "
-            f"{implausible.usual_duration:.4g} s is usual: if it was cut off, set its status to stopped."
+            f"{trial} counts as completed after {format_time(implausible.duration)}, although "
+            f"{format_time(implausible.usual_duration)} is usual: if it was cut off, set its status to "
+            "stopped."
         )
-    handle = f"the handle of robot {implausible.robot}"
+    robot = f"{trial}: the handle of robot {implausible.robot}"
+    if isinstance(implausible, Spikes):
+        return (
+            f"{robot} leaves its path for {format_count(implausible.count, 'single sample')}, the furthest "
+            f"by {_format_length(implausible.size)} at {format_number(implausible.time)} s. They enter the "
+            "tracking error: correct them in the file, or set the trial's status to stopped."
+        )
+    since = "" if implausible.since is None else f"from {format_number(implausible.since)} s"
     if isinstance(implausible, StillHandle):
-        period = "throughout" if implausible.since is None else f"from {implausible.since:.4g} s to its end"
-        return (
-            f"{trial}: {handle} does not move {period}, but is analysed as if it had followed the target. "
-            "Was its sensor stuck? Then set the trial's status to stopped, so that it is left out."
+        found = (
+            f"does not move {f'{since} to its end' if since else 'throughout'}, but is analysed as if it had "
+            "followed the target"
         )
-    if isinstance(implausible, FrozenHandle):
-        return (
-            f"{trial}: {handle} stays exactly where it is for {1e3 * implausible.duration:.4g} ms from "
-            f"{implausible.since:.4g} s, then jumps by {1e3 * implausible.jump:.3g} mm. "
-            "Was the sensor stuck? Then set the trial's status to stopped, so that it is left out."
+    else:
+        found = (
+            f"stays exactly where it is for {format_time(implausible.duration)} {since}, then jumps by "
+            f"{_format_length(implausible.jump)}"
         )
-    assert isinstance(implausible, Spikes)
     return (
-        f"{trial}: {handle} leaves its path for single samples ({implausible.count}), the furthest by "
-        f"{1e3 * implausible.size:.3g} mm at {implausible.time:.4g} s. They enter the tracking error."
+        f"{robot} {found}. Was its sensor stuck? Then set the trial's status to stopped, which leaves it out."
     )
 
 
 def _coordinate_warning(suspect: SuspectCoordinates) -> str:
-    shown = f"Robot {suspect.robot}, in {suspect.trials} of {suspect.of} completed trials: "
+    count, of = len(suspect.trials), format_count(suspect.of, "completed trial")
+    if suspect.is_systematic:
+        shown = f"Robot {suspect.robot}, in {count} of {of}: "
+    elif count == 1:
+        shown = f"{_capitalised(suspect.trials[0])}, robot {suspect.robot}: "
+    else:
+        more = "" if count <= _NAMED else f" and {count - _NAMED} more"
+        shown = f"Robot {suspect.robot}, in {count} of {of} ({', '.join(suspect.trials[:_NAMED])}{more}): "
     if suspect.kind == "offset":
         return (
-            f"{shown}the path is centred {1e3 * float(suspect.value):.3g} mm beside the target. Are its "
+            f"{shown}the path is centred {_format_length(float(suspect.value))} beside the target. Are its "
             "positions in the coordinates of the target?"
         )
     if suspect.kind == "axes":
         return f"{shown}the path fits the target only if {suspect.value}. Check its columns and their signs."
     ratio = float(suspect.value)
     longer, factor = ("further", ratio) if ratio > 1.0 else ("less far", 1.0 / ratio)
-    unit = "in cm" if 30.0 < factor < 300.0 else "in mm" if factor >= 300.0 else "in another unit"
+    unit = "in mm" if factor >= MILLIMETRES else "in cm" if factor > CENTIMETRES else "in another unit"
     which = "its positions" if ratio > 1.0 else "the target's positions"
     return (
-        f"{shown}the handle moves {factor:.3g} times {longer} than the target. Are {which} {unit}, "
-        "instead of m?"
+        f"{shown}the handle moves {format_number(factor, 3)} times {longer} than the target. Are {which} "
+        f"{unit}, instead of m?"
     )
+
+
+def _capitalised(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _format_length(length: float) -> str:
+    return f"{format_number(length, 3, shift=3)} mm"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._json import finite_or_none
+from telespring._quantities import format_time
 from telespring._types import FloatArray
 from telespring.analysis.copies import find_same_recordings
 from telespring.analysis.dyads import dyad_means
@@ -233,9 +234,9 @@ def _label_warnings(trials: Trials) -> list[str]:
     unconnected = [i for i, k in enumerate(trials.stiffness) if np.isnan(k)]
     if len(unconnected) > 1:
         names = ", ".join(trials.labels[i] for i in unconnected)
-        delays = ", ".join(f"{1e3 * trials.delay[i]:.4g}" for i in unconnected)
+        delays = ", ".join(format_time(trials.delay[i]) for i in unconnected)
         warnings.append(
-            f"{names}: all are unconnected, with the delays {delays} ms. Without a spring a delay changes "
+            f"{names}: all are unconnected, with the delays {delays}. Without a spring a delay changes "
             "nothing; with the same delay they would be one condition."
         )
     settings = [(float(k), float(delay)) for k, delay in zip(trials.stiffness, trials.delay, strict=True)]
@@ -261,8 +262,7 @@ def _label_warnings(trials: Trials) -> list[str]:
 def _same_recording_warnings(trials: Trials, errors: FloatArray, grouped: TrackingErrors) -> list[str]:
     """Warn of trials of different conditions in which both robots move alike."""
     return [
-        f"Trial {trials.trial_number(*one)} of {trials.labels[one[0]]} and trial "
-        f"{trials.trial_number(*other)} of {trials.labels[other[0]]} are alike to the nanometre: one "
+        f"T{trials.trial_name(*one)[1:]} and {trials.trial_name(*other)} are alike to the nanometre: one "
         "recording listed twice, or conditions that make no difference."
         for one, other in find_same_recordings(trials, errors, grouped.copies)
     ]

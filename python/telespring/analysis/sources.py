@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 from telespring._errors import InvalidInput
 from telespring._files import spelt_otherwise
 from telespring.analysis.recordings.layout import INDEX
-from telespring.analysis.recordings.reading import read_recorded
+from telespring.analysis.recordings.reading import read_recorded, recorded_files
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from telespring.model import Task
 
-__all__ = ["open_trials"]
+__all__ = ["files_of_trials", "open_trials"]
 
 _REHEARSAL = "rehearsal.nc"
 #: The library that reads a netCDF file, by how the file begins: netCDF 4 is HDF5; 1 and 2 are netCDF 3.
@@ -74,3 +74,11 @@ def open_trials(path: str | os.PathLike[str], task: Task | Mapping[str, Any] | N
         return xr.load_dataset(place, engine=engine)
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise damaged from error
+
+
+def files_of_trials(path: str | os.PathLike[str]) -> list[Path]:
+    """List the files that `open_trials` reads at a path."""
+    place = Path(path)
+    if place.is_dir() and (place / _REHEARSAL).is_file():
+        return [place / _REHEARSAL]
+    return [place] if place.suffix.lower() == ".nc" else recorded_files(place)

@@ -10,8 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_count, format_number
 from telespring._types import FloatArray
-from telespring.analysis.identifiers import TrialNames, condition_names, trial_dyads, trial_numbers
+from telespring.analysis.identifiers import (
+    TrialNames,
+    condition_names,
+    trial_dyads,
+    trial_files,
+    trial_numbers,
+)
 from telespring.analysis.layout import PER_TRIAL, check_layout, refuse_trials, trial_statuses
 
 if TYPE_CHECKING:
@@ -43,6 +50,8 @@ class Trials:
         Whether the data number their trials one by one, in ``trial_number``.
     dyads
         (condition, trial): label of the dyad, or None if the data do not say.
+    files
+        (condition, trial): name of the trial's file, "" where it is not known; None if the data do not say.
     is_simulated
         Whether a simulation made the trials, so that their number was free to choose.
     status
@@ -69,6 +78,7 @@ class Trials:
     trial: NDArray[Any] | None
     has_numbers: bool
     dyads: NDArray[np.str_] | None
+    files: NDArray[np.str_] | None
     is_simulated: bool
     status: NDArray[np.str_]
     time: FloatArray
@@ -102,7 +112,15 @@ class Trials:
 
     def trial_number(self, condition: int, trial: int) -> str:
         """Name one trial within its condition by its number and dyad, such as "3" or "3 of dyad B"."""
-        return TrialNames(self.labels, self.numbers, self.dyads).number(condition, trial)
+        return self._names.number(condition, trial)
+
+    def trial_name(self, condition: int, trial: int) -> str:
+        """Name one trial, with its file if that is known, such as "trial 3 of UM (um-3.csv)"."""
+        return self._names(condition, trial)
+
+    @property
+    def _names(self) -> TrialNames:
+        return TrialNames(self.labels, self.numbers, self.dyads, self.files)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset, discard: float | None = None) -> Trials:
@@ -117,9 +135,10 @@ class Trials:
             ``status`` (condition, trial), words or numbers with ``flag_values`` and ``flag_meanings``,
             without which all trials count as completed; ``samples`` (condition, trial) where trials differ
             in length; ``dyad`` or ``participant`` (condition, trial); ``trial_number`` (condition, trial)
-            where the dimension ``trial`` has no labels. Coordinates ``stiffness`` (N/m, NaN unconnected) and
-            ``delay`` (s) over condition, and ``time`` (s). Repetitions that `xarray.concat` makes, dimensions
-            of one condition or trial that indexing drops, and another order of robots and axes are repaired.
+            where the dimension ``trial`` has no labels; ``file`` (condition, trial), named in messages.
+            Coordinates ``stiffness`` (N/m, NaN unconnected) and ``delay`` (s) over condition, and ``time``
+            (s). Repetitions that `xarray.concat` makes, dimensions of one condition or trial that indexing
+            drops, and another order of robots and axes are repaired.
         discard : float, optional
             Duration to leave out at the start of every trial, s. Default: the dataset's attribute
             ``discard``, or nothing.
@@ -156,7 +175,8 @@ class Trials:
             dataset["target"].expand_dims(shared).transpose(*PER_TRIAL, "time", "axis")
         )
         window = _analysed_trial_samples(dataset, status, time, discard, time_dtype)
-        names = TrialNames(labels, numbers, dyads)
+        files = trial_files(dataset)
+        names = TrialNames(labels, numbers, dyads, files)
         _check_trial_lengths(window, status, names, time, discard, dataset)
         for name, values in {**series, "target": target[..., None, :]}.items():
             _check_trials_finite(name, values, window, names, time)
@@ -168,6 +188,7 @@ class Trials:
             trial=np.asarray(dataset["trial"]) if "trial" in dataset.coords else None,
             has_numbers="trial_number" in dataset.variables,
             dyads=dyads,
+            files=files,
             is_simulated="seed" in dataset.variables
             or str(dataset.attrs.get("schema", "")).startswith("telespring rehearsal"),
             status=status,
@@ -219,7 +240,7 @@ def _trial_times(dataset: xr.Dataset) -> FloatArray:
     if len(time) < 2:
         raise InvalidInput(
             "time",
-            f"{len(time)} sample",
+            format_count(len(time), "sample"),
             "trials of two samples or more are required",
             "Record longer trials, or keep more samples per second.",
         )
@@ -284,8 +305,9 @@ def _check_trial_lengths(
         count = min(int(_sample_counts(dataset, status, len(time))[condition, trial]), len(time))
         raise InvalidInput(
             "discard",
-            f"{discard:g} s",
-            f"{names(condition, trial)} ends at {time[max(0, count - 1)]:g} s, so less must be discarded",
+            f"{format_number(discard, 6)} s",
+            f"{names(condition, trial)} ends at {format_number(time[max(0, count - 1)], 6)} s, so less must "
+            "be discarded",
             "Discard less (--discard), or remove that trial.",
         )
 
@@ -305,6 +327,7 @@ def _check_trials_finite(
         raise InvalidInput(
             name,
             "not a number",
-            f"{names(condition, trial)} counts as completed, but has no {name} at {time[sample]:g} s",
+            f"{names(condition, trial)} counts as completed, but has no {name} at "
+            f"{format_number(time[sample], 6)} s",
             f"Fill the gap, or set the trial's status to how it ended{without}.",
         )

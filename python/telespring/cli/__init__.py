@@ -15,6 +15,7 @@ import typer
 from telespring.cli.analyse import analyse_command
 from telespring.cli.common import refusals
 from telespring.cli.decide import decide_command
+from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.reproduce import reproduce_command, study_command
@@ -25,17 +26,18 @@ __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="telespring",
+    cls=Group,
     help="Two people, two robots, one virtual spring over a network: is it stable, and by what margin?",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-app.command("decide")(decide_command)
-app.command("simulate")(simulate_command)
-app.command("identify")(refusals()(identify_command))
-app.command("rehearse")(refusals()(rehearse))
-app.command("analyse")(analyse_command)
-app.command("reproduce")(reproduce_command)
+app.command("decide", cls=Command)(decide_command)
+app.command("simulate", cls=Command)(simulate_command)
+app.command("identify", cls=Command)(refusals()(identify_command))
+app.command("rehearse", cls=Command)(refusals()(rehearse))
+app.command("analyse", cls=Command)(analyse_command)
+app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)
 
 

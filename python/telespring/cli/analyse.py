@@ -13,6 +13,8 @@ from rich.text import Text
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.cli.common import print_json, refusals
+from telespring.cli.figure_file import check_folder_keeps_inputs
+from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
 from telespring.cli.units import TIME, number
 from telespring.model import Study
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from telespring.analysis.trials import Trials
 
 __all__ = ["analyse_command"]
+
+_TABLES = ("analysis.json", "table1.csv")
+_FIGURES = tuple(f"{stem}.{form}" for stem in ("trajectories", "tracking-errors") for form in ("svg", "png"))
 
 
 def analyse_command(
@@ -61,7 +66,7 @@ def analyse_command(
     """Measure the trials of an experiment, rehearsed or recorded, and compare its conditions."""
     with refusals():
         from telespring import analysis
-        from telespring.analysis.sources import open_trials
+        from telespring.analysis.sources import files_of_trials, open_trials
         from telespring.show.screens.analysis import analysis_screen
 
         if template is not None:
@@ -79,7 +84,9 @@ def analyse_command(
                 "a study whose robots have the axes x and y is required",
                 "Use a study with these axes: only such a study has a task.",
             )
-        dataset = open_trials(path, None if experiment is None else experiment.task)
+        with pointing_elsewhere("analyse", [path]):
+            dataset = open_trials(path, None if experiment is None else experiment.task)
+        _check_outputs(out, export, figures, [*files_of_trials(path), *([] if study is None else [study])])
         if discard is None and experiment is not None and "discard" not in dataset.attrs:
             discard = experiment.discard
         trials = analysis.Trials.from_dataset(dataset, discard)
@@ -92,6 +99,22 @@ def analyse_command(
         return
     show(analysis_screen(numbers, str(path), dataset.attrs.get("resampled_to")))
     show(Text(f"Written: {', '.join(str(file) for file in written)}"))
+
+
+def _check_outputs(out: Path, export: Path | None, figures: bool, inputs: list[Path]) -> None:
+    """Refuse folders where an input would be overwritten."""
+    check_folder_keeps_inputs("--out", out, [*_TABLES, *(_FIGURES if figures else ())], inputs)
+    if export is None:
+        return
+    for read in inputs:
+        # A trial's file gets a name by its condition, and a file there may have it.
+        if read.suffix.lower() != ".nc" and export.resolve() == read.resolve().parent:
+            raise InvalidInput(
+                "--export",
+                str(export),
+                f"trials would be written there, and {read.name} in it is an input of the command",
+                "Choose another folder.",
+            )
 
 
 def _write_analysis(trials: Trials, numbers: Mapping[str, Any], folder: Path, *, figures: bool) -> list[Path]:

@@ -21,7 +21,7 @@ from telespring.cli.common import (
     print_json,
     refusals,
 )
-from telespring.cli.figure_file import check_figure_name, save_figure
+from telespring.cli.figure_file import check_figure_name, check_not_an_input, save_figure
 from telespring.cli.grip import read_grip
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console, show
@@ -120,8 +120,8 @@ def decide_command(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Write the map of stable stiffnesses and delays, with this condition marked: .svg, .png or "
-            ".pdf.",
+            help="Write the map of what is stable over stiffness and delay, judged as here, with this "
+            "condition marked: .svg, .png or .pdf.",
         ),
     ] = None,
     allow_unusual: AllowUnusual = False,
@@ -144,6 +144,8 @@ def decide_command(
         if figure is not None:
             check_figure_name(figure)
         asked.take_robots(robot, robot1, robot2)
+        if figure is not None:
+            check_not_an_input("--figure", figure, asked.inputs)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
         asked.take_ping(
@@ -161,7 +163,7 @@ def decide_command(
         asked.take("controller", "sample_period", 0.0 if continuous else sample_period, "--sample-period")
         if continuous:
             asked.take("controller", "computing_time", 0.0, "--continuous")
-        _take_grips(asked, grip, grip1, grip2)
+        _take_grips(asked, grip, grip1, grip2, allow_unusual=allow_unusual)
         read = asked.read()
         answer = _answer(asked, read, horizon, decay_rate, check=check)
         if as_json:
@@ -169,38 +171,58 @@ def decide_command(
         else:
             show(answer.screen())
         if figure is not None:
-            _write_map(read, figure)
+            _write_map(read, figure, answer)
             if not as_json:
                 screen_console().print(f"Figure: {figure}", markup=False)
     if check and not answer.is_stable:
         raise typer.Exit(1)
 
 
-def _write_map(study: Study, path: Path) -> None:
+def _write_map(study: Study, path: Path, answer: Answer) -> None:
+    """Draw where the answer would be "stable", with the question and its answer marked."""
     from matplotlib.figure import Figure
 
     from telespring.plot import stability_map
     from telespring.show.figures.style import figure_style
 
-    mark = None
-    if study.has_stiffness and study.has_delay:
-        delay = 0.5 * sum(study.delay)
-        mark = (study.stiffness, delay, delay + study.network.jitter + study.network.max_gap)
+    network = study.network if study.has_delay else study.replace(network={"delay": 0.0}).network
+    mark = (
+        study.stiffness if study.has_stiffness else None,
+        0.5 * sum(study.delay) if study.has_delay else None,
+    )
+    titles = [*answer.heading, *([answer.holders] if answer.holders else [])]
+    found = answer.decision or answer.limits
+    if found is not None and found.axes_independent is False:
+        titles.append("The axes of a robot are not independent: nothing on this map is proven.")
     with figure_style():
-        drawing = Figure(figsize=(5.6, 4.2), layout="constrained")
+        drawing = Figure(figsize=(5.6, 4.8), layout="constrained")
         axes = drawing.subplots()
     # whether values are usual was asked before
-    stability_map(study.dyad, mark=mark, operator_range=study.operator_ranges, allow_unusual=True, ax=axes)
+    stability_map(
+        study.dyad,
+        mark=mark,
+        operator_range=study.operator_ranges,
+        network=network,
+        playout_buffer=study.has_playout_buffer,
+        verdict=None if answer.decision is None else answer.decision.status,
+        title="\n".join(titles),
+        allow_unusual=True,
+        ax=axes,
+    )
     save_figure(drawing, path)
 
 
-def _take_grips(asked: StudyOptions, both: str | None, one: str | None, other: str | None) -> None:
+def _take_grips(
+    asked: StudyOptions, both: str | None, one: str | None, other: str | None, *, allow_unusual: bool
+) -> None:
     """Take how hands hold the handles."""
     if both is not None and (one is not None or other is not None):
         raise InvalidInput("--grip", both, "it holds for both robots", "Leave out --grip1 and --grip2.")
     for number_, own, option in ((1, one, "--grip1"), (2, other, "--grip2")):
         written, option = (both, "--grip") if both is not None else (own, option)
-        for key, value in ({} if written is None else read_grip(written, option)).items():
+        if written is None:
+            continue
+        for key, value in read_grip(written, option, allow_unusual=allow_unusual).items():
             asked.take(f"operator{number_}", key, value, option)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from telespring._files import replacing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_figure_name", "check_not_an_input", "save_figure"]
+__all__ = ["check_figure_name", "check_folder_keeps_inputs", "check_not_an_input", "save_figure"]
 
 
 def check_figure_name(path: Path) -> Path:
@@ -49,12 +49,41 @@ def check_not_an_input(option: str, path: Path, inputs: Iterable[Path]) -> Path:
     >>> check_not_an_input("--out", Path("robot.toml"), [Path("log.csv")]).name
     'robot.toml'
     """
-    for read in inputs:
-        if path.resolve() == read.resolve() or (path.exists() and read.exists() and path.samefile(read)):
+    read = _input_at(path, inputs)
+    if read is not None:
+        raise InvalidInput(
+            option,
+            str(path),
+            f"this file is an input of the command ({read}), and writing would replace it",
+            "Choose another name.",
+        )
+    return path
+
+
+def check_folder_keeps_inputs(
+    option: str, folder: Path, names: Iterable[str], inputs: Sequence[Path]
+) -> Path:
+    """Return the folder for files with these names; refuse one where an input has one of them.
+
+    Examples
+    --------
+    >>> check_folder_keeps_inputs("--out", Path("results"), ["table1.csv"], [Path("trials.csv")]).name
+    'results'
+    """
+    for name in names:
+        read = _input_at(folder / name, inputs)
+        if read is not None:
             raise InvalidInput(
                 option,
-                str(path),
-                f"this file is an input of the command ({read}), and writing would replace it",
-                "Choose another name.",
+                str(folder),
+                f"{name} would be written there, and that file is an input of the command ({read})",
+                "Choose another folder.",
             )
-    return path
+    return folder
+
+
+def _input_at(path: Path, inputs: Iterable[Path]) -> Path | None:
+    for read in inputs:
+        if path.resolve() == read.resolve() or (path.exists() and read.exists() and path.samefile(read)):
+            return read
+    return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
 
 import typer
 from rich.text import Text
@@ -13,6 +13,7 @@ from rich.text import Text
 from telespring._errors import InvalidInput
 from telespring.cli.common import print_json
 from telespring.cli.figure_file import check_figure_name, check_not_an_input, save_figure
+from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
 from telespring.cli.units import FORCE, FREQUENCY, LENGTH, TIME, number
 
@@ -178,24 +179,26 @@ def identify_command(
         check_not_an_input("--figure", check_figure_name(figure), logs)
     if out is not None:
         check_not_an_input("--out", _robot_file(out), logs)
-    recordings = [
-        read_log(
-            log,
-            time=time,
-            position=_columns(position) or ["position_x", "position_y"],
-            force=_columns(force) or ["force_x", "force_y"],
-            axes=axis,
-            time_scale=time_scale,
-            position_scale=position_scale,
-            force_scale=force_scale,
-            rate=rate,
-            run=run,
-            run_column=run_column,
-            start=start,
-            end=end,
-        )
-        for log in logs
-    ]
+    columns = _columns_of_axes(_columns(position), _columns(force))
+    with pointing_elsewhere("identify", logs):
+        recordings = [
+            read_log(
+                log,
+                time=time,
+                position=columns.position,
+                force=columns.force,
+                axes=axis or columns.axes,
+                time_scale=time_scale,
+                position_scale=position_scale,
+                force_scale=force_scale,
+                rate=rate,
+                run=run,
+                run_column=run_column,
+                start=start,
+                end=end,
+            )
+            for log in logs
+        ]
     identification = identify_logs(
         recordings,
         stiffness=stiffness,
@@ -244,6 +247,45 @@ def _robot_file(path: Path) -> Path:
             f"Write {path.with_suffix('.toml')}." if path.name else "Name a file.",
         )
     return path
+
+
+class _Columns(NamedTuple):
+    """Position and force columns, one per axis, and the names of the axes if the columns tell them."""
+
+    position: list[str]
+    force: list[str]
+    axes: list[str] | None
+
+
+_POSITIONS = {axis: f"position_{axis}" for axis in "xyz"}
+_FORCES = {axis: f"force_{axis}" for axis in "xyz"}
+
+
+def _columns_of_axes(position: list[str], force: list[str]) -> _Columns:
+    """Complete the columns: whoever names only position_y means the axis y, and force_y with it.
+
+    Examples
+    --------
+    >>> _columns_of_axes(["position_y"], [])
+    _Columns(position=['position_y'], force=['force_y'], axes=['y'])
+    """
+    if position and force:
+        return _Columns(position, force, None)
+    if not position and not force:
+        return _Columns([_POSITIONS[axis] for axis in "xy"], [_FORCES[axis] for axis in "xy"], None)
+    given, names = (position, _POSITIONS) if position else (force, _FORCES)
+    axes = [axis for column in given for axis, name in names.items() if column == name]
+    if len(axes) == len(given):
+        return _Columns([_POSITIONS[axis] for axis in axes], [_FORCES[axis] for axis in axes], axes)
+    own, other, example = (
+        ("--position", "--force", "force_x") if position else ("--force", "--position", "position_x")
+    )
+    raise InvalidInput(
+        other,
+        "",
+        f"{own} names {', '.join(given)}, and every axis has a position and a force",
+        f"Give {other} too, one column for each of these, such as {other} {example}.",
+    )
 
 
 def _columns(options: list[str] | None) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from telespring._core import check_usual
 from telespring._errors import InvalidInput
 from telespring.cli.common import robot_records
+from telespring.cli.other_files import naming_the_file
 from telespring.cli.robots import GivenRobot, read_robots
 from telespring.cli.units import WithUnit
 from telespring.model import Study
@@ -47,6 +48,12 @@ class StudyOptions:
     notes: list[str] = field(default_factory=list)
     _sections: dict[str, Any] = field(default_factory=dict)
     _backward: float | None = None
+
+    @property
+    def inputs(self) -> list[Path]:
+        """The files that the study is read from."""
+        robots = [robot.source for robot in self.robots if robot is not None]
+        return [path for path in (self.file, *robots) if isinstance(path, Path)]
 
     def take_robots(
         self, both: list[str] | None = None, robot1: str | None = None, robot2: str | None = None
@@ -127,14 +134,17 @@ class StudyOptions:
         """
         sources = tuple(None if robot is None else robot.source for robot in self.robots)
         robots = (sources[0], sources[1])
-        if self.file is not None:
-            study = Study.read(self.file, robots=robots, **self._sections)
-        else:
-            base = base or Study.paper().replace(coupling=None, network=None, controller=None)
-            changes = dict(self._sections)
-            if any(self.robots):
-                changes["name"] = self.title(base)
-            study = Study.from_toml(base.to_toml(), robots=robots, **changes)
+        try:
+            if self.file is not None:
+                study = Study.read(self.file, robots=robots, **self._sections)
+            else:
+                base = base or Study.paper().replace(coupling=None, network=None, controller=None)
+                changes = dict(self._sections)
+                if any(self.robots):
+                    changes["name"] = self.title(base)
+                study = Study.from_toml(base.to_toml(), robots=robots, **changes)
+        except InvalidInput as refused:
+            raise naming_the_file(refused, self.file) from None
         if self._backward is None:
             return study
         if not study.has_delay:

@@ -10,12 +10,14 @@ import typer
 
 from telespring._errors import InvalidInput
 from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
+from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console
 from telespring.decision.arm_stability import arm_stability
 from telespring.model import Study
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
+from telespring.rehearsal.store import REHEARSAL_FILES
 from telespring.show.screens.refusal import refusal_screen
 from telespring.show.screens.rehearsal import (
     preflight_screen,
@@ -57,6 +59,7 @@ def rehearse(
     console = screen_console()
     asked = StudyOptions(study)
     asked.take_robots(robot, robot1, robot2)
+    check_folder_keeps_inputs("--out", out, REHEARSAL_FILES, asked.inputs)
     asked.allow_unusual(is_allowed=allow_unusual)
     rehearsed = asked.read(Study.paper())
     modules = None if study is None else study.parent

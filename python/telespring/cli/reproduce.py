@@ -19,6 +19,7 @@ from telespring.cli.common import (
     print_notes,
     refusals,
 )
+from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console
 from telespring.model import Study
@@ -46,9 +47,12 @@ def reproduce_command(
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         from telespring.paper import STEPS, analyse, write
+        from telespring.rehearsal.store import REHEARSAL_FILES
         from telespring.show.screens.reproduction import allowed_stiffnesses
 
         asked.take_robots(robot, robot1, robot2)
+        written = ("report.html", "study.json", *REHEARSAL_FILES)
+        check_folder_keeps_inputs("--out", out, written, asked.inputs)
         asked.allow_unusual(is_allowed=allow_unusual)
         read, records = asked.read(Study.paper()), asked.records()
         with Progress(

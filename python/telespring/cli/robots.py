@@ -62,7 +62,8 @@ def read_robot(written: str, option: str) -> GivenRobot:
                 option,
                 written,
                 "a robot is a file, or mass,damping of each axis, the axes apart by '/'",
-                "Write, for example, 1.2,6 for 1.2 kg and 6 N·s/m, or 1.2,6/1.4,8 for two axes.",
+                _comma_for_another_mark(written)
+                or "Write, for example, 1.2,6 for 1.2 kg and 6 N·s/m, or 1.2,6/1.4,8 for two axes.",
             )
         try:
             masses.append(read_number(mass, MASS))
@@ -76,6 +77,12 @@ def read_robot(written: str, option: str) -> GivenRobot:
     text = f"[robot]\nmass = {mass_text}\ndamping = {damping_text}\n"
     name = " and ".join(f"{m:g} kg, {b:g} N·s/m" for m, b in zip(masses, dampings, strict=True))
     return GivenRobot(text, name, option, is_for_every_axis=len(masses) == 1)
+
+
+def _comma_for_another_mark(written: str) -> str:
+    """Ask whether 1.2:6 is a mass and a damping; empty if it is something else."""
+    found = re.fullmatch(r"\s*([\d.]+)\s*[:;x ]\s*([\d.]+)\s*", written)
+    return f"Did you mean {found[1]},{found[2]}? A comma stands between mass and damping." if found else ""
 
 
 def _robot_text(robot: Robot) -> str:

@@ -24,6 +24,7 @@ from telespring.cli.common import (
     print_notes,
     refusals,
 )
+from telespring.cli.figure_file import check_not_an_input
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console
 from telespring.cli.units import FORCE, FREQUENCY, TIME, number
@@ -79,6 +80,7 @@ def simulate_command(
                 "out", str(out), "the file's name must end in .nc or .csv", "Choose one of them."
             )
         asked.take_robots(robot, robot1, robot2)
+        check_not_an_input("--out", out, asked.inputs)
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
         asked.take_ping(ping, delay, backward, check_unusual=not allow_unusual)

@@ -27,7 +27,7 @@ class Unit(NamedTuple):
 TIME = Unit("s", "a time", "0.08 or 80ms")
 MASS = Unit("kg", "a mass", "1.2 or 1200g")
 LENGTH = Unit("m", "a length", "0.001 or 1mm")
-DAMPING = Unit("N*s/m", "a damping", "6 or '6 N*s/m'")
+DAMPING = Unit("N*s/m", "a damping", "6 or 6Ns/m")
 STIFFNESS = Unit("N/m", "a stiffness", "71.2 or 0.0712N/mm")
 FORCE = Unit("N", "a force", "1 or 1000mN")
 FREQUENCY = Unit("Hz", "a frequency", "1000 or 1kHz")
@@ -45,10 +45,20 @@ minute = 60 * second = min
 metre = [length] = m = meter
 gram = [mass] = g
 newton = 1000 * gram * metre / second ** 2 = N
+newton_second = newton * second = Ns
 hertz = 1 / second = Hz
 """
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*", re.DOTALL)
+
+
+#: How a product of units is written: N·s, N*s, N.s, N-s and N s; not the minus of an exponent, such as m^-1.
+_PRODUCT = re.compile(
+    r"\s*[·⋅∙•×*]\s*|(?<=[a-zµμ0-9])[.-](?=[a-zµμ])|(?<=[^\s/*^])\s+(?=[^\s/*^])", re.IGNORECASE
+)
+
+#: Where an exponent follows a unit directly: m-1 is m to the power of -1.
+_EXPONENT = re.compile(r"(?<=[a-zµμ])(?=-?\d)", re.IGNORECASE)
 
 
 @cache
@@ -90,8 +100,10 @@ def read_number(text: str, unit: Unit) -> float:
     --------
     >>> [read_number(text, TIME) for text in ("0.08", "80ms", "80 ms")]
     [0.08, 0.08, 0.08]
-    >>> read_number("0.0712 N/mm", STIFFNESS), read_number("7.7 N·s/m", DAMPING)
-    (71.2, 7.7)
+    >>> read_number("0.0712 N/mm", STIFFNESS)
+    71.2
+    >>> [read_number(text, DAMPING) for text in ("7.7 N·s/m", "9 Ns/m")]
+    [7.7, 9.0]
     """
     found = _NUMBER.fullmatch(text)
     if found is None or found[2].startswith(","):
@@ -109,7 +121,8 @@ def _to_si(value: float, written: str, unit: Unit) -> float:
     registry = _registry()
     expected = registry.parse_units(unit.symbol)
     try:
-        units = registry.parse_units(written.replace("·", "*").replace("²", "**2").replace(" ", "*"))
+        product = _PRODUCT.sub("*", written).replace("²", "**2")
+        units = registry.parse_units(_EXPONENT.sub("**", product))
         # Through the reciprocal where the factor is below 1, which is then a whole number: 80 ms are 0.08 s.
         factor = registry.convert(1.0, units, expected)
     except pint.DimensionalityError:

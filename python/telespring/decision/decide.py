@@ -6,13 +6,15 @@ The screen, `--json` and the report all read the `Decision` made here.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from telespring._html import table
+from telespring.decision.changes import Changes, Guarantee, find_changes, find_guarantees
 from telespring.decision.question import (
     Question,
     are_axes_independent,
+    are_roots_counted,
     constant_delay,
     constant_delay_tier,
     is_instability_proven,
@@ -21,6 +23,7 @@ from telespring.decision.question import (
 )
 from telespring.decision.reserve import LEAST_PROBABILITY, Status
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
+from telespring.decision.usable import RobotErrors
 from telespring.decision.varying_delay import VaryingDelay, varying_delay
 from telespring.model import DyadAxis
 from telespring.theory.criteria import Crossing, decay_stiffness
@@ -173,6 +176,11 @@ class Decision:
     free
         The decision on the same question with free handles; None if the handles are free, or if it was not
         requested.
+    changes
+        What to change, where this answer or that for free handles is not "stable"; None where both are, or
+        where the axes of a robot are not independent, so that nothing is proven.
+    guarantees
+        What is stable on more networks than the one in question, where both answers are "stable".
     arms
         Stability in the study's own arms; None if it was not requested.
     """
@@ -195,6 +203,8 @@ class Decision:
     robots_without_errors: tuple[int, ...] = (1, 2)
     robot_records: tuple[RobotRecord | None, RobotRecord | None] = (None, None)
     free: Decision | None = None
+    changes: Changes | None = None
+    guarantees: tuple[Guarantee, ...] = ()
     arms: ArmStability | None = None
 
     def __repr__(self) -> str:
@@ -245,9 +255,7 @@ class Decision:
     @property
     def is_proven(self) -> bool:
         """Whether nothing that was not examined may decide: coupled axes, roots that were not counted."""
-        sampled = (axis.verdict.sampled for axis in self.axes)
-        counted = all(each is None or each.certificate != "incomplete" for each in sampled)
-        return counted and self.axes_independent is not False
+        return are_roots_counted(self.verdicts) and self.axes_independent is not False
 
     @property
     def is_instability_proven(self) -> bool:
@@ -376,6 +384,30 @@ def decide(
     >>> [decide(question, k).status for k in (71.2, 97.0, 110.0)]
     ['stable', 'marginal', 'unstable']
     """
+    decision = _judge(question, stiffness, horizon, decay_rate, uncertainty, records)
+    cases = [question]
+    if compare_free and question.is_held:
+        cases.append(question.released())
+        free = _judge(cases[1], stiffness, decision.horizon, None, uncertainty, records)
+        decision = replace(decision, free=free)
+    errors = RobotErrors.of(uncertainty, records)
+    answers = [each for each in (decision, decision.free) if each is not None]
+    if decision.axes_independent is False:
+        return decision
+    if all(each.status == "stable" for each in answers):
+        return replace(decision, guarantees=find_guarantees(cases, stiffness, errors))
+    return replace(decision, changes=find_changes(cases, stiffness, errors))
+
+
+def _judge(
+    question: Question,
+    stiffness: float,
+    horizon: float | None,
+    decay_rate: float | None,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    records: tuple[RobotRecord | None, RobotRecord | None],
+) -> Decision:
+    """Judge a stiffness for one way of holding the handles."""
     # Checks every value before anything is derived from it.
     judged = question.judge(stiffness)
     forward, backward = constant_delay(judged)
@@ -412,15 +444,6 @@ def decide(
         ),
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
-        free=decide(
-            question.with_operators(None),
-            stiffness,
-            horizon=horizon,
-            uncertainty=uncertainty,
-            records=records,
-        )
-        if compare_free and question.is_held
-        else None,
     )
 
 

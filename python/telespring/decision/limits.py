@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
@@ -15,11 +15,18 @@ from telespring.decision.question import (
     Question,
     are_axes_independent,
     constant_delay,
-    is_stable,
     stiffness_limit,
 )
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN
-from telespring.decision.uncertainty import RobotUncertainty, stable_probability
+from telespring.decision.reserve import RESERVE
+from telespring.decision.uncertainty import RobotUncertainty
+from telespring.decision.usable import (
+    RobotErrors,
+    is_usable,
+    largest_stiffness_with_reserve,
+    longest_with_reserve,
+    recommended_delay,
+    recommended_stiffness,
+)
 from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
 from telespring.model import Network
 from telespring.theory.verdicts import Verdicts
@@ -74,6 +81,11 @@ class DelayLimits:
         return constant_delay(self.verdicts)
 
     @property
+    def recommended_stiffness(self) -> float:
+        """The usable stiffness, N/m, as far as laboratories use one: `decide` accepts it without question."""
+        return recommended_stiffness(self.usable_stiffness)
+
+    @property
     def soft_springs_fail_by_sampling(self) -> bool:
         """Whether sampling alone makes every soft spring unstable, so that no stiffness is low enough.
 
@@ -124,6 +136,17 @@ class StiffnessLimits:
     usable_delay: float
     usable_delay_while_varying: float | None = None
 
+    @property
+    def recommended_delay(self) -> float:
+        """The usable delay, s, as far as networks have one: `decide` accepts it without question."""
+        return recommended_delay(self.usable_delay)
+
+    @property
+    def recommended_delay_while_varying(self) -> float | None:
+        """The same without a playout buffer; None if the delay does not vary."""
+        usable = self.usable_delay_while_varying
+        return None if usable is None else recommended_delay(usable)
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -153,7 +176,8 @@ class Limits:
     robot_records
         What identification recorded about robots 1 and 2.
     free
-        The limits with free handles; None if the handles are free, or if it was not requested.
+        The limits with free handles, which only the robots' own springs hold; None if the handles are free,
+        or if it was not requested.
     """
 
     axes: tuple[str, ...]
@@ -220,11 +244,8 @@ def limits(
     questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None
     if compare_free and question.is_held:
-        free = limits(
-            question.with_operators(None), stiffness, delays=delays, uncertainty=uncertainty, records=records
-        )
-    independent = are_axes_independent(records)
-    errors = _Errors(uncertainty, known=uncertainty != (None, None) and independent is not False)
+        free = limits(question.released(), stiffness, delays=delays, uncertainty=uncertainty, records=records)
+    errors = RobotErrors.of(uncertainty, records)
     return Limits(
         axes=tuple(str(name) for name in question.dyad.axes),
         delays=tuple(_delay_limits(each, errors) for each in questions),
@@ -232,7 +253,7 @@ def limits(
         stiffness=None if stiffness is None else _stiffness_limits(question, stiffness, errors),
         over_operator_ranges=question.operator_ranges is not None,
         robots_have_errors=errors.known,
-        axes_independent=independent,
+        axes_independent=are_axes_independent(records),
         has_playout_buffer=question.has_playout_buffer,
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
@@ -240,51 +261,16 @@ def limits(
     )
 
 
-class _Errors(NamedTuple):
-    """The errors of both robots; `known` is False where they cannot be carried over."""
-
-    robots: tuple[RobotUncertainty | None, RobotUncertainty | None]
-    known: bool
-
-    def allow(self, question: Question, judged: Verdicts) -> bool:
-        """Return whether the verdict is probable enough to be called stable."""
-        if not self.known:
-            return True
-        probability = stable_probability(
-            question.held_by(judged),
-            self.robots,
-            judged.stiffness,
-            constant_delay(judged),
-            sampling=question.sampling,
-        )
-        return probability.value >= LEAST_PROBABILITY
-
-
-def _is_usable(question: Question, stiffness: float, errors: _Errors) -> bool:
-    """Return whether `decide` calls a stiffness stable, with reserve and, if robots have errors, probably."""
-    judged = question.judge(stiffness)
-    return (
-        is_stable(judged)
-        and question.keeps_stiffness_reserve(judged)
-        and question.keeps_delay_reserve(judged, question.delay_limit(judged))
-        and errors.allow(question, judged)
-    )
-
-
-def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
+def _delay_limits(question: Question, errors: RobotErrors) -> DelayLimits:
     judged = question.judge(_PROBE)
-    forward, backward = constant_delay(judged)
-    later = question.at_delay((_MORE * forward, _MORE * backward)).judge(_PROBE)
     limit = stiffness_limit(judged)
-    most = min(limit / _MORE, stiffness_limit(later)) * WITHIN
+    most = largest_stiffness_with_reserve(question, judged)
     if math.isinf(most):
         # Without a limit nothing is to be kept, but errors may give one.
         usable = math.inf if errors.allow(question, question.judge(_STIFFEST)) else _STIFFEST
         most = usable
     if math.isfinite(most):
-        usable = largest_usable(
-            lambda stiffness: _is_usable(question, stiffness, errors), most, least=SOFTEST
-        )
+        usable = largest_usable(lambda stiffness: is_usable(question, stiffness, errors), most, least=SOFTEST)
     return DelayLimits(
         judged,
         stiffness_limit=limit,
@@ -293,21 +279,21 @@ def _delay_limits(question: Question, errors: _Errors) -> DelayLimits:
     )
 
 
-def _stiffness_limits(question: Question, stiffness: float, errors: _Errors) -> StiffnessLimits:
+def _stiffness_limits(question: Question, stiffness: float, errors: RobotErrors) -> StiffnessLimits:
     at_once = question.at_delay(0.0)
     limit = at_once.delay_limit(at_once.judge(stiffness))
     stiffer = at_once.delay_limit(at_once.judge(min(_MORE * stiffness, STIFFEST)))
-    most = min(limit.delay / _MORE, stiffer.delay) * WITHIN
+    most = longest_with_reserve(limit, stiffer)
 
-    def is_usable(delay: float) -> bool:
-        return _is_usable(question.at_delay(delay), stiffness, errors)
+    def is_delay_usable(delay: float) -> bool:
+        return is_usable(question.at_delay(delay), stiffness, errors)
 
     if math.isinf(most):
         longest = question.at_delay(LONGEST_DELAY)
         usable = math.inf if errors.allow(longest, longest.judge(stiffness)) else LONGEST_DELAY
         most = usable
     if math.isfinite(most):
-        usable = largest_usable(is_usable, min(most, LONGEST_DELAY / _MORE))
+        usable = largest_usable(is_delay_usable, min(most, LONGEST_DELAY / _MORE))
     # Jitter and gaps are part of the delay behind a playout buffer.
     extra = question.network.jitter + question.network.max_gap
     return StiffnessLimits(

@@ -10,7 +10,7 @@ import numpy as np
 
 from telespring._core import check_usual
 from telespring.decision.reserve import RESERVE
-from telespring.model import Dyad, Network, Operator, OperatorRange
+from telespring.model import Dyad, Network, Operator, OperatorRange, Study
 from telespring.theory.verdicts import (
     AxisTier,
     AxisVerdict,
@@ -31,6 +31,7 @@ __all__ = [
     "STIFFEST",
     "Question",
     "are_axes_independent",
+    "are_roots_counted",
     "constant_delay",
     "constant_delay_tier",
     "is_instability_proven",
@@ -58,6 +59,12 @@ def is_instability_proven(judged: Verdicts) -> bool:
     return (not constant.satisfied and constant.proven) or any(
         each is not None and not each.stable for each in sampled
     )
+
+
+def are_roots_counted(judged: Verdicts) -> bool:
+    """Return whether no root that sampled controllers give was left out of the count."""
+    sampled = (axis.sampled for axis in judged.axes)
+    return all(each is None or each.certificate != "incomplete" for each in sampled)
 
 
 def constant_delay(judged: Verdicts) -> tuple[float, float]:
@@ -92,12 +99,38 @@ class Question:
     has_playout_buffer
         Whether both sides promise to hold every sample until it is as old as the latest one, which makes the
         delay constant.
+    robot_springs
+        The robots' own springs to the ground, which the operators include and which stay when hands let go;
+        None without any.
     """
 
     dyad: Dyad
     network: Network
     operator_ranges: tuple[OperatorRange, OperatorRange] | None = None
     has_playout_buffer: bool = False
+    robot_springs: tuple[Operator, Operator] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        study: Study,
+        network: Network,
+        operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+        *,
+        has_playout_buffer: bool | None = None,
+    ) -> Question:
+        """Ask about the robots of a study; ranges of hands take the place of the study's own operators."""
+        springs = None
+        if study.ground_stiffness.any():
+            one, other = (Operator(stiffness=spring.tolist()) for spring in study.ground_stiffness)
+            springs = one, other
+        ranges = study.operator_ranges
+        if operator_ranges is not None:
+            ranges = operator_ranges
+            if springs is not None:
+                ranges = _with_spring(ranges[0], springs[0]), _with_spring(ranges[1], springs[1])
+        has_buffer = study.has_playout_buffer if has_playout_buffer is None else has_playout_buffer
+        return cls(study.dyad, network, ranges, has_buffer, springs)
 
     @property
     def sampling(self) -> tuple[float, float]:
@@ -106,14 +139,21 @@ class Question:
 
     @property
     def is_held(self) -> bool:
-        """Whether anything holds a handle."""
+        """Whether anything holds a handle besides the robot's own spring."""
         ranges = self.operator_ranges
         operators = self.dyad.operators if ranges is None else [each.high for each in ranges]
-        values = ((each.mass, each.damping, each.stiffness) for each in operators)
-        return any(bool(array.any()) for arrays in values for array in arrays)
+        springs = self.robot_springs or (Operator(), Operator())
+        return any(
+            bool(each.mass.any() or each.damping.any() or (each.stiffness != spring.stiffness).any())
+            for each, spring in zip(operators, springs, strict=True)
+        )
+
+    def released(self) -> Question:
+        """Return the question with free handles: only the robots' own springs stay."""
+        return self.with_operators(self.robot_springs)
 
     def with_operators(self, operators: tuple[Operator, Operator] | None) -> Question:
-        """Return the question with these operators; None frees the handles."""
+        """Return the question with these operators in place of hands and springs."""
         dyad = Dyad(*self.dyad.robots, operators, self.dyad.coupling_damping)
         return replace(self, dyad=dyad, operator_ranges=None)
 
@@ -173,6 +213,18 @@ class Question:
         return delay_limit(self.dyad, judged.stiffness, self.network, self.operator_ranges)
 
 
+def _with_spring(hand: OperatorRange, spring: Operator) -> OperatorRange:
+    low, high = (
+        Operator(
+            np.broadcast_to(end.mass, spring.stiffness.shape),
+            np.broadcast_to(end.damping, spring.stiffness.shape),
+            end.stiffness + spring.stiffness,
+        )
+        for end in (hand.low, hand.high)
+    )
+    return OperatorRange(low, high)
+
+
 def are_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None]) -> bool | None:
     """Return whether identification found the axes of both robots independent; None if it is not known."""
     independent = [None if record is None else record.independent for record in records]
@@ -205,7 +257,7 @@ def refuse_unusual(
     for operator in ends:
         for quantity, values in (
             ("added mass", operator.mass),
-            ("damping", operator.damping),
+            ("operator damping", operator.damping),
             ("ground stiffness", operator.stiffness),
         ):
             for value in values:

@@ -12,6 +12,7 @@ import numpy as np
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import STIFFEST, is_instability_proven
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN, Status
+from telespring.decision.usable import recommended_stiffness
 from telespring.model import Dyad, Network, Robot
 
 if TYPE_CHECKING:
@@ -51,6 +52,11 @@ class VaryingDelay:
     is_attained: bool
     usable_stiffness: float
     tier: Tier | None
+
+    @property
+    def recommended_stiffness(self) -> float:
+        """The usable stiffness, N/m, as far as laboratories use one: `decide` accepts it without question."""
+        return recommended_stiffness(self.usable_stiffness)
 
 
 def varying_delay(

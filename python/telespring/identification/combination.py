@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from telespring._types import FloatArray
+from telespring.identification.covariance import NORMAL_HALF_WIDTH
 from telespring.identification.results import Estimate
 
 __all__ = ["Combined", "combine_correlations", "combine_estimates"]
@@ -69,7 +70,7 @@ def combine_estimates(estimates: Sequence[Estimate]) -> Combined:
     from statsmodels.stats.meta_analysis import combine_effects
 
     values = np.array([estimate.value for estimate in estimates])
-    errors = np.array([(e.interval[1] - e.interval[0]) / (2.0 * 1.96) for e in estimates])
+    errors = np.array([(e.interval[1] - e.interval[0]) / (2.0 * NORMAL_HALF_WIDTH) for e in estimates])
     count = values.size
     if not (errors > 0.0).all():
         # Without noise there is nothing to weigh by.
@@ -85,7 +86,7 @@ def combine_estimates(estimates: Sequence[Estimate]) -> Combined:
     plain = scale * math.sqrt(1.0 / float((1.0 / (variance + (errors / scale) ** 2)).sum()))
     # Hartung and Knapp: the scatter that was seen, instead of the one that the errors predict.
     seen = math.sqrt(float(weights @ (values - value) ** 2) / (count - 1))
-    half = max(float(stats.t.ppf(0.975, count - 1)) * seen, 1.96 * plain)
+    half = max(float(stats.t.ppf(0.975, count - 1)) * seen, NORMAL_HALF_WIDTH * plain)
     excess = float((((values - np.average(values, weights=errors**-2.0)) / errors) ** 2).sum())
     return Combined(
         Estimate(value, max(seen, plain), (value - half, value + half)),

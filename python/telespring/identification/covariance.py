@@ -28,7 +28,10 @@ from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 
-__all__ = ["Covariance", "autocorrelated_sum", "estimate_covariance", "newey_west_lags"]
+__all__ = ["NORMAL_HALF_WIDTH", "Covariance", "estimate_covariance", "newey_west_lags"]
+
+#: Half-width of a normal distribution's 95 % interval in standard deviations.
+NORMAL_HALF_WIDTH = 1.959963984540054
 
 #: The largest correlation of neighbouring residuals that is told from a drift.
 _LARGEST_CORRELATION = 0.97
@@ -123,15 +126,11 @@ def estimate_covariance(
     return Covariance(np.asarray(matrix / widening), freedom, lags)
 
 
-def autocorrelated_sum(scores: FloatArray, lags: int, stretch: NDArray[np.int_] | None = None) -> FloatArray:
+def _kernel_sum(scores: FloatArray, lags: int, starts: NDArray[np.int_]) -> FloatArray:
     """Return the Newey-West covariance of the sum of all scores, one row per sample.
 
-    Samples of different stretches are taken as uncorrelated.
+    Samples of different stretches, which begin at 0 and at `starts`, are taken as uncorrelated.
     """
-    return _kernel_sum(scores, lags, _stretch_starts(len(scores), stretch))
-
-
-def _kernel_sum(scores: FloatArray, lags: int, starts: NDArray[np.int_]) -> FloatArray:
     return np.asarray(scores.T @ _by_stretch(scores, starts, lambda part: _bartlett(part, lags)))
 
 

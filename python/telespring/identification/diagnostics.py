@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number, format_time
 from telespring._types import FloatArray
 from telespring.identification.cutoff import filtered_noise, largest_cutoff
 from telespring.identification.filtering import Signals
@@ -107,7 +108,7 @@ def _check_lag(
             diagnostic(
                 "lags differ",
                 names=tuple(axis.axis for axis in axes),
-                lags=tuple(f"{1e3 * axis.time_shift.value:.2g} ms" for axis in axes if axis.time_shift),
+                lags=tuple(format_time(axis.time_shift.value, 2) for axis in axes if axis.time_shift),
             )
         )
     coupled = [cross.axis for cross in cross_inertias if cross.significant and cross.may_be_lag]
@@ -272,10 +273,12 @@ def _check_noise_bias(
             if bias > _BIAS_REFUSED * half and bias > _BIAS_NEGLIGIBLE * abs(axis.estimates[name].value):
                 raise InvalidInput(
                     f"cutoff (axis {axis.axis})",
-                    f"{cutoff:.4g} Hz",
-                    f"at this cut-off position noise biases the {name} by about {bias:.2g} {UNITS[name]}, "
-                    f"{bias / half:.0f} times the half-width of its interval",
-                    f"Set at most {limit:.3g} Hz, omit --cutoff, or move the robot further and faster.",
+                    f"{format_number(cutoff, 4)} Hz",
+                    f"at this cut-off position noise biases the {name} by about "
+                    f"{format_number(bias, 2)} {UNITS[name]}, {bias / half:.0f} times the half-width of "
+                    "its interval",
+                    f"Set at most {format_number(limit, 3)} Hz, omit --cutoff, or move the robot further and "
+                    "faster.",
                 )
             warnings.append(
                 diagnostic(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_count, format_number, format_time
 from telespring._types import FloatArray
 from telespring.identification.cutoff import FILTER_ORDER, LARGEST_CUTOFF_SHARE, filtered_noise
 from telespring.identification.stretches import Stretch
@@ -163,11 +164,13 @@ def _refuse_short_log(stretches: Sequence[Stretch], cutoff: float) -> None:
     longest = max(stretches, key=lambda stretch: stretch.time.size)
     decimation = _decimation(longest.rate, cutoff)
     minimum = _ends(longest.rate, cutoff) + _MINIMUM_KEPT * decimation
+    samples = format_count(longest.time.size, "sample")
     lost = "" if longest.time.size < minimum else ", most of which depend on missing samples"
     raise InvalidInput(
         "time",
-        f"{longest.time.size} samples, {longest.time.size / longest.rate:.3g} s{lost}",
-        f"a cut-off of {cutoff:.3g} Hz needs a log of at least {minimum / longest.rate:.3g} s without a gap",
+        f"{samples}, {format_time(longest.time.size / longest.rate, 3)}{lost}",
+        f"a cut-off of {format_number(cutoff, 3)} Hz needs a log of at least "
+        f"{format_time(minimum / longest.rate, 3)} without a gap",
         "Record longer, move faster, or set a higher cut-off.",
     )
 
@@ -180,9 +183,9 @@ def _filter_stretch(stretch: Stretch, cutoff: float) -> Signals:
     if not 0.0 < cutoff <= LARGEST_CUTOFF_SHARE * rate:
         raise InvalidInput(
             "cutoff",
-            f"{cutoff:g} Hz",
+            f"{format_number(cutoff, 6)} Hz",
             f"the cut-off must be above 0 and at most {LARGEST_CUTOFF_SHARE:g} of the sample rate, here "
-            f"{LARGEST_CUTOFF_SHARE * rate:g} Hz",
+            f"{format_number(LARGEST_CUTOFF_SHARE * rate, 6)} Hz",
             "Omit it to have it chosen from the movement.",
         )
     trimmed = _ends(rate, cutoff) // 2

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_count, format_time
 from telespring._types import FloatArray
 from telespring.identification.origin import Origin
 from telespring.identification.warning_messages import Diagnostic, diagnostic
@@ -58,9 +59,10 @@ def bridge_gaps(
     whole = np.isfinite(time) & np.isfinite(position).all(axis=0) & np.isfinite(force).all(axis=0)
     measured = np.flatnonzero(whole)
     if measured.size < _FEWEST_SAMPLES:
+        complete = format_count(measured.size, "sample that has", "samples that have")
         raise InvalidInput(
             "time, position, force",
-            f"{measured.size} samples that have all numbers, of {time.size}",
+            f"{complete} all numbers, of {time.size}",
             f"at least {_FEWEST_SAMPLES} are required",
             "If position and force were logged at different times, interpolate them to common times.",
         )
@@ -86,8 +88,8 @@ def bridge_gaps(
     if not pieces:
         raise InvalidInput(
             "time",
-            f"{cuts.size} gaps, and no {_FEWEST_SAMPLES} samples between two of them",
-            f"gaps of up to {LONGEST_BRIDGE:g} samples ({1e3 * LONGEST_BRIDGE * usual:.4g} ms) are bridged",
+            f"{format_count(cuts.size, 'gap')}, and no {_FEWEST_SAMPLES} samples between two of them",
+            f"gaps of up to {LONGEST_BRIDGE:g} samples ({format_time(LONGEST_BRIDGE * usual)}) are bridged",
             "Record the log again without losing samples.",
         )
     found = []

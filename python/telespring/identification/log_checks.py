@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_count, format_number, format_time
 from telespring._types import FloatArray
 from telespring.identification.gaps import Piece, bridge_gaps
 from telespring.identification.origin import Origin
@@ -52,14 +53,14 @@ def _refuse_unequal_shapes(time: FloatArray, position: FloatArray, force: FloatA
         if rows.shape[-1] != time.size:
             raise InvalidInput(
                 name,
-                f"{rows.shape[-1]} samples",
+                format_count(rows.shape[-1], "sample"),
                 f"one sample per time is required, that is {time.size}",
                 "Take all columns from the same log; time comes first.",
             )
     if position.shape != force.shape:
         raise InvalidInput(
             "force",
-            f"{force.shape[0]} axes",
+            format_count(force.shape[0], "axis", "axes"),
             f"as many axes as in the position are required, that is {position.shape[0]}",
             "Name one force for each position, in the same order.",
         )
@@ -80,10 +81,11 @@ def _refuse_wrong_time_stamps(time: FloatArray, origin: Origin) -> None:
     wrong = np.flatnonzero(steps <= 0.0)
     if wrong.size:
         first = int(wrong[0])
+        stamps = format_count(wrong.size, "wrong time stamp")
         fault = "is repeated" if steps[first] == 0.0 else "goes back"
         raise InvalidInput(
             "time",
-            f"{wrong.size} wrong time stamps; the first {fault} at {origin.place(int(samples[first + 1]))}",
+            f"{stamps}; the first {fault} at {origin.place(int(samples[first + 1]))}",
             "time stamps must increase",
             "Remove duplicate samples, and use one log at a time. If the stamps are rounded, give the sample "
             "rate instead (--rate).",
@@ -97,7 +99,7 @@ def _refuse_wrong_time_stamps(time: FloatArray, origin: Origin) -> None:
         )
         raise InvalidInput(
             "time",
-            f"{usual:.3g} s from sample to sample",
+            f"{format_time(usual, 3)} from sample to sample",
             f"the rate must be {_LOWEST_RATE:g} to {_HIGHEST_RATE:g} Hz, with time stamps in seconds",
             remedy,
         )
@@ -109,7 +111,7 @@ def _refuse_wrong_units(position: FloatArray, force: FloatArray, origin: Origin)
     if travel > _LONGEST_TRAVEL:
         raise InvalidInput(
             origin.column("position", int(travels.argmax())),
-            f"a travel of {travel:.3g} m",
+            f"a travel of {format_number(travel, 3)} m",
             f"a robot held by a person travels less than {_LONGEST_TRAVEL:g} m",
             "If the positions are in mm, give --position-scale 0.001; in cm, 0.01. If they are angles in "
             "degrees or rad, give the metres of travel per degree or rad.",
@@ -119,7 +121,7 @@ def _refuse_wrong_units(position: FloatArray, force: FloatArray, origin: Origin)
     if largest > _LARGEST_FORCE:
         raise InvalidInput(
             origin.column("force", int(peaks.argmax())),
-            f"up to {largest:.3g} N",
+            f"up to {format_number(largest, 3)} N",
             f"the force on a robot held by a person is less than {_LARGEST_FORCE:g} N",
             "If the forces are in mN or in counts, give --force-scale with the newtons per unit.",
         )

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring._types import FloatArray
+from telespring.identification.covariance import NORMAL_HALF_WIDTH
 from telespring.identification.filtering import STRIBECK_VELOCITIES, Signals, filter_stretches
 from telespring.identification.joint_fit import SEPARABLE, JointFit, fit_axes, orthogonal_share
 from telespring.identification.regression import Fit, least_squares
@@ -24,8 +26,6 @@ __all__ = ["FitOptions", "LogFit", "fit_log", "fit_with_column", "is_significant
 SIGNIFICANCE = 0.001
 #: A term is added where it shifts mass or damping by more than this share of the interval's half-width.
 _MATTERS = 0.25
-#: Half-widths of a normal distribution's 95 % interval in standard deviations.
-_NORMAL = 1.96
 #: The lag is not estimated where the model explains less of the force on every axis.
 _LAG_R_SQUARED = 0.8
 
@@ -145,7 +145,7 @@ def _widened_by_reversals(fit: LogFit) -> LogFit:
         change = np.zeros(own.estimate.size)
         change[:2] = own.estimate[:2] - alternative.estimate[:2]
         is_open = "reversal" in terms.names
-        wider = own.covariance + (np.outer(change, change) / _NORMAL**2 if is_open else 0.0)
+        wider = own.covariance + (np.outer(change, change) / NORMAL_HALF_WIDTH**2 if is_open else 0.0)
         fits.append(replace(own, covariance=wider))
     return replace(fit, joint=replace(fit.joint, fits=tuple(fits)))
 
@@ -197,7 +197,7 @@ def _axes_disagree(joint: JointFit, separate: JointFit) -> bool:
         return False
     values = np.array([lag.value for lag in lags])
     # Half-widths, not standard errors: their quantile accounts for a wide bandwidth.
-    errors = np.array([lag.half_width for lag in lags]) / _NORMAL
+    errors = np.array([lag.half_width for lag in lags]) / NORMAL_HALF_WIDTH
     mean = np.average(values, weights=errors**-2.0)
     excess = float((((values - mean) / errors) ** 2).sum())
     if excess < stats.chi2.ppf(1.0 - SIGNIFICANCE, len(lags) - 1):
@@ -218,7 +218,7 @@ def _refuse_dependent_columns(
     if not condition < 1e6:
         raise InvalidInput(
             f"position ({name})",
-            f"condition number {condition:.3g}",
+            f"condition number {format_number(condition, 3)}",
             "a movement is required whose acceleration and velocity are not multiples of each other",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does.",
         )
@@ -226,16 +226,15 @@ def _refuse_dependent_columns(
         return
     frequency = single_frequency(signals, terms, axis)
     if frequency is not None:
+        mass_per_stiffness = format_number(1.0 / (2.0 * np.pi * frequency) ** 2, 2)
         raise InvalidInput(
             f"position ({name})",
-            f"a movement at one frequency, {frequency:.3g} Hz",
+            f"a movement at one frequency, {format_number(frequency, 3)} Hz",
             "a movement is required that tells the mass from a spring between robot and ground: at one "
-            f"frequency each N/m of a spring takes {1.0 / (2.0 * np.pi * frequency) ** 2:.2g} kg off "
-            f"the mass",
+            f"frequency each N/m of a spring takes {mass_per_stiffness} kg off the mass",
             "Excite it with several frequencies, as telespring.identification.paper_excitation does. Only if "
-            "nothing pulls the handle to a place (no spring, cable, slope or gravity), rule a spring "
-            "out with "
-            "--no-stiffness.",
+            "nothing pulls the handle to a place (no spring, cable, slope or gravity), rule a spring out "
+            "with --no-stiffness.",
         )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring._types import FloatArray
 from telespring.identification.log_columns import (
     check_column_lengths,
@@ -288,13 +289,14 @@ def _samples_between(
         keep &= ~(time > end)
     if not (keep & chosen).any():
         limits = [
-            f"from {start:g} s" if start is not None else "",
-            f"to {end:g} s" if end is not None else "",
+            f"from {format_number(start, 6)} s" if start is not None else "",
+            f"to {format_number(end, 6)} s" if end is not None else "",
         ]
         raise InvalidInput(
             "start, end",
             " ".join(filter(None, limits)),
-            f"the log runs from {np.nanmin(time[chosen]):g} to {np.nanmax(time[chosen]):g} s",
+            f"the log runs from {format_number(np.nanmin(time[chosen]), 6)} to "
+            f"{format_number(np.nanmax(time[chosen]), 6)} s",
             "Choose a part within it.",
         )
     return keep

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring._types import FloatArray
 from telespring.identification import diagnostics
 from telespring.identification.assembly import identification_of
@@ -95,7 +96,7 @@ def _refuse_short_travel(origin: Origin, axis: int, position: FloatArray, rate: 
     if travel == 0.0 or levels < 50:
         raise InvalidInput(
             origin.column("position", axis),
-            f"{levels} different values over {1e3 * travel:.3g} mm",
+            f"{levels} different values over {format_number(travel, 3, shift=3)} mm",
             "a position that moves through at least 50 steps of its sensor is required",
             "Move the robot further, or check that this is the right column and the sensor is connected.",
         )
@@ -103,7 +104,8 @@ def _refuse_short_travel(origin: Origin, axis: int, position: FloatArray, rate: 
     if travel < max(_MINIMUM_TRAVEL, _TRAVEL_PER_NOISE * noise):
         raise InvalidInput(
             origin.column("position", axis),
-            f"{1e3 * travel:.3g} mm of travel, {1e3 * noise:.2g} mm of noise",
+            f"{format_number(travel, 3, shift=3)} mm of travel, "
+            f"{format_number(noise, 2, shift=3)} mm of noise",
             f"this axis moves too little: at least {1e3 * _MINIMUM_TRAVEL:g} mm and {_TRAVEL_PER_NOISE:g} "
             "times the noise are required",
             "Move it further, name only the axes that move, or check the unit (--position-scale).",

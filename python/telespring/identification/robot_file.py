@@ -7,6 +7,7 @@ from pathlib import Path
 
 from telespring._errors import InvalidInput
 from telespring._files import write_whole
+from telespring.identification.covariance import NORMAL_HALF_WIDTH
 from telespring.identification.results import Identification
 from telespring.identification.warning_messages import UNITS
 
@@ -14,8 +15,6 @@ __all__ = ["robot_toml", "write_robot"]
 
 #: A study's range of masses begins here, kg.
 _SMALLEST_MASS = 1e-4
-#: Standard deviations from the mean to the ends of a normal distribution's 95 % interval.
-_NORMAL = 1.959963984540054
 
 
 def robot_toml(identification: Identification, name: str, *, source: str = "") -> str:
@@ -61,8 +60,8 @@ def robot_toml(identification: Identification, name: str, *, source: str = "") -
     # The intervals of the paper's method are not valid, and neither are standard deviations from them.
     if identification.method != "paper":
         # `decide` draws from a normal distribution: with these, 95 % of its draws lie in the intervals.
-        robot["mass_sd"] = [axis.half_width("mass") / _NORMAL for axis in axes]
-        robot["damping_sd"] = [axis.half_width("damping") / _NORMAL for axis in axes]
+        robot["mass_sd"] = [axis.half_width("mass") / NORMAL_HALF_WIDTH for axis in axes]
+        robot["damping_sd"] = [axis.half_width("damping") / NORMAL_HALF_WIDTH for axis in axes]
         robot["mass_damping_correlation"] = [axis.correlation for axis in axes]
     left_out = ("axes", "each_log")
     record = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number, format_time
 from telespring._types import FloatArray
 from telespring.identification.gaps import Piece
 from telespring.identification.origin import Origin
@@ -62,7 +63,7 @@ def _refuse_stuck_position(column: str, position: FloatArray, piece: Piece, orig
     if float(np.ptp(position)) == 0.0:
         raise InvalidInput(
             column,
-            f"{position[0]:g} m throughout",
+            f"{format_number(position[0], 6)} m throughout",
             "a position that changes is required",
             "Check that this is the right column and that the sensor is connected.",
         )
@@ -81,7 +82,7 @@ def _refuse_stuck_position(column: str, position: FloatArray, piece: Piece, orig
         if jumps or lasts:
             raise InvalidInput(
                 column,
-                f"constant for {1e3 * length * step:.3g} ms from {_place(piece, origin, start)} on"
+                f"constant for {format_time(length * step, 3)} from {_place(piece, origin, start)} on"
                 + (", then a jump" if jumps else ", to the end, although the robot was moving"),
                 "a position that follows the robot all the time is required",
                 _remedy(piece, start, end),
@@ -119,8 +120,8 @@ def _refuse_frozen_position(
     if duration >= _FROZEN_SHARE * position.size * step and is_pushed:
         raise InvalidInput(
             column,
-            f"constant within {1e3 * still:.2g} mm for {duration:.3g} s from {_place(piece, origin, first)} "
-            "on, although the force continues as before",
+            f"constant within {format_number(still, 2, shift=3)} mm for {format_time(duration, 3)} from "
+            f"{_place(piece, origin, first)} on, although the force continues as before",
             "a position that follows the robot all the time is required",
             _remedy(piece, first, last + 1),
         )
@@ -160,7 +161,7 @@ def _constant_force(
     if float(np.ptp(force)) == 0.0:
         raise InvalidInput(
             column,
-            f"{force[0]:g} N throughout",
+            f"{format_number(force[0], 6)} N throughout",
             "a force that varies is required",
             "Check that this is the right column and that the sensor is connected.",
         )
@@ -192,8 +193,8 @@ def _refuse_dead_force(
     if not (~inside).any() or float(np.std(moves[inside])) > _PUSHED * float(np.std(moves[~inside])):
         raise InvalidInput(
             column,
-            f"{force:g} N for {duration:.3g} s from {_place(piece, origin, start)} on, although the robot "
-            "moves as before",
+            f"{format_number(force, 6)} N for {format_time(duration, 3)} from "
+            f"{_place(piece, origin, start)} on, although the robot moves as before",
             "a force that varies with the movement is required",
             _remedy(piece, start, end),
         )

@@ -9,6 +9,7 @@ from typing import Any, ParamSpec, TypedDict, TypeVar
 
 from telespring._arrays import as_number
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring.identification.log_fit import FitOptions
 from telespring.identification.results import METHODS, Method
 from telespring.identification.terms import TERMS, ModelTerms
@@ -94,7 +95,7 @@ def fit_options(given: Mapping[str, Any]) -> FitOptions:
     if lag is not None and not abs(lag) <= _LONGEST_DELAY:
         raise InvalidInput(
             "force_delay",
-            f"{lag:g} s",
+            f"{format_number(lag, 6)} s",
             f"a lag between -{_LONGEST_DELAY:g} and {_LONGEST_DELAY:g} s is required",
             "Give it in seconds: 0.001 is one millisecond. Omit it to have it estimated.",
         )

@@ -6,15 +6,18 @@ The checks compute codes and values; only this module words them. It belongs to 
 
 from __future__ import annotations
 
+import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from telespring._quantities import format_number, format_time
+
 __all__ = ["UNITS", "Diagnostic", "diagnostic", "outside_intervals"]
 
-#: What an SI value is multiplied by in these units.
-_SCALES = {"mm": 1e3, "ms": 1e3, "%": 100.0}
+#: The power of ten between an SI value and these units.
+_SHIFTS = {"mm": 3, "%": 2}
 
 UNITS = {
     "mass": "kg",
@@ -43,30 +46,30 @@ _MESSAGES = {
         "in the same file: {scalars}."
     ),
     "words among numbers": (
-        'The column {column} has {count} fields that are no numbers, the first "{word}". They count as lost '
+        'Fields of the column {column} that are no numbers: {count}, the first "{word}". They count as lost '
         "samples."
     ),
     "bridged gaps": (
-        "Lost samples: {count} (gaps: {gaps}, the longest {longest:.3g ms}). They were interpolated, and the "
+        "Lost samples: {count} (gaps: {gaps}, the longest {longest:.3g s}). They were interpolated, and the "
         "estimates leave them out."
     ),
     "long gaps": (
-        "Long gaps: {count}, the longest {longest:.3g ms} after {place}. The estimates are from the "
-        "{pieces} stretches between them together."
+        "Long gaps: {count}, the longest {longest:.3g s} after {place}. The estimates are from "
+        "what lies between them (stretches: {pieces})."
     ),
     "samples between gaps": "Samples between two close gaps, left out: {count}.",
     "repeated samples": (
         "Repeated samples: {count}. A row with the time and the values of the row before was left out."
     ),
     "glitches": (
-        "Glitches in the {column}: {count} samples ({share:.2g %}) leave the signal and come back, or repeat "
-        "an old value. The estimates leave them out. Check the sensor's cable and the logger."
+        "Glitches in the {column}, samples that leave the signal and come back, or repeat an old value: "
+        "{count} ({share:.2g %}). The estimates leave them out. Check the sensor's cable and the logger."
     ),
     "same log": "{log} was given more than once. It counts once.",
     "copied log": "{log} has the same samples as {other}, to the last digit. They count once.",
     "repeated part": (
-        "{count} samples, from {place} on, are the same as those from {source} on, to the last digit. They "
-        "count once."
+        "The samples from {place} on repeat those from {source} on, to the last digit ({count} in all). "
+        "They count once."
     ),
     "uneven time stamps": (
         "Time stamps are uneven, with a jitter of {jitter:.2g %} of the sample period. The log was "
@@ -74,19 +77,19 @@ _MESSAGES = {
     ),
     "identical positions": "Two axes have identical positions. Is a column named twice?",
     "held position": (
-        "The {column} repeats every value {repeats} times: it is updated every {period:.3g ms} and is "
-        "{age:.2g ms} old on average, which biases the mass. Keep only the first of every {repeats} "
+        "The {column} repeats every value {repeats} times: it is updated every {period:.3g s} and is "
+        "{age:.2g s} old on average, which biases the mass. Keep only the first of every {repeats} "
         "samples."
     ),
     "position jumps": (
         "The {column} jumps by {size:.3g mm} after {place}. Jumps in all: {count}. Did the sensor slip?"
     ),
     "saturated force": (
-        "The {column} stays at its extreme of {force:.3g} N for {duration:.3g ms} from {place} on. Was it "
+        "The {column} stays at its extreme of {force:.3g} N for {duration:.3g s} from {place} on. Was it "
         "saturated?"
     ),
     "constant force": (
-        "The {column} stays at {force:.3g} N for {duration:.3g ms} from {place} on. Was the sensor stuck?"
+        "The {column} stays at {force:.3g} N for {duration:.3g s} from {place} on. Was the sensor stuck?"
     ),
     # the model
     "omitted stiffness": _OMITTED % ("a spring of {value:.3g} N/m to the ground", "stiffness", "stiffness"),
@@ -131,15 +134,15 @@ _MESSAGES = {
         "damping allow for it. Studies and verdicts leave it out: where it pulls back it is like a spring."
     ),
     "late force": (
-        "The force lags the position by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The "
+        "The force lags the position by {lag:.2g s} ({low:.2g s} to {high:.2g s}). The "
         "estimates allow for it."
     ),
     "late position": (
-        "The position lags the force by {lag:.2g ms} ({low:.2g ms} to {high:.2g ms}). The "
+        "The position lags the force by {lag:.2g s} ({low:.2g s} to {high:.2g s}). The "
         "estimates allow for it."
     ),
     "force lag": (
-        "Axis {axis}: the force seems to be late by {lag:.2g ms}, unlike the given --force-delay. Leave out "
+        "Axis {axis}: the force seems to be late by {lag:.2g s}, unlike the given --force-delay. Leave out "
         "--force-delay for a mass of {mass:.4g} kg (now {fitted_mass:.4g} kg) and a damping of {damping:.4g} "
         "N·s/m (now {fitted_damping:.4g} N·s/m)."
     ),
@@ -159,7 +162,7 @@ _MESSAGES = {
         "Sensors that are sampled together have one lag: look for another force on these axes."
     ),
     "lag or coupling": (
-        "Axis {axis}: in this movement a lag of the force ({lag:.2g ms}) and inertia between the axes "
+        "Axis {axis}: in this movement a lag of the force ({lag:.2g s}) and inertia between the axes "
         "look the "
         "same. Excite the axes with different movements to see which it is."
     ),
@@ -271,10 +274,21 @@ def outside_intervals(method: str, logs: int) -> str:
 
 
 class _QuantityFormatter(string.Formatter):
-    """Converts an SI value to the unit behind its format, `{size:.3g mm}`, and joins texts with "and"."""
+    """Writes `{size:.3g mm}` with three digits in mm, and joins texts with "and".
+
+    A time, `{lag:.3g s}`, is in ms below 1 s.
+    """
 
     def format_field(self, value: Any, format_spec: str) -> str:
         if isinstance(value, tuple):
             return " and ".join(value)
-        digits, _, unit = format_spec.partition(" ")
-        return f"{_SCALES[unit] * value:{digits}} {unit}" if unit else format(value, digits)
+        spec, _, unit = format_spec.partition(" ")
+        digits = re.fullmatch(r"\.(\d)g", spec)
+        if digits is None:
+            # Adding 0 turns what rounds to −0 into 0.
+            shown = format(round(10.0 ** _SHIFTS[unit] * value) + 0 if unit else value, spec)
+        elif unit == "s":
+            return format_time(value, int(digits[1]))
+        else:
+            shown = format_number(value, int(digits[1]), shift=_SHIFTS.get(unit, 0))
+        return f"{shown} {unit}" if unit else shown

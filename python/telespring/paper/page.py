@@ -17,7 +17,7 @@ from markupsafe import Markup
 from telespring._core import __version__
 from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections import SECTIONS
-from telespring.show.quantities import Style, digits_within, format_quantity, format_share
+from telespring.show.quantities import Style, digits_within, format_p_value, format_quantity, format_share
 
 __all__ = ["look_up", "places_of", "render", "render_section"]
 
@@ -77,6 +77,11 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
         text = format_share(value, look_up(numbers, draws))
         return Markup('<data value="{}" data-key="{}">{}</data>').format(json.dumps(value), key, text)
 
+    def p_value(key: str) -> Markup:
+        value = look_up(numbers, key)
+        text = format_p_value(value).removeprefix("= ")
+        return Markup('<data value="{}" data-key="{}">{}</data>').format(json.dumps(value), key, text)
+
     ranges = study["operator_ranges"]
     return (
         _template_environment()
@@ -88,6 +93,7 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
             drawings={name: Markup(text) for name, text in own.drawings.items()},
             q=quantity,
             share=share,
+            p_value=p_value,
             look_up=lambda key: look_up(numbers, key),
             digits_within=lambda key, interval: digits_within(
                 look_up(numbers, key), look_up(numbers, interval)

@@ -14,10 +14,13 @@ from telespring.rehearsal.identity import RehearsalIdentity
 from telespring.rehearsal.schedule import ScheduledTrial
 from telespring.rehearsal.trial_file import TrialRecord, read_trial_file, write_trial_file
 
-__all__ = ["LOCK_FILE", "RehearsalStore", "lock_folder"]
+__all__ = ["LOCK_FILE", "REHEARSAL_FILES", "RehearsalStore", "lock_folder"]
 
 #: The locked file in the folder. It stays: without it two processes could lock two files of this name.
 LOCK_FILE = ".rehearsal.lock"
+_DATASET, _IDENTITY = "rehearsal.nc", "rehearsal.json"
+#: What a rehearsal writes into its folder and, to start over, removes from it, besides its trials.
+REHEARSAL_FILES = (_DATASET, _IDENTITY, LOCK_FILE)
 
 
 @contextmanager
@@ -75,9 +78,9 @@ class RehearsalStore:
 
     def __init__(self, path: Path, identity: RehearsalIdentity) -> None:
         self.path = path
-        self.dataset = path / "rehearsal.nc"
+        self.dataset = path / _DATASET
         self._identity = identity
-        self._identity_file = path / "rehearsal.json"
+        self._identity_file = path / _IDENTITY
         self._trials = path / "trials"
 
     def create_folder(self) -> None:

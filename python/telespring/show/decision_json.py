@@ -7,6 +7,7 @@ from typing import Any
 
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
+from telespring.decision.changes import Changes
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
@@ -68,6 +69,16 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "delay_proven": decision.delay_limit_proven,
             "added_damping": finite_or_none(decision.added_damping),
         },
+        "changes": None if decision.changes is None else _changes_json(decision.changes),
+        "guarantees": [
+            {
+                "verdict": each.tier,
+                "stiffness": each.stiffness,
+                "needs_buffer": each.needs_buffer,
+                "is_proven_now": each.is_proven_now,
+            }
+            for each in decision.guarantees
+        ],
         "decay": None
         if decision.decay_rate is None
         else {
@@ -82,6 +93,18 @@ def decision_json(decision: Decision) -> dict[str, Any]:
     }
 
 
+def _changes_json(changes: Changes) -> dict[str, Any]:
+    delay = changes.delay
+    return {
+        "varying_stiffness": changes.varying_stiffness,
+        "is_buffer_enough": changes.is_buffer_enough,
+        "stiffness": changes.stiffness,
+        "delay": None if delay is None else {"forward": delay[0], "backward": delay[1]},
+        "added_damping": changes.added_damping,
+        "sample_period": changes.sample_period,
+    }
+
+
 def varying_json(varying: VaryingDelay | None) -> dict[str, Any] | None:
     """Return `varying_delay` of `telespring decide --json`."""
     if varying is None:
@@ -92,6 +115,7 @@ def varying_json(varying: VaryingDelay | None) -> dict[str, Any] | None:
         "stiffness_unbounded": math.isinf(varying.stiffness_limit),
         "attained": varying.is_attained,
         "usable_stiffness": finite_or_none(varying.usable_stiffness),
+        "recommended_stiffness": varying.recommended_stiffness,
         "verdict": varying.tier,
     }
 

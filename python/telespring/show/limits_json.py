@@ -36,11 +36,13 @@ def limits_json(found: Limits) -> dict[str, Any]:
             "delay_limit": finite_or_none(given.delay_limit),
             "delay_limit_proven": given.delay_limit_proven,
             "usable_delay": finite_or_none(given.usable_delay),
+            "recommended_delay": given.recommended_delay,
             "unbounded": math.isinf(given.delay_limit),
             "usable_delay_unbounded": math.isinf(given.usable_delay),
             "usable_varying_delay": None
             if given.usable_delay_while_varying is None
             else finite_or_none(given.usable_delay_while_varying),
+            "recommended_varying_delay": given.recommended_delay_while_varying,
             "usable_varying_delay_unbounded": given.usable_delay_while_varying == math.inf,
         },
         "free": None if found.free is None else limits_json(found.free),
@@ -58,6 +60,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
         },
         "stiffness_limit": finite_or_none(row.stiffness_limit),
         "usable_stiffness": finite_or_none(row.usable_stiffness),
+        "recommended_stiffness": row.recommended_stiffness,
         "unbounded": math.isinf(row.stiffness_limit),
         "usable_stiffness_unbounded": math.isinf(row.usable_stiffness),
         "sampled_proven": row.is_sampled_proven if row.verdicts.network.sample_period > 0.0 else None,

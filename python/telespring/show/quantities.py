@@ -1,20 +1,23 @@
 """Quantities as people read them: millimetres, milliseconds, newtons, significant digits.
 
-All that the package shows is written here, whether on a screen, in a sentence or in the report. A limit is
-rounded to the safe side.
+All that the package shows is written here, whether on a screen, in a sentence or in the report; what the jobs
+themselves write in their warnings too, with `_quantities`. A limit is rounded to the safe side.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal, localcontext
+from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Literal, TypeAlias
+
+from telespring._quantities import Rounding, exact_decimal, format_count, format_number, format_time
 
 __all__ = [
     "Rounding",
     "Style",
     "digits_within",
+    "format_count",
     "format_doubling_time",
     "format_error",
     "format_estimate",
@@ -32,10 +35,7 @@ __all__ = [
     "format_time",
 ]
 
-Rounding: TypeAlias = Literal["nearest", "down", "up"]
 Style: TypeAlias = Literal["nearest", "limit", "given", "hundredths"]
-
-_ROUNDING = {"nearest": ROUND_HALF_EVEN, "down": ROUND_FLOOR, "up": ROUND_CEILING}
 
 #: Units that a person reads, by the SI unit in `study.json`: the shown unit and its factor.
 _SHOWN = {
@@ -46,44 +46,6 @@ _SHOWN = {
     "rad": ("°", 180.0 / math.pi),
     "share": ("%", 100.0),
 }
-
-
-def _exact_decimal(value: float) -> Decimal:
-    # The shortest decimal that reads back as the same number: 0.029 s is 29 ms, not a bit less.
-    return Decimal(repr(float(value)))
-
-
-def format_number(value: float, digits: int = 4, *, rounding: Rounding = "nearest", shift: int = 0) -> str:
-    """Write a number with significant digits and no zeros at its end.
-
-    `rounding` is "down" for a limit that must stay above what is safe to use, "up" for one that must stay
-    below. `shift` writes the number times ten to this power: 3 for a length in mm or a time in ms.
-
-    Examples
-    --------
-    >>> format_number(0.16719, rounding="down", shift=3), format_number(0.3, rounding="down", shift=3)
-    ('167.1', '300')
-    """
-    shown = Context(prec=digits, rounding=_ROUNDING[rounding]).plus(_exact_decimal(value).scaleb(shift))
-    if shown == 0 or -5 < shown.adjusted() < 7:
-        text = f"{shown:f}"
-        return text.rstrip("0").rstrip(".") if "." in text else text
-    return f"{float(shown):.{digits}g}"
-
-
-def format_time(value: float, digits: int = 4, *, rounding: Rounding = "nearest") -> str:
-    """Write a time or delay, given in s: in ms below 1 s; "no limit" where it is infinite.
-
-    Examples
-    --------
-    >>> format_time(0.16719, rounding="down"), format_time(11392.6), format_time(float("inf"))
-    ('167.1 ms', '11390 s', 'no limit')
-    """
-    if math.isinf(value):
-        return "no limit"
-    if value < 1.0:
-        return f"{format_number(value, digits, rounding=rounding, shift=3)} ms"
-    return f"{format_number(value, digits, rounding=rounding)} s"
 
 
 def format_doubling_time(rate: float) -> str:
@@ -189,7 +151,7 @@ def format_quantity(
         return "no limit"
     # A delay is shown in milliseconds, the length of a trial in seconds.
     shown, factor = (unit, 1.0) if unit == "s" and abs(value) >= 10.0 else _SHOWN.get(unit, (unit, 1.0))
-    scaled = _exact_decimal(value) * Decimal(factor)
+    scaled = exact_decimal(value) * Decimal(factor)
     with localcontext(rounding=ROUND_FLOOR if style == "limit" else ROUND_HALF_EVEN):
         if style == "hundredths":
             text = f"{scaled:.2f}"
@@ -266,7 +228,13 @@ def format_probability(share: float, standard_error: float, draws: int) -> str:
 
 
 def format_p_value(p: float) -> str:
-    """Format a p value with its sign of comparison."""
+    """Format a p value with its sign of comparison, however it was found.
+
+    Examples
+    --------
+    >>> format_p_value(0.0001), format_p_value(0.0002), format_p_value(0.01234)
+    ('< 0.001', '< 0.001', '= 0.0123')
+    """
     return "< 0.001" if p < 0.001 else f"= {p:.3g}"
 
 

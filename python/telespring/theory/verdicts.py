@@ -163,12 +163,11 @@ def delay_limit(
 
     The delays of both ways grow in the proportion that `network` gives them, behind its playout buffer
     where it has jitter or gaps (equal where it has no delay); the limit is the mean of both. A sampled
-    controller uses a
-    sample of its partner from its next tick on: each way counts in whole periods, rounded up, and the limit
-    is the last whole number of them before a multiplier of the one-period map leaves the unit circle. The
-    continuous dyad must be stable up to it, too. No period is tried: all crossings of the circle are roots of
-    one polynomial. Beyond the limit a dyad may be stable again: `DyadAxis.stable_delays` and
-    `DyadAxis.sampled_stable_delays` list all intervals.
+    controller uses a sample of its partner from its next tick on: each way counts in whole periods, rounded
+    up, and the limit is the last whole number of them before a multiplier of the one-period map leaves the
+    unit circle. The continuous dyad must be stable up to it, too. No period is tried: all crossings of the
+    circle are roots of one polynomial. Beyond the limit a dyad may be stable again: `DyadAxis.stable_delays`
+    and `DyadAxis.sampled_stable_delays` list all intervals.
 
     Parameters
     ----------

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::{
     ADDED_MASS, AMPLITUDE, ANGULAR_FREQUENCY, CONTROLLER_PERIOD, COULOMB, DAMPING, DAMPING_SD, DELAY, FORCE,
-    GROUND_STIFFNESS, INERTIA, JOINT_DAMPING, LENGTH, LIFETIME, LINK_MASS, MASS, MASS_SD, OFFSET, PLACE,
-    Quantity, RATE, RESOLUTION, SAMPLE_PERIOD, SPAN, SPEED, STIFFNESS,
+    GROUND_STIFFNESS, INERTIA, JOINT_DAMPING, LENGTH, LIFETIME, LINK_MASS, MASS, MASS_SD, OFFSET,
+    OPERATOR_DAMPING, PLACE, Quantity, RATE, RESOLUTION, ROBOT_SPRING, SAMPLE_PERIOD, SPAN, SPEED, STIFFNESS,
 };
 use crate::error::{InvalidInput, Result};
 
@@ -36,12 +36,15 @@ const LENGTHS: &[(&str, f64)] = &[("cm", 1e-2), ("mm", 1e-3)];
 
 /// Light haptic devices to industrial axes (95 kg and 200 N·s/m have been identified), networks up to a link
 /// through a satellite.
-const USUAL: [Usual; 24] = [
+const USUAL: [Usual; 26] = [
     usual(MASS, 0.01, 300.0, GRAMS),
     usual(ADDED_MASS, 0.0, 100.0, GRAMS),
     usual(DAMPING, 0.0, 1e3, &[("g/s", 1e-3)]),
     usual(STIFFNESS, 0.1, 2e4, PER_MILLIMETRE),
     usual(GROUND_STIFFNESS, 1.0, 5e4, PER_MILLIMETRE),
+    // A measured spring may be as weak as its error.
+    usual(ROBOT_SPRING, 0.0, 5e4, PER_MILLIMETRE),
+    usual(OPERATOR_DAMPING, 0.0, 100.0, &[("g/s", 1e-3)]),
     usual(DELAY, 0.0, 2.0, MILLISECONDS),
     usual(SPAN, 0.0, 2.0, MILLISECONDS),
     usual(CONTROLLER_PERIOD, 0.0, 0.1, MILLISECONDS),
@@ -66,7 +69,12 @@ const USUAL: [Usual; 24] = [
 /// A number of some unit in another one; a division by a whole number rounds once: 833.4 g are 0.8334 kg.
 fn converted(value: f64, factor: f64) -> f64 {
     let inverse = (1.0 / factor).round();
-    if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-12 { value / inverse } else { value * factor }
+    if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-12 {
+        return value / inverse;
+    }
+    let product = value * factor;
+    // A product has one digit more than people write: 0.5993 N/mm are 599.3 N/m, not 599.3000000000001.
+    format!("{product:.14e}").parse().unwrap_or(product)
 }
 
 impl Usual {
@@ -92,12 +100,31 @@ impl Quantity {
     /// assert!(refused.remedy.starts_with("Did you mean 80 ms? Write 0.08."));
     /// ```
     pub fn check_usual(&self, field: &str, value: f64) -> Result<f64> {
-        // The damping of a robot and its standard deviation differ in range, not in what is usual.
-        let kind = if *self == DAMPING_SD { &DAMPING } else { self };
-        match USUAL.iter().find(|usual| usual.quantity == *kind) {
+        match self.usual() {
             Some(usual) if !usual.contains(value) => Err(self.unusual(usual, field, value)),
             _ => Ok(value),
         }
+    }
+
+    /// The smallest and the largest magnitude, besides 0, that laboratories have; `None` if every value is usual.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::quantity::STIFFNESS;
+    /// let (softest, stiffest) = STIFFNESS.usual_range().unwrap();
+    /// assert!(STIFFNESS.check_usual("stiffness", stiffest).is_ok());
+    /// assert!(STIFFNESS.check_usual("stiffness", 0.9 * softest).is_err());
+    /// ```
+    pub fn usual_range(&self) -> Option<(f64, f64)> {
+        self.usual().map(|usual| (usual.minimum, usual.maximum))
+    }
+
+    /// What is usual of this quantity.
+    fn usual(&self) -> Option<&'static Usual> {
+        // The damping of a robot and its standard deviation differ in range, not in what is usual.
+        let kind = if *self == DAMPING_SD { &DAMPING } else { self };
+        USUAL.iter().find(|usual| usual.quantity == *kind)
     }
 
     /// The value of a text that is a number and a unit, this quantity's own or one that it is confused with.
@@ -105,9 +132,10 @@ impl Quantity {
     /// # Examples
     ///
     /// ```
-    /// use telespring::quantity::{DELAY, STIFFNESS};
+    /// use telespring::quantity::{DAMPING, DELAY, STIFFNESS};
     /// assert_eq!(DELAY.read_with_unit("80 ms"), Some(0.08));
     /// assert_eq!(STIFFNESS.read_with_unit("71.2N/m"), Some(71.2));
+    /// assert_eq!(DAMPING.read_with_unit("9 Ns/m"), Some(9.0));
     /// assert_eq!(DELAY.read_with_unit("80 kg"), None);
     /// ```
     pub fn read_with_unit(&self, text: &str) -> Option<f64> {
@@ -117,7 +145,8 @@ impl Quantity {
             .map(|(start, letter)| start + letter.len_utf8())
             .rfind(|end| text[..*end].parse::<f64>().is_ok_and(f64::is_finite))?;
         let (number, unit) = (text[..end].parse::<f64>().ok()?, text[end..].trim());
-        let plain = |unit: &str| unit.replace(['*', '⋅'], "·").replace('μ', "µ");
+        // A product is written N·s, N*s, N.s, N-s, N s or Ns.
+        let plain = |unit: &str| unit.replace(['·', '⋅', '∙', '*', '.', '-', ' '], "").replace('μ', "µ");
         let own = [(self.unit, 1.0), ("", 1.0)];
         let others = USUAL.iter().find(|usual| usual.quantity == *self).map_or(&[][..], |usual| usual.units);
         let mut units = own.iter().chain(others);
@@ -166,6 +195,7 @@ mod tests {
             (MASS, 1200.0, "1200 g? Write 1.2."),
             (MASS, 833.4, "833.4 g? Write 0.8334."),
             (STIFFNESS, 0.0712, "0.0712 N/mm? Write 71.2."),
+            (GROUND_STIFFNESS, 0.5993, "0.5993 N/mm? Write 599.3."),
             (CONTROLLER_PERIOD, 1.0, "1 ms? Write 0.001."),
             (AMPLITUDE, 5.0, "5 cm? Write 0.05."),
             (RESOLUTION, 0.01, "0.01 mm? Write 0.00001."),

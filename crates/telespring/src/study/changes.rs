@@ -26,7 +26,7 @@ impl Changes {
             let Some(file) = file else { continue };
             let section = format!("robot{}", i + 1);
             removed.push((section.clone(), None));
-            added.insert(section, Value::Table(file.robot().clone()));
+            added.insert(section, Value::Table(file.robot()?));
         }
         for (name, replacement) in sections {
             match replacement {
@@ -79,7 +79,7 @@ impl Study {
     /// a robot with one axis may take the place of one with two if the other robot does so too.
     ///
     /// A section without the replaced keys keeps its others, its `kind` included. A spring to the ground that a
-    /// robot file records is added to the operator's, as by [`Study::with_robot`].
+    /// robot file records is the robot's, as by [`Study::with_robot`].
     ///
     /// # Errors
     ///
@@ -102,7 +102,7 @@ impl Study {
         sections: &BTreeMap<String, Replacement>,
     ) -> Result<Self> {
         let changes = Changes::new(robots, sections)?;
-        let mut study = Self::read(Source::file(text), Some(&changes)).map_err(|mut refusal| {
+        Self::read(Source::file(text), Some(&changes)).map_err(|mut refusal| {
             for (i, file) in robots.into_iter().enumerate() {
                 let section = format!("robot{}", i + 1);
                 if let Some(file) = file
@@ -112,13 +112,6 @@ impl Study {
                 }
             }
             refusal
-        })?;
-        for (i, file) in robots.into_iter().enumerate() {
-            let Some(file) = file else { continue };
-            if let Some(springs) = file.record()?.stiffness {
-                study = study.with_ground_springs(i, &springs, file.name())?;
-            }
-        }
-        Ok(study)
+        })
     }
 }

@@ -15,6 +15,7 @@ const ROBOT: Keys = Keys::Fixed(&[
     "mass",
     "damping",
     "coulomb",
+    "ground_stiffness",
     "mass_sd",
     "damping_sd",
     "mass_damping_correlation",

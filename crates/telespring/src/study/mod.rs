@@ -40,6 +40,7 @@ mod keys;
 mod laboratory;
 mod network;
 mod operator;
+mod other_files;
 mod protocol;
 mod python;
 mod reader;
@@ -58,7 +59,7 @@ use crate::quantity;
 use crate::verdicts::{Network, OperatorRange};
 use changes::Changes;
 use network::read_network;
-use operator::read_operator;
+use operator::{read_operator, with_spring};
 use reader::Reader;
 use robot::{RobotSection, read_robots};
 use source::Source;
@@ -101,6 +102,9 @@ pub struct Study {
     name: String,
     robots: [RobotSection; 2],
     dyad: Dyad,
+    /// What the sections of the operators say.
+    hands: [OperatorRange; 2],
+    /// The hands together with the robots' own springs, if any value is a range.
     operator_ranges: Option<[OperatorRange; 2]>,
     stiffness: Option<f64>,
     /// False if the delay of the network is 0 only because none is given.
@@ -136,10 +140,15 @@ impl Study {
             robots: ["H-MAN 1", "H-MAN 2"].map(|name| RobotSection {
                 name: Some(name.to_owned()),
                 coulomb: vec![0.0; 2],
+                ground_stiffness: vec![0.0; 2],
                 uncertainty: None,
             }),
             stiffness: Some(paper_stiffness(&dyad)),
             has_delay: true,
+            hands: dyad
+                .operators()
+                .each_ref()
+                .map(|free| OperatorRange::new(free.clone(), free.clone()).expect("one operator is a range")),
             dyad,
             operator_ranges: None,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
@@ -174,7 +183,12 @@ impl Study {
         let reader = Reader::new(source, changes)?;
         let [(robot1, section1), (robot2, section2)] = read_robots(&reader)?;
         let axes = robot1.axes().len();
-        let ranges = [read_operator(&reader, "operator1", axes)?, read_operator(&reader, "operator2", axes)?];
+        let hands = [read_operator(&reader, "operator1", axes)?, read_operator(&reader, "operator2", axes)?];
+        let together = |i: usize, section: &RobotSection| {
+            with_spring(&hands[i], &section.ground_stiffness)
+                .map_err(|error| reader.place(&format!("operator{}", i + 1), error))
+        };
+        let ranges = [together(0, &section1)?, together(1, &section2)?];
         let single = ranges.iter().all(|range| range.low() == range.high());
         let operators = ranges.each_ref().map(OperatorRange::middle);
         let stiffness = reader.get("coupling", "stiffness");
@@ -189,6 +203,7 @@ impl Study {
             name: reader.name()?.unwrap_or_else(|| UNNAMED.to_owned()),
             robots: [section1, section2],
             dyad,
+            hands,
             operator_ranges: (!single).then_some(ranges),
             stiffness,
             has_delay: reader.get("network", "delay").is_some(),
@@ -218,6 +233,13 @@ impl Study {
     /// The names of the study's robots, if given.
     pub fn robot_names(&self) -> [Option<&str>; 2] {
         self.robots.each_ref().map(|robot| robot.name.as_deref())
+    }
+
+    /// The stiffness of a spring between each robot and the ground, N/m per axis; 0 without one.
+    ///
+    /// Dyad and operator ranges include it: the equations have one place for it and the operator's stiffness.
+    pub fn ground_stiffness(&self) -> [&[f64]; 2] {
+        self.robots.each_ref().map(|robot| robot.ground_stiffness.as_slice())
     }
 
     /// The study's dyad; for operator ranges with the middle of each range.

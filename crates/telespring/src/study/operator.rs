@@ -12,7 +12,7 @@ use crate::verdicts::OperatorRange;
 pub(super) fn read_operator(reader: &Reader<'_>, section: &str, axes: usize) -> Result<OperatorRange> {
     let keys = [
         ("mass", quantity::ADDED_MASS),
-        ("damping", quantity::DAMPING),
+        ("damping", quantity::OPERATOR_DAMPING),
         ("stiffness", quantity::GROUND_STIFFNESS),
     ];
     let mut spans = Vec::with_capacity(3);
@@ -34,4 +34,14 @@ pub(super) fn read_operator(reader: &Reader<'_>, section: &str, axes: usize) -> 
     let place = |error: InvalidInput| reader.place(section, error);
     let (low, high) = (end(|span| span.low).map_err(place)?, end(|span| span.high).map_err(place)?);
     OperatorRange::new(low, high).map_err(place)
+}
+
+/// The range of an operator together with the robot's own spring to the ground (N/m per axis): the equations
+/// have one place for both.
+pub(super) fn with_spring(hand: &OperatorRange, spring: &[f64]) -> Result<OperatorRange> {
+    let sum = |operator: &Operator| {
+        let stiffness = operator.stiffness().iter().zip(spring).map(|(own, more)| own + more);
+        Operator::new(operator.mass().to_vec(), operator.damping().to_vec(), stiffness.collect())
+    };
+    OperatorRange::new(sum(hand.low())?, sum(hand.high())?)
 }

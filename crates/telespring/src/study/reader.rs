@@ -6,6 +6,7 @@ use toml::de::{DeTable, DeValue};
 use super::changes::Changes;
 use super::entry::Entry;
 use super::keys::{Keys, REHEARSAL, SECTIONS, TOP, toml_key};
+use super::other_files::{is_robot_file, remedy_for_table};
 use super::source::{Source, UnknownKey};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::Quantity;
@@ -46,6 +47,15 @@ impl<'a> Reader<'a> {
 
     /// The reader's check that all sections are known, and the keys in them.
     fn check_keys(&self) -> Result<()> {
+        if is_robot_file(&self.table) {
+            return Err(InvalidInput::new(
+                "study",
+                "[robot]",
+                "this is a robot file, which has one robot; a study has [robot1] and [robot2]",
+                "Give it as a robot: telespring decide --robot FILE --robot FILE for two such robots. In Python, \
+                 pass it to Study.with_robot.",
+            ));
+        }
         let sections: Vec<&str> = SECTIONS.iter().map(|(name, _)| *name).collect();
         let mut top = TOP.to_vec();
         top.extend(&sections);
@@ -241,7 +251,7 @@ fn parse(source: Source<'_>) -> Result<DeTable<'_>> {
             "study",
             format!("{:?}", content.chars().take(60).collect::<String>()),
             format!("a study must be valid TOML: {}", error.message().trim().replace('\n', ", ")),
-            format!("Correct line {line}."),
+            remedy_for_table(text).map_or_else(|| format!("Correct line {line}."), str::to_owned),
         )
     })?;
     Ok(table.into_inner())

@@ -67,8 +67,7 @@ impl Study {
 
     /// The study with one of its robots replaced by that of a robot file; robots are counted from 0.
     ///
-    /// Where the file records a spring between the robot and the ground, its stiffness is added to that of
-    /// the operator on this side: the equations have one place for both.
+    /// Where the file records a spring between the robot and the ground, it is the robot's `ground_stiffness`.
     ///
     /// # Errors
     ///
@@ -76,44 +75,13 @@ impl Study {
     pub fn with_robot(&self, robot: usize, file: &RobotFile) -> Result<Self> {
         let section = format!("robot{}", robot + 1);
         let mut tables = self.tables();
-        tables.insert(section.clone(), Value::Table(file.robot().clone()));
+        tables.insert(section.clone(), Value::Table(file.robot()?));
         let mut study = Self::from_tables(&tables).map_err(|mut refusal| {
             file.sign(&mut refusal, &section);
             refusal
         })?;
         study.holders = self.holders;
-        match file.record()?.stiffness {
-            Some(springs) if robot < 2 => study.with_ground_springs(robot, &springs, file.name()),
-            _ => Ok(study),
-        }
-    }
-
-    /// The study with springs (N/m per axis) added between one robot and the ground.
-    pub(super) fn with_ground_springs(&self, robot: usize, springs: &[f64], file: &str) -> Result<Self> {
-        let (low, high) = match self.operator_ranges() {
-            Some(ranges) => (ranges[robot].low(), ranges[robot].high()),
-            None => (&self.dyad.operators()[robot], &self.dyad.operators()[robot]),
-        };
-        let axes = low.stiffness().len();
-        if springs.len() != axes {
-            return Err(InvalidInput::new(
-                "identification.stiffness",
-                format!("{} values", springs.len()),
-                format!("one stiffness per axis is required, here {axes}"),
-                format!("Leave it as `telespring identify --out` wrote it. See [identification] in {file}."),
-            ));
-        }
-        let ends = low.stiffness().iter().zip(high.stiffness());
-        let stiffness = ends.zip(springs).map(|((low, high), spring)| {
-            if low.to_bits() == high.to_bits() {
-                return Value::Float(low + spring);
-            }
-            let end = |key: &str, value: f64| (key.to_owned(), Value::Float(value + spring));
-            Value::Table([end("min", *low), end("max", *high)].into_iter().collect())
-        });
-        let keys = [("stiffness".to_owned(), Some(Value::Array(stiffness.collect())))];
-        let section = format!("operator{}", robot + 1);
-        self.replace(&[(section, Replacement::Keys(keys.into()))].into())
+        Ok(study)
     }
 
     /// Whether the study names what holds a handle in its rehearsal: whether its file has one of the sections

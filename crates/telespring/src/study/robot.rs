@@ -25,6 +25,8 @@ pub struct Uncertainty {
 pub(super) struct RobotSection {
     pub name: Option<String>,
     pub coulomb: Vec<f64>,
+    /// Stiffness of a spring between the robot and the ground, N/m per axis.
+    pub ground_stiffness: Vec<f64>,
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -77,7 +79,9 @@ pub(super) fn read_robot(
     let robot = Robot::new(lower_ends(&masses, count), lower_ends(&dampings, count), axes)
         .map_err(|error| reader.place(section, error))?;
     let coulomb = read_per_axis_or_zero(reader, section, "coulomb", quantity::COULOMB, count)?;
-    Ok((robot, RobotSection { name, coulomb, uncertainty: read_uncertainty(reader, section, count)? }))
+    let spring = read_per_axis_or_zero(reader, section, "ground_stiffness", quantity::ROBOT_SPRING, count)?;
+    let uncertainty = read_uncertainty(reader, section, count)?;
+    Ok((robot, RobotSection { name, coulomb, ground_stiffness: spring, uncertainty }))
 }
 
 /// Reads the standard deviations and correlations of a robot.

@@ -2,7 +2,12 @@
 
 use toml::{Table, Value};
 
+use super::other_files::{remedy_for_table, section_of_study};
+
 use crate::error::{InvalidInput, Result};
+
+/// The key of a robot's spring to the ground.
+const SPRING: &str = "ground_stiffness";
 
 /// A robot file: the section [robot] with the keys of [robot1] in a study, and as a record [identification].
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +55,7 @@ impl RobotFile {
                 name,
                 "text",
                 format!("a robot file is TOML text, and this is not: {reason} (line {line})"),
-                "Correct that line, or check that this is the robot file.",
+                remedy_for_table(text).unwrap_or("Correct that line, or check that this is the robot file."),
             )
         })?;
         let robot = tables.remove("robot");
@@ -59,8 +64,14 @@ impl RobotFile {
             let allowed = "a robot file has only the sections [robot] and [identification]";
             Err(InvalidInput::new(name, value, allowed, remedy))
         };
+        if let Some(section) = section_of_study(tables.keys()) {
+            return refuse(
+                format!("[{section}]"),
+                "This is a study: give it as the study, without --robot. Its robots are in it.",
+            );
+        }
         if let Some(other) = tables.keys().next() {
-            return refuse(format!("[{other}]"), "If this is a study file, pass it as the study instead.");
+            return refuse(format!("[{other}]"), "Remove it, or check that this is the robot file.");
         }
         let Some(Value::Table(robot)) = robot else {
             return refuse(
@@ -80,17 +91,23 @@ impl RobotFile {
         &self.name
     }
 
-    /// The keys of the robot in the robot file.
-    pub(super) fn robot(&self) -> &Table {
-        &self.robot
+    /// The keys of the robot in the robot file as a study has them, with the spring that identification found.
+    pub(super) fn robot(&self) -> Result<Table> {
+        let mut robot = self.robot.clone();
+        if let Some(springs) = self.record()?.stiffness {
+            robot.entry(SPRING).or_insert_with(|| Value::from(springs));
+        }
+        Ok(robot)
     }
 
     /// Names the file in the refusal of a robot that a study has as `section`.
     pub(super) fn sign(&self, refusal: &mut InvalidInput, section: &str) {
         let (of_study, of_file) = (format!("[{section}]"), "[robot]");
         refusal.allowed = refusal.allowed.replace(&of_study, of_file);
+        let is_recorded = refusal.field.contains(SPRING) && !self.robot.contains_key(SPRING);
+        let place = if is_recorded { "stiffness in [identification]" } else { of_file };
         refusal.remedy =
-            format!("{} See [robot] in {}.", refusal.remedy.replace(&of_study, of_file), self.name);
+            format!("{} See {place} in {}.", refusal.remedy.replace(&of_study, of_file), self.name);
     }
 
     /// What the section [identification] of a robot file records; nothing where it is missing.

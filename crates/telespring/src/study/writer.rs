@@ -28,6 +28,9 @@ pub(super) fn to_toml(study: &Study) -> String {
         if section.coulomb.iter().any(|&force| force != 0.0) {
             text.write_line("coulomb", list_text(&section.coulomb), "N");
         }
+        if section.ground_stiffness.iter().any(|&spring| spring != 0.0) {
+            text.write_line("ground_stiffness", list_text(&section.ground_stiffness), "N/m");
+        }
         if let Some(uncertainty) = &section.uncertainty {
             text.write_line("mass_sd", list_text(&uncertainty.mass_sd), "kg");
             text.write_line("damping_sd", list_text(&uncertainty.damping_sd), "N·s/m");
@@ -35,10 +38,7 @@ pub(super) fn to_toml(study: &Study) -> String {
         }
     }
     for i in 0..2 {
-        let (low, high) = match &study.operator_ranges {
-            Some(ranges) => (ranges[i].low(), ranges[i].high()),
-            None => (&study.dyad.operators()[i], &study.dyad.operators()[i]),
-        };
+        let (low, high) = (study.hands[i].low(), study.hands[i].high());
         let free = Operator::free(low.mass().len());
         if *low == free && *high == free {
             continue;

@@ -20,12 +20,10 @@ use super::gain::{largest_holding, log_gain};
 use super::operators::{OperatorBox, OperatorPair};
 use super::ranges::{Family, SideRange};
 use super::sampled_gain::free_stiffness;
+use super::tightness::is_tight;
 use super::zero_order_hold::SampledPlant;
 use super::{Network, Unavailable};
 use crate::model::Side;
-
-/// A bound counts as tight if the rule fails at this multiple of it.
-const LOOSE: f64 = 1.05;
 
 /// A bound of tier 1 over a range of operators.
 pub(super) struct RangeBound {
@@ -53,7 +51,7 @@ pub(super) fn range_bound(region: &OperatorBox, network: &Network) -> RangeBound
             bound: Ok((bound.proven, bound.attained)),
             least_found: Some(bound.found),
             worst,
-            is_tight: LOOSE * bound.proven >= bound.found,
+            is_tight: is_tight(bound.proven, bound.found),
         };
     }
     if damper > 0.0 {

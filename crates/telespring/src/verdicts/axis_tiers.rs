@@ -2,6 +2,7 @@
 
 use super::operators::{OperatorBox, OperatorPair, OperatorPoint, operator_points};
 use super::ranges::{CertifiedBound, Crossing, Family};
+use super::tightness::is_tight;
 use super::{Network, Tier, Unavailable, any_network_range, bounded_delay};
 use crate::criteria::{
     critical_stiffness, is_delay_independent, is_in_any, maximum_delay, maximum_stiffness, stable_delays,
@@ -50,9 +51,6 @@ pub(super) struct MaximumDelay {
     pub is_proven: bool,
 }
 
-/// A bound counts as tight if it is at least this part of the smallest one found for a single pair of operators.
-const TIGHT: f64 = 0.95;
-
 impl MaximumDelay {
     /// The exact end for one pair of operators, or for all of them.
     fn exact(delay: f64) -> Self {
@@ -68,7 +66,7 @@ impl MaximumDelay {
             least_found = least_found.min(maximum_delay(&region.axis(at), k)?);
         }
         let bound = (0.5 * certified.value).min(least_found);
-        Ok(Self { bound, least_found, is_proven: certified.is_finished && bound >= TIGHT * least_found })
+        Ok(Self { bound, least_found, is_proven: certified.is_finished && is_tight(bound, least_found) })
     }
 }
 
@@ -142,7 +140,7 @@ fn over_range(
         stiffness_bound: Some(bound),
         attained: false,
         satisfied: satisfied == Some(true),
-        proven: certified.is_finished && satisfied.is_some() && bound >= TIGHT * worst.1,
+        proven: certified.is_finished && satisfied.is_some() && is_tight(bound, worst.1),
         least_found: Some(worst.1),
         operators: operator_points(&worst.0),
         unavailable: None,

@@ -3,6 +3,7 @@
 use super::operators::{OperatorBox, OperatorPair, OperatorRange};
 use super::ranges::Crossing;
 use super::sampled_delays::DelayPath;
+use super::tightness::is_tight;
 use super::{Network, check_ranges, sampled_maximum_delay, sampled_spectral_radius};
 use crate::criteria::maximum_delay;
 use crate::error::Result;
@@ -24,9 +25,6 @@ pub struct DelayLimit {
     /// The axis with the limit.
     pub worst_axis: usize,
 }
-
-/// A limit over a range counts as tight up to this ratio.
-const LOOSE: f64 = 1.05;
 
 /// The limit of one axis: a delay that holds for all its operators, the least found for one pair, and whether the
 /// search ended.
@@ -78,7 +76,7 @@ fn continuous_limit(region: &OperatorBox, k: f64) -> Result<AxisLimit> {
         least_found = least_found.min(maximum_delay(&region.axis(&at), k)?);
     }
     let delay = (0.5 * first.value).min(least_found);
-    Ok(AxisLimit { delay, least_found, is_finished: first.is_finished && LOOSE * delay >= least_found })
+    Ok(AxisLimit { delay, least_found, is_finished: first.is_finished && is_tight(delay, least_found) })
 }
 
 /// The limit of one axis under sampled controllers.
@@ -108,7 +106,7 @@ fn sampled_limit(region: &OperatorBox, network: &Network, k: f64) -> Result<Axis
     } else {
         0.0
     };
-    let is_tight = LOOSE * delay + h >= least_found;
+    let is_tight = is_tight(delay, least_found - h);
     Ok(AxisLimit { delay, least_found, is_finished: first.is_finished && is_tight })
 }
 

@@ -67,9 +67,12 @@ fn is_axis_stable_over_delays(
         let continuous = holds_both(&stable_delays(&member, k, 2.0 * to + 1.0)?);
         let sampled = || -> Result<bool> {
             let intervals = sampled_stable_delays(&member, k, network, 2.0 * to + 1.0)?;
-            // An end is stable itself, apart from the rounding of the delay.
-            let slack = 1e-9 * to;
-            Ok(intervals.iter().any(|&(start, end)| (start < from || start == 0.0) && to <= end + slack))
+            // In whole periods, as the controllers count: an end is stable itself, and a start is not.
+            let path = DelayPath::new(network);
+            Ok(intervals.iter().any(|&(start, end)| {
+                (start == 0.0 || path.ticks(start) < path.ticks(from))
+                    && (to <= end || path.ticks(to) <= path.ticks(end))
+            }))
         };
         return Ok(continuous && (!is_sampled || sampled()?));
     }

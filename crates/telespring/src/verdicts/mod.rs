@@ -31,6 +31,7 @@ mod sampled_gain;
 mod sampled_line;
 mod sampled_range;
 mod sampled_roots;
+mod tightness;
 mod zero_order_hold;
 
 pub use axis_tiers::AxisTier;

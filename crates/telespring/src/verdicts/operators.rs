@@ -186,12 +186,18 @@ impl OperatorBox {
     /// The operators with which both sides have these values of mass, damping and stiffness.
     pub fn operators_of(&self, sides: &[[f64; 3]; 2]) -> OperatorPair {
         let mut at = [0.0; 6];
-        for (i, [mass, damping, stiffness]) in sides.iter().enumerate() {
+        for (i, side) in sides.iter().enumerate() {
             let robot = &self.robots[i];
-            at[3 * i..3 * i + 3].copy_from_slice(&[mass - robot.mass, damping - robot.damping, *stiffness]);
-        }
-        for (value, [low, high]) in at.iter_mut().zip(self.ends) {
-            *value = value.clamp(low, high);
+            for (j, (value, own)) in side.iter().zip([robot.mass, robot.damping, 0.0]).enumerate() {
+                let [low, high] = self.ends[3 * i + j];
+                // The difference has the rounding of the side's value: an end stays the end.
+                let rounding = 1e-12 * (own + low.abs().max(high.abs()));
+                at[3 * i + j] = match value - own {
+                    apart if apart <= low + rounding => low,
+                    apart if apart >= high - rounding => high,
+                    apart => apart,
+                };
+            }
         }
         at
     }

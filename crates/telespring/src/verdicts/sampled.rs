@@ -55,7 +55,7 @@ pub fn sampled_spectral_radius(
 }
 
 /// The softest spring, relative to the limit, that is tested where theory does not decide.
-const SOFTEST: f64 = 1e-6;
+pub(super) const SOFTEST: f64 = 1e-6;
 
 /// The smallest stiffness (N/m) up to `limit` at which a multiplier of the dyad under sampled controllers reaches
 /// the unit circle, or `limit`; 0 if even a soft spring is unstable. Every smaller stiffness is stable.

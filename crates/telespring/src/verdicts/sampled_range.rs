@@ -2,7 +2,9 @@
 
 use super::operators::{OperatorBox, OperatorPair};
 use super::ranges::{CertifiedBound, Crossing, Family};
+use super::sampled::SOFTEST;
 use super::sampled_roots::SampledSpectrum;
+use super::tightness::LOOSE;
 use super::{Network, bounded_delay, sampled, sampled_spectral_radius};
 use crate::error::Result;
 use crate::model::Delay;
@@ -31,15 +33,11 @@ fn soft_stiffness(family: &Family, network: &Network) -> f64 {
     bounded_delay::stiffness_bound(family.sides.map(|side| side.damping.0), ages, own)
 }
 
-/// The bound counts as tight if an operator is unstable at this multiple of it.
-const LOOSE: f64 = 1.05;
 /// Just beyond the bound of one pair of operators, where even a narrow window is unstable.
 const BEYOND: f64 = 1.0001;
 
-/// With a coupling damper the rule of tier 2 is missing, and the search starts at this part of the limit, or at a
-/// stiffer spring if it cannot decide there.
-const SOFTEST: f64 = 1e-6;
-/// The start grows by this factor.
+/// With a coupling damper the rule of tier 2 is missing: the search starts at the softest spring, or at one stiffer by
+/// this factor if it cannot decide there.
 const STIFFER: f64 = 100.0;
 /// The largest start, N/m: robots are not coupled by softer springs.
 const LARGEST_START: f64 = 0.1;

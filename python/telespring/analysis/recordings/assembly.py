@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from telespring._errors import InvalidInput
+from telespring._quantities import format_number
 from telespring._types import FloatArray
 from telespring.analysis.recordings.checks import refuse
 from telespring.analysis.recordings.layout import AXES, QUANTITIES, SI, TARGET
@@ -95,6 +96,10 @@ def assemble_dataset(
     variables["status"] = (per_trial, status.astype(str))
     if np.any((status == "completed") & (samples < len(time))):
         variables["samples"] = (per_trial, samples)
+    files = np.full(shape, "", dtype=object)
+    for i, j, trial in placed:
+        files[i, j] = trial.entry.file
+    variables["file"] = (per_trial, files.astype(str))
     first = trials[0].entry
     if first.ended_at is not None:
         ended_at = np.full(shape, np.nan)
@@ -190,8 +195,8 @@ def _resample_recorded_trials(trials: list[RecordedTrial]) -> tuple[list[Recorde
         if count < 2:
             refuse(
                 trial.entry.file,
-                f"ends at {trial.time[-1]:g} s",
-                f"trials must overlap in time, but others begin only at {begin:g} s",
+                f"ends at {format_number(trial.time[-1], 6)} s",
+                f"trials must overlap in time, but others begin only at {format_number(begin, 6)} s",
                 "Remove this trial, or record all trials from their start.",
             )
         time = begin + period * np.arange(count)

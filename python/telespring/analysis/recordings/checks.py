@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._files import spelt_otherwise
+from telespring._quantities import format_count, format_number, format_time
 from telespring._types import FloatArray
 from telespring.analysis.recordings.layout import (
     DYAD_COLUMNS,
@@ -222,7 +223,7 @@ def check_recorded_times(file: str, time: FloatArray, lines: NDArray[np.int_]) -
     `lines` are the numbers of their lines in the file.
     """
     if len(time) < 2:
-        refuse(file, f"{len(time)} samples", "at least two are required")
+        refuse(file, format_count(len(time), "sample"), "at least two are required")
     steps = np.diff(time)
     if not np.all(steps > 0.0):
         later = int(np.argmax(steps <= 0.0)) + 1
@@ -236,7 +237,7 @@ def check_recorded_times(file: str, time: FloatArray, lines: NDArray[np.int_]) -
     if step > _LARGEST_STEP:
         refuse(
             f"{file}: {TIME}",
-            f"a sample every {step:g} s",
+            f"a sample every {format_time(step, 6)}",
             f"samples at most {_LARGEST_STEP:g} s apart are required",
             "Divide by 1000 if the times are in ms.",
         )
@@ -250,8 +251,8 @@ def check_recorded_times(file: str, time: FloatArray, lines: NDArray[np.int_]) -
     if steps.max() > _LONGEST_GAP * step:
         refuse(
             f"{file}, line {lines[int(np.argmax(steps)) + 1]}: {TIME}",
-            f"{steps.max():.4g} s without a sample",
-            f"gaps of up to {_LONGEST_GAP:g} samples ({_LONGEST_GAP * step:.4g} s) are allowed",
+            f"{format_time(steps.max())} without a sample",
+            f"gaps of up to {_LONGEST_GAP:g} samples ({format_time(_LONGEST_GAP * step)}) are allowed",
             "Remove this trial, or end it before the gap.",
         )
 
@@ -262,7 +263,7 @@ def check_recorded_metres(file: str, quantity: str, values: FloatArray) -> None:
     if typical > _LARGEST_POSITION:
         refuse(
             f"{file}: {quantity}",
-            f"typically {typical:.2g}",
+            f"typically {format_number(typical, 2)}",
             f"positions in m are required, and no robot reaches {_LARGEST_POSITION:g} m",
             "Divide by 1000 if they are in mm.",
         )

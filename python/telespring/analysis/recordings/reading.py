@@ -71,6 +71,14 @@ def read_recorded(path: str | os.PathLike[str], task: Task | Mapping[str, Any] |
     return assemble_dataset(trials, task, study.read_text(encoding="utf-8-sig") if study.is_file() else None)
 
 
+def recorded_files(path: Path) -> list[Path]:
+    """List the files of recorded trials: their list, the study beside it if there is one, and the trials."""
+    index = spelt_otherwise(path / INDEX) if path.is_dir() else path
+    study = spelt_otherwise(index.parent / STUDY)
+    files = [spelt_otherwise(index.parent / entry.file) for entry in _read_list_of_trials(index)]
+    return [index, *([study] if study.is_file() else []), *files]
+
+
 def _read_list_of_trials(path: Path) -> list[TrialEntry]:
     """Read the list of trials; no trial and no file may be listed twice."""
     table = _read_recorded_csv(path, path.name, text=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.analysis.identifiers import trial_dyads, trial_numbers
+from telespring.analysis.identifiers import trial_dyads, trial_files, trial_numbers
 from telespring.analysis.layout import PER_SAMPLE, check_layout, trial_statuses
 from telespring.analysis.recordings.layout import (
     AXES,
@@ -41,7 +42,8 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     dataset : xarray.Dataset
         Trials in the layout that `telespring.analysis.Trials.from_dataset` describes.
     folder : path
-        Destination; created if missing. It must not contain a list of trials yet.
+        Destination; created if missing. It must not contain a list of trials yet. The files are named as
+        before, where their names are known.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     Raises
     ------
     telespring.InvalidInput
-        If the folder already contains a list of trials.
+        If the folder already contains a list of trials, or a trial's file.
     OSError
         If the folder cannot be written.
 
@@ -78,16 +80,34 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
             "Choose another folder, or remove that file.",
         )
     dataset = check_layout(dataset)
+    study = place / STUDY
+    text = str(dataset.attrs.get("study", ""))
+    if text and study.exists() and study.read_bytes() != text.encode():
+        raise InvalidInput(
+            "folder",
+            str(place),
+            f"a folder without another {STUDY} is required: the trials bring theirs",
+            "Choose another folder, or rename that file.",
+        )
     status = trial_statuses(dataset)
     numbers, dyads = trial_numbers(dataset, status), trial_dyads(dataset, status)
     _check_trial_numbers(dataset, numbers, dyads, status)
     columns = _trial_file_columns(dataset)
+    files = _file_names(dataset, status)
+    for file in files.values():
+        if (place / file).exists():
+            raise InvalidInput(
+                "folder",
+                str(place),
+                f"a folder without {file} is required, so that no recording is replaced",
+                "Choose another folder, or remove that file.",
+            )
     has_position = dataset["position"].notnull().all(["robot", "axis"])
     rows: list[dict[str, Any]] = []
     for i, j in np.argwhere(status != "absent").tolist():
         trial = dataset.isel(condition=i, trial=j)
         stiffness, delay = float(trial["stiffness"]), float(trial["delay"])
-        file = f"{condition_label(stiffness, delay)}-{i + 1:02d}-{j + 1:03d}.csv"
+        file = files[i, j]
         # Nothing was recorded after the end of a trial.
         recorded = np.flatnonzero(has_position.isel(condition=i, trial=j))
         samples = columns.isel(condition=i, trial=j, time=slice(recorded[-1] + 1 if len(recorded) else None))
@@ -113,6 +133,22 @@ def write_recorded(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     if "study" in dataset.attrs:
         write_whole(place / STUDY, dataset.attrs["study"])
     return write_whole(index, pd.DataFrame(rows).to_csv(index=False, lineterminator="\n"))
+
+
+def _file_names(dataset: xr.Dataset, status: NDArray[np.str_]) -> dict[tuple[int, int], str]:
+    """Name the file of every trial as it was, where all of these names can be used in one folder again."""
+    places = [(int(i), int(j)) for i, j in np.argwhere(status != "absent")]
+    known = trial_files(dataset)
+    if known is not None:
+        names = {place: str(known[place]) for place in places}
+        are_plain = all(
+            re.fullmatch(r"\w[\w .+-]*\.csv", name, re.IGNORECASE) and name.casefold() != INDEX
+            for name in names.values()
+        )
+        if are_plain and len({name.casefold() for name in names.values()}) == len(names):
+            return names
+    settings = list(zip(dataset["stiffness"].values.tolist(), dataset["delay"].values.tolist(), strict=True))
+    return {(i, j): f"{condition_label(*settings[i])}-{i + 1:02d}-{j + 1:03d}.csv" for i, j in places}
 
 
 def _check_trial_numbers(

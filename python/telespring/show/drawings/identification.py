@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from telespring.identification.covariance import NORMAL_HALF_WIDTH
 from telespring.show.figures.identification import (
     ExcitationPanel,
     RegressionPanel,
@@ -81,6 +82,7 @@ def draw_residuals(identification: Identification) -> Figure:
                 autocorrelation=np.array(
                     [float((centred[lag:] * centred[: centred.size - lag]).sum()) / total for lag in lags]
                 ),
+                bound=NORMAL_HALF_WIDTH / axis.residual.size**0.5,
             )
         )
     return residual_figure(panels)

@@ -54,7 +54,10 @@ class RegressionPanel:
 
 @dataclass(frozen=True, eq=False)
 class ResidualPanel:
-    """Residuals of one axis, N, their autocorrelation at lags in s, and which samples the fit used."""
+    """Residuals of one axis, N, their autocorrelation at lags in s, and which samples the fit used.
+
+    The autocorrelation of independent residuals lies within `bound` of 0 at 95 % of the lags.
+    """
 
     axis: str
     time: FloatArray
@@ -63,6 +66,7 @@ class ResidualPanel:
     used: np.ndarray[Any, np.dtype[np.bool_]]
     lags: FloatArray
     autocorrelation: FloatArray
+    bound: float
 
 
 def excitation_figure(movements: Sequence[ExcitationPanel]) -> Figure:
@@ -172,7 +176,7 @@ def residual_figure(panels: Sequence[ResidualPanel]) -> Figure:
             over_time.set_ylabel("Residual, N")
             if not used.all():
                 over_time.legend(loc="upper right")
-            bound = 1.96 / np.sqrt(panel.residual.size)
+            bound = panel.bound
             correlation.axhspan(
                 -bound, bound, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, label="if independent"
             )

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
 from telespring.show.figures.style import (
@@ -30,8 +31,10 @@ __all__ = [
     "MapColumn",
     "StudyMark",
     "draw_axis_boundaries",
+    "draw_condition",
     "draw_stable_region",
     "draw_study_mark",
+    "draw_varying_boundary",
     "region_map",
     "stable_depth",
     "tier_map",
@@ -133,18 +136,19 @@ def draw_stable_region(
 
 
 def draw_axis_boundaries(
-    axes: Axes, boundaries: Sequence[tuple[str, Floats]], stiffness: Floats, delay: Floats
+    axes: Axes, boundaries: Sequence[tuple[str, Floats]], stiffness: Floats, delay: Floats, **shade: Any
 ) -> list[Line2D]:
     """Shade what is stable on every axis, and draw the boundary of each; return the lines for a legend.
 
-    `boundaries` has the name of each axis, and how far the points (delay, stiffness) lie inside its stable
-    region, negative outside, such as `stable_depth`; the boundary is where this is 0.
+    `boundaries` has a label for the boundary of each axis, and how far the points (delay, stiffness) lie
+    inside its stable region, negative outside, such as `stable_depth`; the boundary is where this is 0.
+    `shade` replaces the colour: what `contourf` takes.
     """
-    _shade(axes, stiffness, delay, np.min([depth for _, depth in boundaries], axis=0))
+    _shade(axes, stiffness, delay, np.min([depth for _, depth in boundaries], axis=0), **shade)
     handles = []
-    for (name, depth), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
+    for (label, depth), colour in zip(boundaries, _AXIS_COLOURS, strict=False):
         _outline(axes, stiffness, delay, depth, colour)
-        handles.append(legend_line(f"boundary of axis {name}", colour))
+        handles.append(legend_line(label, colour))
     axes.set(
         xlim=(0.0, stiffness[-1]),
         ylim=(0.0, 1e3 * delay[-1]),
@@ -152,6 +156,49 @@ def draw_axis_boundaries(
         ylabel="One-way delay δ, ms",
     )
     return handles
+
+
+def draw_varying_boundary(axes: Axes, depth: Floats, stiffness: Floats, delay: Floats, label: str) -> Line2D:
+    """Shade what is proven while the delay varies, and draw its limit; return the line for a legend."""
+    style = COLOURS["black"], DASHES[3]
+    _shade(axes, stiffness, delay, depth)
+    _outline(axes, stiffness, delay, depth, style[0], style[1])
+    return legend_line(label, *style)
+
+
+def draw_condition(
+    axes: Axes, stiffness: float | None, delay: float | None, verdict: str | None
+) -> list[Line2D]:
+    """Mark a condition by a star and its verdict, or by a line where only one of both is known."""
+    style: dict[str, Any] = {"color": COLOURS["black"], "linestyle": DASHES[0], "linewidth": 1.2}
+    if stiffness is None or delay is None:
+        if stiffness is not None:
+            axes.axvline(stiffness, **style)
+            return [legend_line("this stiffness", COLOURS["black"], DASHES[0])]
+        if delay is not None:
+            axes.axhline(1e3 * delay, **style)
+            return [legend_line("this delay", COLOURS["black"], DASHES[0])]
+        return []
+    if verdict is not None:
+        _write_verdict(axes, stiffness, delay, verdict)
+    return draw_study_mark(axes, StudyMark(stiffness, delay, delay), "this condition")
+
+
+def _write_verdict(axes: Axes, stiffness: float, delay: float, verdict: str) -> None:
+    """Write the answer beside a star: towards the middle, so that it stays on the map."""
+    to_left, down = stiffness > 0.6 * axes.get_xlim()[1], 1e3 * delay > 0.85 * axes.get_ylim()[1]
+    axes.annotate(
+        verdict.upper(),
+        (stiffness, 1e3 * delay),
+        xytext=(-8 if to_left else 8, -9 if down else 5),
+        textcoords="offset points",
+        ha="right" if to_left else "left",
+        fontsize=8.0,
+        fontweight="bold",
+        color=COLOURS["black"],
+        zorder=8,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+    )
 
 
 def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style: Any) -> None:
@@ -167,9 +214,17 @@ def _shade(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, **style:
         )
 
 
-def _outline(axes: Axes, stiffness: Floats, delay: Floats, depth: Floats, colour: str) -> None:
+def _outline(
+    axes: Axes,
+    stiffness: Floats,
+    delay: Floats,
+    depth: Floats,
+    colour: str,
+    dashes: LineStyleType = "solid",
+) -> None:
     if (depth > 0.0).any() and (depth < 0.0).any():
-        axes.contour(stiffness, 1e3 * delay, depth, levels=[0.0], colors=[colour], linewidths=1.2)
+        drawn: dict[str, Any] = {"colors": [colour], "linestyles": [dashes], "linewidths": 1.2}
+        axes.contour(stiffness, 1e3 * delay, depth, levels=[0.0], **drawn)
 
 
 def tier_map(
@@ -182,25 +237,31 @@ def tier_map(
     extent: tuple[float, float],
     mark: StudyMark | None = None,
     stable_for: str = "all axes",
+    judged: NDArray[np.float64] | None = None,
+    verdict: str | None = None,
+    is_sampled: bool = False,
 ) -> Figure:
     """Draw what each tier allows, with the exact boundary of every axis and the paper's.
 
     `any_network` and `any_constant` are the stiffnesses (N/m) that the two delay-free verdicts allow, and
     `bounded` is the limit of the varying-delay verdict: stiffness (N/m) and longest one-way age of a sample
     (s); None if that verdict is not available. Crosses mark the conditions of the paper's experiment.
-    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study. The legend says by
-    `stable_for` what the region holds for.
+    `extent` is the largest stiffness (N/m) and delay (s) drawn; `mark` is the study, and `verdict` the answer
+    there. The region lies below `judged`, the longest stable delay (s) at each stiffness, if that is given,
+    or else below the boundaries; the legend says by `stable_for` what it holds for. With `is_sampled` only
+    the boundaries and the limit for any constant delay are those of continuous controllers.
     """
     widest, longest = extent
     with figure_style():
         figure = Figure(figsize=(FULL_WIDTH, 4.4), layout="constrained")
         axes = figure.subplots()
         stiffness = axes_shown[0].stiffness
-        worst = np.min([axis.exact for axis in axes_shown], axis=0)
+        worst = np.min([axis.exact for axis in axes_shown], axis=0) if judged is None else judged
         axes.fill_between(stiffness, 0.0, 1e3 * np.minimum(worst, 2 * longest), color=STABLE, linewidth=0.0)
+        continuous = ", continuous controllers" if is_sampled else ""
         for axis, colour in zip(axes_shown, _AXIS_COLOURS, strict=False):
             shown = np.where(np.isfinite(axis.exact), axis.exact, np.nan)
-            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact")
+            axes.plot(axis.stiffness, 1e3 * shown, color=colour, label=f"axis {axis.name}, exact{continuous}")
             if axis.printed is not None:
                 printed = np.where(np.isfinite(axis.printed), axis.printed, np.nan)
                 inside = np.flatnonzero(1e3 * printed < 1e3 * longest)
@@ -221,7 +282,7 @@ def tier_map(
             color=black,
             linestyle=DASHES[1],
             linewidth=1.0,
-            label="any constant delay: left of this",
+            label=f"any constant delay{continuous}: left of this",
         )
         if bounded is not None:
             axes.plot(
@@ -252,8 +313,15 @@ def tier_map(
         handles, _ = axes.get_legend_handles_labels()
         if mark is not None:
             handles += draw_study_mark(axes, mark)
+            if verdict is not None:
+                _write_verdict(axes, mark.stiffness, mark.delay, verdict)
         handles.insert(0, Patch(color=STABLE, label=f"constant delay, stable: {stable_for}"))
-        figure.legend(handles=handles, loc="outside upper center", ncols=3, columnspacing=1.4)
+        figure.legend(
+            handles=handles,
+            loc="outside upper center",
+            ncols=3 if judged is None else 2,
+            columnspacing=1.4,
+        )
     return figure
 
 

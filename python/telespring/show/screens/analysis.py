@@ -13,7 +13,7 @@ from rich.text import Text
 
 from telespring.analysis.statistics import LEVEL, fewest_values
 from telespring.analysis.tracking_errors import tracking_error_name
-from telespring.show.quantities import format_in_column, format_p_value
+from telespring.show.quantities import format_in_column, format_p_value, format_time
 
 __all__ = ["analysis_screen"]
 
@@ -167,12 +167,12 @@ def _test_result_lines(numbers: Mapping[str, Any], resampled_to: float | None) -
         over = "mean ± standard deviation over the dyads, each with the mean of its trials"
     yield Text(
         f"Every trial from {analysed['from']:.4g} to {analysed['to']:.4g} s, sampled every "
-        f"{1e3 * analysed['sample_period']:.4g} ms. TE: tracking error, {over}. "
+        f"{format_time(analysed['sample_period'])}. TE: tracking error, {over}. "
         f"Other columns: means for robot 1|robot 2{forces}."
     )
     if resampled_to is not None:
         yield Text(
-            f"The trials had different sample times and were resampled every {1e3 * resampled_to:.4g} ms."
+            f"The trials had different sample times and were resampled every {format_time(resampled_to)}."
         )
     yield from _baseline_comparison_lines(numbers)
     for test in numbers["kruskal_wallis"]:
@@ -196,16 +196,14 @@ def _group_test_sentence(test: Mapping[str, Any]) -> str:
     symbol, statistic = ("Q", test["q"]) if is_friedman else ("H", test["h"])
     effect = "W" if is_friedman else "ε²"
     size = test["kendalls_w"] if is_friedman else test["epsilon_squared"]
-    how = {"exact": ", exact", "permutation": ", by permutation"}.get(test["method"], "")
-    p_value = format_p_value(test["p"])
-    if test["is_p_bound"]:
-        p_value = f"≤ {test['p']:.1g}"
-        how = f", the smallest that {test['permutations']:,} random permutations can give"
+    how = ", exact" if test["method"] == "exact" else ""
+    if test["method"] == "permutation":
+        how = f", by {test['permutations']:,} random permutations"
     if test["least_p"] is not None and test["least_p"] >= LEVEL:
         how += f" (it cannot be below {_format_least_p(test['least_p'])})"
     return (
         f"TE{test['robot']} over all conditions: {test['test']} {symbol}({test['degrees_of_freedom']}) = "
-        f"{statistic:.2f}, p {p_value}{how}; {effect} = {size:.2f}."
+        f"{statistic:.2f}, p {format_p_value(test['p'])}{how}; {effect} = {size:.2f}."
     )
 
 

@@ -10,18 +10,15 @@ from rich.padding import Padding
 from rich.text import Text
 
 from telespring.decision.decide import Decision
-from telespring.decision.reserve import RESERVE, Status
-from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.decision_answer import answer_lines
+from telespring.show.screens.decision_changes import suggested_changes
 from telespring.show.screens.decision_details import arms_note, decision_details
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
-    allowed_stiffness,
-    delay_clause,
     hand_effect,
     network_clause,
     network_fits,
@@ -34,10 +31,6 @@ from telespring.show.screens.robots import warning_lines
 from telespring.show.tiers import TIERS
 
 __all__ = ["decision_screen"]
-
-
-#: The answers from good to bad.
-_RANKS: dict[Status, int] = {"stable": 0, "marginal": 1, "not proven": 2, "unstable": 3}
 
 
 def decision_screen(
@@ -54,7 +47,7 @@ def decision_screen(
         Padding(Group(*answer_lines(decision, held)), (0, 0, 1, 0)),
         _verdict_table(decision),
         *_verdict_notes(decision),
-        _suggested_changes(decision),
+        suggested_changes(decision),
         *decision_details(decision),
     )
 
@@ -136,99 +129,3 @@ def _paper_note(decision: Decision) -> Text:
     if paper.agrees:
         return Text(f"{text}.")
     return Text.assemble(f"{text}. ", ("The paper's formulas are wrong here.", "yellow"))
-
-
-def _suggested_changes(decision: Decision) -> Padding:
-    title, lines = _changes_for(decision)
-    return Padding(Text.assemble((title, "bold"), *(f"\n  {line}" for line in lines)), (1, 0, 0, 0))
-
-
-def _changes_for(decision: Decision) -> tuple[str, list[str]]:
-    free = decision.free
-    if free is not None and _RANKS[free.status] > _RANKS[decision.status]:
-        title, lines = _changes_for(free)
-        return f"With free handles: t{title[1:]}", lines
-    if decision.varying is not None and not decision.has_playout_buffer:
-        return _changes_while_varying(decision, decision.varying)
-    if decision.status == "marginal":
-        return "To have the reserve: ", [_reserve_change(decision)]
-    if not decision.stable:
-        return "To be stable at a constant delay, one of: ", _stabilising_changes(decision)
-    return "To guarantee stability beyond this constant delay: ", _stronger_guarantees(decision)
-
-
-def _changes_while_varying(decision: Decision, varying: VaryingDelay) -> tuple[str, list[str]]:
-    """Write what makes a network with jitter stable: less stiffness, or a buffer and what helps behind it."""
-    if decision.status == "stable":
-        return "To guarantee stability beyond this network: ", _stronger_guarantees(decision)
-    lines = []
-    if varying.usable_stiffness > 0.0 and math.isfinite(varying.usable_stiffness):
-        lines.append(f"a stiffness of at most {format_stiffness(varying.usable_stiffness)}")
-    buffer = f"a playout buffer of {delay_clause(decision.constant_delay)} (then say --playout-buffer)"
-    if decision.constant_delay_status in {"stable", "marginal"}:
-        lines.append(buffer)
-    else:
-        lines += [f"{buffer} and {line}" for line in _stabilising_changes(decision)]
-    return "To be stable with the reserve, one of: ", lines
-
-
-def _reserve_change(decision: Decision) -> str:
-    if decision.keeps_stiffness_reserve and decision.keeps_delay_reserve:
-        return "identify the robots from more logs, or choose a lower stiffness"
-    lower = "a lower stiffness"
-    if decision.stiffness < decision.stiffness_limit:
-        lower += f", below {format_stiffness(decision.stiffness_limit / (1.0 + RESERVE))}"
-    return f"{lower}; ask without a stiffness to see how much you may use"
-
-
-def _stabilising_changes(decision: Decision) -> list[str]:
-    softer = (
-        f"a stiffness below {format_stiffness(decision.stiffness_limit)}"
-        if decision.stiffness_limit > 0.0
-        else "no stiffness is low enough"
-    )
-    way = "each way" if decision.delay[0] == decision.delay[1] else "on average of both ways"
-    counted = ", jitter and gaps included" if decision.buffered else ""
-    nearer = (
-        f"a delay below {format_time(decision.delay_limit, rounding='down')} {way}{counted}"
-        if decision.delay_limit > 0.0
-        else "no delay is short enough"
-    )
-    if math.isinf(decision.delay_limit):
-        nearer = ""
-    if math.isinf(decision.added_damping):
-        damped = "no damping is enough"
-    else:
-        added = format_number(decision.added_damping, rounding="up")
-        damped = f"more than {added} N·s/m of damping added to each robot"
-    lines = [softer, nearer, damped]
-    if decision.continuous_stable:
-        lines.append("a shorter sample period: continuous controllers are stable")
-    return [line for line in lines if line]
-
-
-def _stronger_guarantees(decision: Decision) -> list[str]:
-    strongest = decision.verdicts.tier("any network")
-    if strongest.stiffness_bound is not None and strongest.satisfied:
-        return ["nothing to change"]
-    lines = []
-    oldest = max(budget.total for budget in decision.verdicts.delay_budget)
-    promises = {
-        "any constant delay": "under any constant delay",
-        "bounded varying delay": f"while no sample is older than {format_time(oldest, 6)}",
-        "any network": "on any network",
-    }
-    for verdict in reversed(decision.verdicts.tiers):
-        promise, bound = promises.get(verdict.tier), verdict.stiffness_bound
-        if promise is not None and verdict.unavailable == "not proven over the range":
-            lines.append(f"no stiffness is proven {promise} for the whole range")
-        if promise is None or bound is None or (verdict.satisfied and verdict.assumption_met):
-            continue
-        buffer = "" if verdict.assumption_met else " behind a playout buffer"
-        if verdict.satisfied:
-            lines.append(f"a playout buffer, to be stable {promise}")
-        elif bound > 0.0:
-            lines.append(f"a stiffness {allowed_stiffness(bound, verdict.attained)} N/m {promise}{buffer}")
-        else:
-            lines.append(f"no stiffness is low enough {promise}{buffer}")
-    return lines or ["nothing to change"]

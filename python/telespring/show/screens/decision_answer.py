@@ -146,12 +146,17 @@ def _margins(decision: Decision) -> str:
     return " ".join(sentence for sentence in sentences if sentence)
 
 
+def _difference(longer: float, shorter: float, digits: int = 3) -> str:
+    """Write how much longer a delay may be; both are known to far less than a picosecond."""
+    return format_time(round(longer - shorter, 12), digits, rounding="down")
+
+
 def _delay_margin(decision: Decision) -> str:
     delay, end = decision.mean_delay, decision.delay_limit
     if math.isinf(end):
         return "No constant delay, however long, destabilises it."
     if delay < end:
-        growth = format_time(end - delay, 3, rounding="down")
+        growth = _difference(end, delay)
         return f"The delay may grow by {growth}, to {format_time(end, rounding='down')}."
     if decision.delay_limit_attained and math.isclose(delay, end):
         return "The delay may not grow: it is the last whole number of sample periods."
@@ -163,12 +168,11 @@ def _delay_margin(decision: Decision) -> str:
     start, start_axis = max((interval[0], name) for interval, name in known)
     end, end_axis = min((interval[1], name) for interval, name in known)
     given = "with the worst case of each axis the" if decision.over_operator_ranges else "the"
-    fall, low = format_time(delay - start, rounding="down"), format_time(start, rounding="up")
+    fall, low = _difference(delay, start, 4), format_time(start, rounding="up")
     if end >= max(decision.horizon, 2.0 * delay):
         growth = f"to {format_time(end, rounding='down')} at least"
     else:
-        by = format_time(end - delay, rounding="down")
-        growth = f"by {by}, to {format_time(end, rounding='down')} (axis {end_axis})"
+        growth = f"by {_difference(end, delay, 4)}, to {format_time(end, rounding='down')} (axis {end_axis})"
     first = format_time(decision.delay_limit, rounding="down")
     return (
         f"It is stable again beyond a first limit of {first}: {given} delay may grow {growth}, and "

@@ -41,7 +41,6 @@ def decision_details(decision: Decision) -> list[RenderableType]:
 def _margins(decision: Decision) -> list[RenderableType]:
     if decision.over_operator_ranges:
         return [Padding(_margins_over_ranges(decision), (1, 0, 0, 0))]
-    continuous = ", continuous controllers" if decision.sampled_stable is not None else ""
     headings = [
         "axis",
         "kₘ exact\nN/m",
@@ -66,8 +65,28 @@ def _margins(decision: Decision) -> list[RenderableType]:
                 _format_stable_delays(axis),
             ]
         )
-    title = f"Margins by axis{continuous}: critical stiffness kₘ, maximum delay δₘ"
-    return [Padding(fitting_table(title, headings, rows, right=(1, 2, 3, 4, 5)), (1, 0, 0, 0))]
+    title = f"Margins by axis{_if_continuous(decision)}: critical stiffness kₘ, maximum delay δₘ"
+    table = fitting_table(title, headings, rows, right=(1, 2, 3, 4, 5))
+    return [Padding(Group(table, *_sampled_margin(decision)), (1, 0, 0, 0))]
+
+
+def _if_continuous(decision: Decision) -> str:
+    """Say that margins are not those that the answer is judged by, where its controllers sample."""
+    return "" if decision.sampled_stable is None else " if the controllers were continuous"
+
+
+def _sampled_margin(decision: Decision) -> list[Text]:
+    """Give the limit of the delay that the answer is judged by, where the answer does not tell it."""
+    if decision.sampled_stable is None or decision.stable:
+        return []
+    end, period = decision.delay_limit, format_time(decision.verdicts.network.sample_period, 6)
+    judged = f"With these controllers, sampled every {period}, "
+    if math.isinf(end):
+        return [Text(f"{judged}no constant delay destabilises it.")]
+    if end == 0.0:
+        return [Text(f"{judged}no delay is stable.")]
+    within = "up to" if decision.delay_limit_attained else "below"
+    return [Text(f"{judged}a delay {within} {format_time(end, rounding='down')} is stable.")]
 
 
 def _margins_over_ranges(decision: Decision) -> Group:
@@ -80,8 +99,9 @@ def _margins_over_ranges(decision: Decision) -> Group:
         ]
         for axis in decision.axes
     ]
-    title = "Margins by axis over the ranges of operators: critical stiffness kₘ, maximum delay δₘ"
-    lines = []
+    where = f"over the ranges of operators{_if_continuous(decision)}"
+    title = f"Margins by axis {where}: critical stiffness kₘ, maximum delay δₘ"
+    lines = _sampled_margin(decision)
     for axis in decision.axes:
         if not axis.verdict.maximum_delay_proven:
             found = axis.verdict.least_maximum_delay

@@ -14,8 +14,14 @@ __all__ = ["describe_holders"]
 _PARTS = (("stiffness", "N/m"), ("damping", "N·s/m"), ("mass", "kg"))
 
 
-def describe_holders(dyad: Dyad, ranges: tuple[OperatorRange, OperatorRange] | None) -> str:
+def describe_holders(
+    dyad: Dyad,
+    ranges: tuple[OperatorRange, OperatorRange] | None,
+    springs: tuple[Operator, Operator] | None = None,
+) -> str:
     """Describe the operators of a dyad, or their ranges; empty if the handles are free.
+
+    The robots' own springs to the ground, which the operators include, are no hands and are left out.
 
     Examples
     --------
@@ -28,10 +34,18 @@ def describe_holders(dyad: Dyad, ranges: tuple[OperatorRange, OperatorRange] | N
     'robot 1 held by 120 N/m and 2 N·s/m, robot 2 free'
     """
     ends = [(one, one) for one in dyad.operators] if ranges is None else [(r.low, r.high) for r in ranges]
-    one, other = (_describe_operator(low, high, dyad.axes) for low, high in ends)
+    one, other = (
+        _describe_operator(_without(low, spring), _without(high, spring), dyad.axes)
+        for (low, high), spring in zip(ends, springs or (Operator(), Operator()), strict=True)
+    )
     if one == other:
         return "" if one == "free" else one
     return f"robot 1 {one}, robot 2 {other}"
+
+
+def _without(held: Operator, spring: Operator) -> Operator:
+    # Rounding must not leave a spring below 0.
+    return Operator(held.mass, held.damping, np.maximum(held.stiffness - spring.stiffness, 0.0))
 
 
 def _describe_operator(low: Operator, high: Operator, axes: Sequence[str]) -> str:

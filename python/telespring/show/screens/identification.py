@@ -10,7 +10,7 @@ from rich.text import Text
 
 from telespring.identification.cutoff import CUTOFF_RULE
 from telespring.identification.warning_messages import UNITS
-from telespring.show.quantities import format_estimate
+from telespring.show.quantities import format_count, format_estimate, format_number
 from telespring.show.screens.layout import Fitting
 
 if TYPE_CHECKING:
@@ -37,8 +37,9 @@ def identification_screen(identification: Identification, title: str) -> Rendera
     return Group(
         _identified_estimate_table(identification, title),
         Text(
-            f"{identification.samples[0]} samples at {identification.rate:.5g} Hz; "
-            f"{identification.samples[1]} used after filtering at {identification.cutoff:.4g} Hz ({source})."
+            f"{format_count(identification.samples[0], 'sample')} at {format_number(identification.rate, 5)} "
+            f"Hz; {identification.samples[1]} used after filtering at "
+            f"{format_number(identification.cutoff)} Hz ({source})."
         ),
         *_force_lag_statement(identification),
         *_log_table(identification),
@@ -63,7 +64,7 @@ def _identified_estimate_table(identification: Identification, title: str) -> Fi
         table.add_column(heading, justify="left" if heading == "parameter" else "right", no_wrap=True)
     lines = []
     for axis in identification.axes:
-        quality = axis.axis, f"{axis.condition_number:.4g}", f"{axis.r_squared:.5f}"
+        quality = axis.axis, format_number(axis.condition_number), f"{axis.r_squared:.5f}"
         line = [f"condition number {quality[1]}", f"R² {quality[2]}"]
         for key, estimate in reversed(list(axis.estimates.items())):
             value, interval = format_estimate(estimate.value, estimate.standard_error, estimate.interval)

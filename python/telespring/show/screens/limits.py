@@ -11,8 +11,9 @@ from rich.text import Text
 
 from telespring.decision.limits import DelayLimits, Limits, StiffnessLimits
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.decision.usable import LONGEST_USUAL_DELAY, STIFFEST_USUAL, recommended_stiffness
 from telespring.decision.varying_delay import VaryingDelay
-from telespring.show.quantities import format_stiffness, format_time
+from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
@@ -37,6 +38,7 @@ from telespring.show.tiers import TIERS
 __all__ = ["limits_screen"]
 
 _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
+_ANY_STIFFNESS = f"You may use any stiffness that laboratories use (up to {format_stiffness(STIFFEST_USUAL)})"
 _PROBABLY = f", and with a probability of at least {100 * LEAST_PROBABILITY:.0f} %"
 
 
@@ -109,7 +111,7 @@ def _kept(found: Limits) -> str:
 def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
     where = "at this constant delay"
     if math.isinf(row.usable_stiffness):
-        return Text.assemble(("You may use any stiffness", "bold green"), f" {where}.")
+        return Text.assemble((_ANY_STIFFNESS, "bold green"), f" {where}.")
     if row.soft_springs_fail_by_sampling:
         why = (
             "even a soft spring is unstable, because a held force feeds more into the motion than the "
@@ -123,15 +125,30 @@ def _usable_stiffness(row: DelayLimits, kept: str) -> Text:
         )
     if row.stiffness_limit == 0.0:
         return Text.assemble(("No stiffness is stable", "bold red"), f" {where}, however soft the spring.")
-    if row.usable_stiffness == 0.0:
+    if row.recommended_stiffness == 0.0:
+        used = "that laboratories use " if row.usable_stiffness > 0.0 else ""
         return Text.assemble(
-            ("No stiffness is safe", "bold red"),
+            (f"No stiffness {used}is safe", "bold red"),
             f" {where} with {kept}. {_stiffness_itself(row.stiffness_limit)}",
         )
     return Text.assemble(
-        (f"You may use up to {format_stiffness(row.usable_stiffness)}", "bold green"),
+        (_up_to(row.usable_stiffness), "bold green"),
         f" {where}, with {kept}. {_stiffness_itself(row.stiffness_limit)}",
     )
+
+
+def _up_to(usable: float) -> str:
+    """Write up to where a stiffness may be used, as far as laboratories use one."""
+    if usable >= STIFFEST_USUAL:
+        return _ANY_STIFFNESS
+    return f"You may use up to {format_stiffness(usable)}"
+
+
+def _delay_up_to(usable: float) -> str:
+    """Write up to where a delay may be, as far as networks have one."""
+    if usable >= LONGEST_USUAL_DELAY:
+        return f"The delay may be any that networks have (up to {format_time(LONGEST_USUAL_DELAY)} each way)"
+    return f"The delay may be up to {format_time(usable, rounding='down')} each way"
 
 
 def _stiffness_itself(limit: float) -> str:
@@ -143,13 +160,13 @@ def _stiffness_itself(limit: float) -> str:
 def _usable_while_varying(varying: VaryingDelay, kept: str) -> Text:
     usable = varying.usable_stiffness
     if math.isinf(usable):
-        return Text.assemble(("You may use any stiffness", "bold green"), " however the delay varies.")
-    if usable == 0.0:
+        return Text.assemble((_ANY_STIFFNESS, "bold green"), " however the delay varies.")
+    if varying.recommended_stiffness == 0.0:
         return Text.assemble(
             ("No stiffness is proven", "bold yellow"), " to be stable while the delay varies."
         )
     return Text.assemble(
-        (f"You may use up to {format_stiffness(usable)}", "bold green"),
+        (_up_to(usable), "bold green"),
         f" however the delay varies, with {kept}. More than {format_stiffness(varying.stiffness_limit)} "
         "is not proven.",
     )
@@ -166,7 +183,7 @@ def _usable_delay_while_varying(row: StiffnessLimits, kept: str) -> Text | None:
             ("No delay", "bold yellow"), " is proven to be stable at this stiffness while it varies."
         )
     return Text.assemble(
-        (f"The delay may be up to {format_time(usable, rounding='down')} each way", "bold green"),
+        (_delay_up_to(usable), "bold green"),
         f" at {format_stiffness(row.stiffness)}, jitter and gaps on top of it, with {kept}.",
     )
 
@@ -179,7 +196,7 @@ def _usable_delay(row: StiffnessLimits, kept: str) -> Text:
     if row.usable_delay <= 0.0:
         return Text.assemble(("No delay", "bold red"), f" is stable at this stiffness with {kept}.")
     return Text.assemble(
-        (f"The delay may be up to {format_time(row.usable_delay, rounding='down')} each way", "bold green"),
+        (_delay_up_to(row.usable_delay), "bold green"),
         f" at {format_stiffness(row.stiffness)}, with {kept}. "
         + (
             "Without this, no delay is too long."
@@ -235,6 +252,13 @@ def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
     return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
 
 
+def _usable_cell(usable: float) -> str:
+    """Write up to where a stiffness may be used, in a table."""
+    if usable >= STIFFEST_USUAL:
+        return f"any up to {format_number(STIFFEST_USUAL)}"
+    return format_number(recommended_stiffness(usable), rounding="down")
+
+
 def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) -> Fitting:
     rows: list[tuple[str, ...]] = []
     for one, other in zip(free.delays, held.delays, strict=True):
@@ -242,7 +266,7 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
         rows.append(
             (
                 delay_clause(other.delay),
-                *(format_stiffness(value).removesuffix(" N/m") for value in usable),
+                *map(_usable_cell, usable),
                 hand_effect(*usable),
             )
         )
@@ -254,10 +278,10 @@ def _delay_table(found: Limits) -> Fitting:
     varies = found.delays[0].varying is not None and not found.has_playout_buffer
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
-        values = [row.usable_stiffness, row.stiffness_limit]
+        usable = _usable_cell(row.usable_stiffness)
+        cells = [usable, format_stiffness(row.stiffness_limit).removesuffix(" N/m")]
         if varies:
-            values = [_usable_of(row, is_buffered=False), row.usable_stiffness]
-        cells = [format_stiffness(value).removesuffix(" N/m") for value in values]
+            cells = [_usable_cell(_usable_of(row, is_buffered=False)), usable]
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
         for tier in tiers:
             allowed = allowed_stiffness(tier.stiffness_bound, tier.attained, tier.unavailable)

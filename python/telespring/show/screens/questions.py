@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.text import Text
 
 from telespring.decision.question import is_stable, stiffness_limit
-from telespring.model import Dyad, Network, Robot
+from telespring.model import Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
@@ -201,8 +201,12 @@ def variation_clause(network: Network) -> str:
     return ", ".join(parts)
 
 
-def describe_robots(dyad: Dyad, names: tuple[str | None, str | None] = (None, None)) -> tuple[str, str]:
-    """Write the mass and damping of both robots, axis by axis, a line each.
+def describe_robots(
+    dyad: Dyad,
+    names: tuple[str | None, str | None] = (None, None),
+    springs: tuple[Operator, Operator] | None = None,
+) -> tuple[str, str]:
+    """Write mass, damping and springs of their own of both robots, axis by axis, a line each.
 
     Examples
     --------
@@ -211,10 +215,27 @@ def describe_robots(dyad: Dyad, names: tuple[str | None, str | None] = (None, No
     ('Robot 1, left: 1.2 kg, 6 N·s/m on x', 'Robot 2: 2 kg, 9 N·s/m on x')
     """
     one, other = (
-        f"Robot {number}{f', {name}' if name else ''}: {_describe_axes(robot)}"
-        for number, (robot, name) in enumerate(zip(dyad.robots, names, strict=True), start=1)
+        f"Robot {number}{f', {name}' if name else ''}: {_describe_axes(robot)}{_own_spring(robot, spring)}"
+        for number, (robot, name, spring) in enumerate(
+            zip(dyad.robots, names, springs or (Operator(), Operator()), strict=True), start=1
+        )
     )
     return one, other
+
+
+def _own_spring(robot: Robot, spring: Operator) -> str:
+    """Write the stiffness of a robot's own spring to the ground; empty without one."""
+    values = [
+        (str(name), format_number(stiffness, 3))
+        for name, stiffness in zip(robot.axes, spring.stiffness, strict=False)
+        if stiffness > 0.0
+    ]
+    if not values:
+        return ""
+    if len(values) == len(robot.axes) and len({text for _, text in values}) == 1:
+        return f", with its own spring to the ground of {values[0][1]} N/m"
+    each = " and ".join(f"{text} N/m on {name}" for name, text in values)
+    return f", with its own spring to the ground of {each}"
 
 
 def _describe_axes(robot: Robot) -> str:

@@ -18,7 +18,7 @@ __all__ = ["answer_study"]
 
 def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
     """Compute the key `summary.answer` of `study.json`; programs of a target are looked up in `modules`."""
-    question = Question(study.dyad, study.network, study.operator_ranges, study.has_playout_buffer)
+    question = Question.of(study, study.network)
     decision = decide(question, study.stiffness, uncertainty=study.uncertainty, compare_free=True)
     known = decision.uncertainty
     arms = None
@@ -42,7 +42,7 @@ def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
         "probability_stable": None if known is None else known.stable.value,
         "free_handles": None if decision.free is None else decision.free.status,
         "in_arms": None if arms is None else arm_stability_json(arms),
-        "unstable_conditions": _unstable_conditions(study, question.with_operators(None)),
+        "unstable_conditions": _unstable_conditions(study, question.released()),
     }
 
 

@@ -1,0 +1,36 @@
+"""The help of the commands, which no terminal cuts."""
+
+from __future__ import annotations
+
+import shutil
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+__all__ = ["Command", "Group"]
+
+#: The fewest columns in which the table of options cuts no name.
+_COLUMNS_OF_TABLE = 80
+
+
+def _is_narrow() -> bool:
+    return shutil.get_terminal_size().columns < _COLUMNS_OF_TABLE
+
+
+class Command(TyperCommand):
+    """A command whose help is plain text where its table would cut the names of options."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help."""
+        # `TyperCommand` draws the table, its parent writes lines.
+        write = super(TyperCommand, self) if _is_narrow() else super()
+        write.format_help(ctx, formatter)  # type: ignore[attr-defined]
+
+
+class Group(TyperGroup):
+    """The commands, listed in plain text where a table would cut their names."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help."""
+        write = super(TyperGroup, self) if _is_narrow() else super()
+        write.format_help(ctx, formatter)  # type: ignore[attr-defined]
