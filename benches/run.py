@@ -27,6 +27,7 @@ import criteria
 import rehearsal
 import roots
 import rustside
+import session
 import simulation
 import stability_map
 from harness import Effort, Row
@@ -66,7 +67,7 @@ def main() -> None:
 def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
     rows: list[Row] = []
     with Progress(console=console, transient=True) as progress, tempfile.TemporaryDirectory() as folder:
-        task = progress.add_task("", total=6)
+        task = progress.add_task("", total=7)
 
         def step(what: str) -> None:
             progress.update(task, description=what, advance=1)
@@ -82,6 +83,7 @@ def measure(effort: Effort, build: bool, console: Console) -> list[Row]:
             ("roots", roots.rows),
             ("criteria", criteria.rows),
             ("stability maps", stability_map.rows),
+            ("a session", session.rows),
             ("a rehearsal", rehearsal.rows),
         ]
         for what, group in groups:

@@ -14,7 +14,7 @@ import pytest
 if TYPE_CHECKING:
     from pathlib import Path
 
-DOCUMENTS = ["README.md", "NOTATION.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/recorded-trials.md"]
+DOCUMENTS = ["README.md", "NOTATION.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/recorded-trials.md", "docs/session.md", "docs/wire.md"]
 
 
 def test_ref_the_readme_example_runs_and_says_what_the_paper_has(root: Path) -> None:

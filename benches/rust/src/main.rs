@@ -4,6 +4,7 @@
 mod criteria;
 mod peer;
 mod roots;
+mod session;
 mod simulation;
 mod stability_map;
 mod timing;
@@ -35,6 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     roots::run(&mut bench)?;
     criteria::run(&mut bench)?;
     stability_map::run(&mut bench)?;
+    session::run(&mut bench)?;
     let text = serde_json::to_string_pretty(&Value::Object(bench.results))?;
     std::fs::write(bench.directory.join("timings.json"), text)?;
     Ok(())

@@ -59,3 +59,8 @@ pub mod fuzzing {
 
 pub use error::{InvalidInput, Result};
 pub use model::{Delay, Dyad, DyadAxis, Operator, Robot, Side, hman};
+
+/// Runs the examples of the page on sessions.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/session.md")]
+pub struct SessionPage;

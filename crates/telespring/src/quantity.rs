@@ -70,6 +70,10 @@ pub const LINK_MASS: Quantity = Quantity::new("a link mass", "kg", 0.0, 1e3, Som
 pub const OFFSET: Quantity = Quantity::new("a distance", "m", -10.0, 10.0, Some(("mm", 1e-3)));
 /// The resolution of a position sensor in m.
 pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0, 0.1, Some(("µm", 1e-6)));
+/// An energy in J.
+pub const ENERGY: Quantity = Quantity::new("an energy", "J", 0.0, 1e3, Some(("mJ", 1e-3)));
+/// A power in W.
+pub const POWER: Quantity = Quantity::new("a power", "W", 0.0, 1e3, Some(("mW", 1e-3)));
 /// A moment of inertia in kg·m².
 pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e3, None);
 /// The viscous damping of a joint in N·m·s/rad.

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 /// The modules from the ground up, each with all that it may import.
 const FLOORS: [(&str, &[&str]); 15] = [
     ("error", &[]),
-    ("session", &[]),
     ("poly", &[]),
     ("quantity", &["error"]),
+    ("session", &["error", "quantity"]),
     ("model", &["error", "quantity"]),
     ("characteristic", &["model"]),
     ("dde", &["error", "quantity", "model"]),

@@ -20,28 +20,28 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::NetworkImpairments;
-use crate::session::Nanoseconds;
 use crate::session::wire::LENGTH;
+use crate::session::{LocalTime, Span};
 
 /// One direction of the emulated network.
 #[derive(Debug, Clone)]
 pub(crate) struct Channel {
-    delay: Nanoseconds,
+    delay: Span,
     jitter: f64,
     loss: f64,
     random: ChaCha8Rng,
     /// Packets in order of arrival.
-    travelling: VecDeque<(Nanoseconds, [u8; LENGTH])>,
+    travelling: VecDeque<(LocalTime, [u8; LENGTH])>,
 }
 
 impl Channel {
     /// Creates a network channel whose packets take at least `delay`.
-    pub(crate) fn new(network: &NetworkImpairments, delay: Nanoseconds, random: ChaCha8Rng) -> Self {
+    pub(crate) fn new(network: &NetworkImpairments, delay: Span, random: ChaCha8Rng) -> Self {
         Self { delay, jitter: network.jitter, loss: network.loss, random, travelling: VecDeque::new() }
     }
 
     /// Sends a packet into the network at time `now`.
-    pub(crate) fn send(&mut self, now: Nanoseconds, packet: [u8; LENGTH]) {
+    pub(crate) fn send(&mut self, now: LocalTime, packet: [u8; LENGTH]) {
         // Drawn in pairs, so that changing one impairment leaves the other's numbers unchanged.
         let (mut lateness, mut fate) = (0.0, 1.0);
         if self.jitter > 0.0 || self.loss > 0.0 {
@@ -50,7 +50,7 @@ impl Channel {
         if fate < self.loss {
             return;
         }
-        let arrival = now.plus(self.delay).plus(Nanoseconds::from_seconds(lateness * self.jitter));
+        let arrival = now + self.delay + Span::from_seconds(lateness * self.jitter);
         let place = match self.travelling.back() {
             Some((latest, _)) if *latest > arrival => {
                 self.travelling.partition_point(|(time, _)| *time <= arrival)
@@ -61,7 +61,7 @@ impl Channel {
     }
 
     /// The next packet that the network has delivered by `now`.
-    pub(crate) fn deliver(&mut self, now: Nanoseconds) -> Option<[u8; LENGTH]> {
+    pub(crate) fn deliver(&mut self, now: LocalTime) -> Option<[u8; LENGTH]> {
         if self.travelling.front()?.0 > now {
             return None;
         }
@@ -73,12 +73,12 @@ impl Channel {
 mod tests {
     use super::*;
     use crate::rig::random::{RandomStream, random_generator};
-    use crate::session::{Endpoint, Law, Motion};
+    use crate::session::{Endpoint, EndpointSettings, Law, Motion};
 
-    const PERIOD: Nanoseconds = Nanoseconds(1_000_000);
+    const PERIOD: Span = Span(1_000_000);
 
     fn link(jitter: f64, loss: f64, delay: f64) -> Channel {
-        let delay = Nanoseconds::from_seconds(delay).before(PERIOD).unwrap_or_default();
+        let delay = (Span::from_seconds(delay) - PERIOD).max(Span(0));
         Channel::new(
             &NetworkImpairments { jitter, loss },
             delay,
@@ -97,7 +97,7 @@ mod tests {
     fn passage(link: &mut Channel, packets: u64) -> Vec<(u64, f64)> {
         let mut came = Vec::new();
         for step in 0..(packets + 500) * 100 {
-            let now = Nanoseconds(step * 10_000);
+            let now = LocalTime(step * 10_000);
             if step % 100 == 0 && step / 100 < packets {
                 link.send(now, numbered(step / 100));
             }
@@ -114,16 +114,20 @@ mod tests {
         // a straight movement is interpolated without error, so the force reveals the delay
         let (speed, stiffness) = (0.25, 80.0);
         for delay in [0.0, 0.0004, 0.001, 0.00173, 0.0835955, 0.334] {
-            let mut side = Endpoint::new(Law { stiffness, damping: 0.0 }, Nanoseconds::from_seconds(delay));
-            let mut partner = side.clone();
+            let law = Law { stiffness, damping: 0.0 };
+            let [mut side, mut partner] = [1, 2].map(|id| {
+                let settings = EndpointSettings::new(id, law, Span::from_seconds(delay));
+                Endpoint::new(EndpointSettings { watchdog: None, ..settings }).unwrap()
+            });
             let mut link = link(0.0, 0.0, delay);
             for tick in 0..1000 {
-                let now = Nanoseconds(tick * PERIOD.0);
-                side.send(now, Motion::default()).unwrap();
+                let now = LocalTime(0) + Span(tick * PERIOD.0);
+                side.handle_measurement(now, Motion::default()).unwrap();
                 let position = [speed * now.seconds(), 0.0];
-                link.send(now, partner.send(now, Motion { position, velocity: [0.0; 2] }).unwrap());
+                partner.handle_measurement(now, Motion { position, velocity: [0.0; 2] }).unwrap();
+                link.send(now, partner.poll_transmit(now).unwrap());
                 while let Some(packet) = link.deliver(now) {
-                    side.receive(now, &packet).unwrap();
+                    side.handle_datagram(now, &packet).unwrap();
                 }
                 let expected = stiffness * speed * (now.seconds() - delay).max(0.0);
                 // rounding of the force only

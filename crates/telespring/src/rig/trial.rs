@@ -15,7 +15,7 @@ use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, Law, Motion, Nanoseconds, PacketError, wire};
+use crate::session::{DatagramError, Endpoint, EndpointSettings, Law, LocalTime, Motion, Span, motion};
 
 /// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
 /// that far.
@@ -96,7 +96,7 @@ impl RunningStation {
     /// Whether, in the running trial, a handle is beyond the position limit or too fast for a packet.
     fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
-        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), wire::MAX_VALUE)
+        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), motion::MAX_VALUE)
     }
 
     /// Measures position and velocity with the sensor's resolution at a tick of the trial.
@@ -111,10 +111,10 @@ impl RunningStation {
     }
 
     /// Receives all packets that have arrived and returns the force of the spring, N.
-    fn spring_force(&mut self, now: Nanoseconds) -> std::result::Result<[f64; 2], PacketError> {
+    fn spring_force(&mut self, now: LocalTime) -> std::result::Result<[f64; 2], DatagramError> {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
         while let Some(packet) = link.deliver(now) {
-            endpoint.receive(now, &packet)?;
+            endpoint.handle_datagram(now, &packet)?;
         }
         Ok(endpoint.force(now))
     }
@@ -138,6 +138,9 @@ impl RunningStation {
         if time_constant > 0.0 {
             let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
             self.actuator = force.after(period);
+            if let Some(endpoint) = &mut self.endpoint {
+                endpoint.handle_acted(force.mean(period));
+            }
             return self.plant.advance_relaxing(&force, acting.hand, period);
         }
         self.plant.advance(acting.command, acting.hand, period)
@@ -148,18 +151,25 @@ impl Trial<'_> {
     /// Both stations at the start of the trial.
     fn start_stations(&self) -> Result<[RunningStation; 2]> {
         let Laboratory { stations: sides, target, controller, network } = self.laboratory;
-        let period = Nanoseconds::from_seconds(controller.sample_period);
+        let period = Span::from_seconds(controller.sample_period);
         let start = target.at_tick(0, controller.sample_period).position;
         let station = |side: usize| -> Result<RunningStation> {
-            let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| {
+            let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| -> Result<_> {
                 // Robot 2 receives in the forward direction.
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
-                let delay = Nanoseconds::from_seconds(delay);
-                let travel = delay.before(period).unwrap_or_default();
+                let delay = Span::from_seconds(delay);
+                let travel = (delay - period).max(Span(0));
                 let random = random_generator(self.seed, RandomStream::Network(side));
-                (Endpoint::new(Law { stiffness, damping }, delay), Channel::new(network, travel, random))
+                let settings = EndpointSettings {
+                    // the laboratory asks what the coupling does, on however old a motion
+                    watchdog: None,
+                    sample_period: period,
+                    computing_tick: controller.computing_tick,
+                    ..EndpointSettings::new(side as u64 + 1, Law { stiffness, damping }, delay)
+                };
+                Ok((Endpoint::new(settings)?, Channel::new(network, travel, random)))
             });
-            let (endpoint, link) = linked.unzip();
+            let (endpoint, link) = linked.transpose()?.unzip();
             Ok(RunningStation {
                 plant: Plant::new(sides[side].handle, &sides[side].arm, start)
                     .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
@@ -253,7 +263,7 @@ impl Trial<'_> {
         let mut rows = 0;
         for tick in 0..=ticks {
             let time = tick as f64 * period;
-            let now = Nanoseconds::from_seconds(time);
+            let now = LocalTime::from_seconds(time);
             let aim_here = target.at_tick(tick, period);
             // Also if the motion cannot be sent in a packet.
             let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
@@ -267,8 +277,12 @@ impl Trial<'_> {
                 stations.each_ref().map(|station| station.measure_motion(controller.encoder_resolution));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
-                    let Ok(packet) = endpoint.send(now, measured[side]) else { return Ok(diverged) };
-                    if let Some(link) = &mut stations[1 - side].link {
+                    if endpoint.handle_measurement(now, measured[side]).is_err() {
+                        return Ok(diverged);
+                    }
+                    if let (Some(packet), Some(link)) =
+                        (endpoint.poll_transmit(now), &mut stations[1 - side].link)
+                    {
                         link.send(now, packet);
                     }
                 }

@@ -1,6 +1,6 @@
 //! The coupling law: the force from both motions.
 
-use super::wire::Motion;
+use super::motion::Motion;
 
 /// The coupling law: a virtual spring between both handles and a damper in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,20 +7,47 @@
 //! | part | job |
 //! |---|---|
 //! | [`wire`] | packets as bytes, and their errors |
-//! | [`playout`] | the partner's motion, a fixed time after its measurement |
+//! | [`time`](LocalTime) | points of time on the two clocks, which do not mix |
+//! | [`clock`] | round trip, offset and drift of the partner's clock, with bounds |
+//! | [`motion`] | position and velocity of a handle |
+//! | [`playout`] | the partner's motion, a chosen time after its measurement |
+//! | [`predictor`] | from the partner's motion of some time ago to now |
 //! | [`law`] | the force from both motions |
-//! | [`endpoint`] | one side: wire, playout and law together |
+//! | [`strategy`] | the force of one side: the bare spring and what keeps it safe |
+//! | [`account`] | the energy that one side may still give out |
+//! | [`watchdog`] | whether the force may act: hold, ramp out, begin again from zero |
+//! | [`event`] | what happened, and why |
+//! | [`endpoint`] | one side: all of it together |
 //!
-//! All times are whole nanoseconds of a clock shared by both sides ([`Nanoseconds`]).
+//! After its construction an endpoint allocates nothing, takes no lock, reads no clock and does not panic, whatever
+//! comes in. It is written for the control loop of a robot.
 
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable, clippy::todo)
+)]
+
+pub mod account;
+pub mod clock;
 pub mod endpoint;
+pub mod event;
 pub mod law;
+pub mod motion;
 pub mod playout;
+pub mod predictor;
+pub mod strategy;
+mod target;
 mod time;
+pub mod watchdog;
 pub mod wire;
 
-pub use endpoint::Endpoint;
+pub use account::{AccountSettings, EnergyAccount};
+pub use clock::{Clock, ClockSettings};
+pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport};
+pub use event::{Event, EventKind};
 pub use law::Law;
-pub use playout::Playout;
-pub use time::Nanoseconds;
-pub use wire::{Motion, Packet, PacketError};
+pub use motion::Motion;
+pub use playout::{AdaptiveDelay, Playout, PlayoutSettings};
+pub use time::{LocalTime, PeerTime, Span};
+pub use watchdog::{WatchdogSettings, WatchdogState};
+pub use wire::{Packet, PacketError};

@@ -1,0 +1,203 @@
+//! The energy account of one side: what its robot may still give out.
+//!
+//! The account is debited with the energy that the robot really gave out, and credited with a share of the energy that
+//! the robot's own damping certainly took, and with the energy that the partner sent. A force that it cannot pay is
+//! reduced. `docs/guard.md` has the proof.
+
+mod loss;
+mod settings;
+
+pub use settings::AccountSettings;
+
+use crate::error::Result;
+use loss::LossWindow;
+
+/// The longest time between two measurements for which energy is taken in, s: a clock that jumps brings in no more.
+const LONGEST_INTAKE: f64 = 0.1;
+
+/// The energy account of one side, over both axes together.
+///
+/// # Examples
+///
+/// An account of 20 mJ pays for a force of √(2 k S) and no more:
+///
+/// ```
+/// use telespring::session::{AccountSettings, EnergyAccount};
+///
+/// let settings = AccountSettings { capacity: 0.02, ..AccountSettings::new(100.0, [6.0, 6.0]) };
+/// let mut account = EnergyAccount::new(settings)?;
+/// assert_eq!(account.pay([1.0, 0.0], 0.005), [1.0, 0.0]);
+/// assert_eq!(account.pay([50.0, 0.0], 12.5), [2.0, 0.0]);
+/// // the robot moved 4 mm with the 2 N, in 0.1 s: 8 mJ given out, of which 80 % of 6 N·s/m · (0.04 m/s)² · 0.1 s return
+/// account.settle(0.1, [0.004, 0.0], [2.0, 0.0], 0.0);
+/// assert!((account.balance() - (0.02 - 0.008 + 0.8 * 0.00096)).abs() < 1e-12);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct EnergyAccount {
+    settings: AccountSettings,
+    balance: f64,
+    sent: f64,
+    received: f64,
+    /// The largest total that the partner has claimed to have sent.
+    claimed: f64,
+    given_out: f64,
+    credited: f64,
+    /// The force that acted before the last measurement, N.
+    acted: [f64; 2],
+    /// The size of the last force paid, N.
+    paid: f64,
+    windows: [LossWindow; 2],
+}
+
+fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * c + b * d
+}
+
+/// The sum of both magnitudes.
+fn magnitude([a, b]: [f64; 2]) -> f64 {
+    a.abs() + b.abs()
+}
+
+impl EnergyAccount {
+    /// An account that holds its capacity.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::error::InvalidInput) for the first setting out of range.
+    pub fn new(settings: AccountSettings) -> Result<Self> {
+        let settings = settings.checked()?;
+        Ok(Self {
+            settings,
+            balance: settings.capacity,
+            sent: 0.0,
+            received: 0.0,
+            claimed: 0.0,
+            given_out: 0.0,
+            credited: 0.0,
+            acted: [0.0; 2],
+            paid: 0.0,
+            windows: [LossWindow::default(); 2],
+        })
+    }
+
+    /// Takes account of the time since the previous measurement: `elapsed` s, the measured displacement (m), the force
+    /// that acted on the handle all that time (N), and the energy that the partner claims to have sent so far (J).
+    ///
+    /// A claim that is not finite or falls is passed over. A time that is not positive brings no credit. A displacement
+    /// or a force that is not a number empties the account, because nobody knows what was given out.
+    pub fn settle(&mut self, elapsed: f64, displacement: [f64; 2], acted: [f64; 2], claimed: f64) {
+        let AccountSettings { encoder_step, share, .. } = self.settings;
+        let given_out = dot(acted, displacement);
+        let [dx, dy] = acted;
+        let [ex, ey] = self.acted;
+        // What the encoder may hide of the energy given out; see docs/guard.md.
+        let hidden = 0.5
+            * encoder_step
+            * (magnitude([dx - ex, dy - ey]) + magnitude(acted) - magnitude(self.acted)).max(0.0);
+        if !(given_out + hidden).is_finite() {
+            self.balance = self.balance.min(0.0);
+            self.acted = [0.0; 2];
+            self.windows = [LossWindow::default(); 2];
+            return;
+        }
+        self.acted = acted;
+        let lost = self.certain_loss(elapsed, displacement);
+        let taken_in = self.take_in(elapsed, claimed);
+        let balance = self.balance - given_out - hidden + share * lost + taken_in;
+        self.balance = if balance.is_finite() { balance } else { self.balance.min(0.0) };
+        self.given_out = finite_or(self.given_out + given_out, self.given_out);
+        self.credited = finite_or(self.credited + share * lost, self.credited);
+    }
+
+    /// The energy that the robot's damping certainly took since it was last asked, J.
+    fn certain_loss(&mut self, elapsed: f64, displacement: [f64; 2]) -> f64 {
+        let AccountSettings { damping, encoder_step, .. } = self.settings;
+        let axes = self.windows.iter_mut().zip(displacement).zip(damping);
+        axes.map(|((window, moved), damping)| window.add(elapsed, moved, damping, encoder_step)).sum()
+    }
+
+    /// Takes in what the partner has sent, at no more than the set power, J.
+    fn take_in(&mut self, elapsed: f64, claimed: f64) -> f64 {
+        if claimed.is_finite() {
+            self.claimed = self.claimed.max(claimed);
+        }
+        let time = if elapsed > 0.0 { elapsed.min(LONGEST_INTAKE) } else { 0.0 };
+        let received = (self.received + self.settings.intake * time).min(self.claimed);
+        let taken_in = received - self.received;
+        self.received = received;
+        taken_in
+    }
+
+    /// The force that the account can pay of the one `wanted` (N), and that counts as commanded. `stored` is the energy
+    /// that the wanted spring holds, J.
+    ///
+    /// The paid force has the wanted direction and at most the size √(2 k S). With a computing tick it is also at most
+    /// 2 √(2 k S) less the size of the force that is still to act. What the account holds beyond the energy of the spring
+    /// and the capacity moves to the partner. A wanted force that is not finite gives no force.
+    pub fn pay(&mut self, wanted: [f64; 2], stored: f64) -> [f64; 2] {
+        let AccountSettings { stiffness, capacity, computing_tick, .. } = self.settings;
+        let [x, y] = wanted;
+        let size = x.hypot(y);
+        // The force that is still to act before this one.
+        let pending = if computing_tick { self.paid } else { 0.0 };
+        let most = self.largest_force();
+        let allowed = if computing_tick { most.min((2.0 * most - pending).max(0.0)) } else { most };
+        let (force, paid) = match size {
+            _ if !size.is_finite() => ([0.0; 2], 0.0),
+            _ if size <= allowed => (wanted, size),
+            _ => (wanted.map(|force| force / size * allowed), allowed),
+        };
+        self.paid = paid;
+        let spring = if size.is_finite() { (size * size / (2.0 * stiffness)).max(stored) } else { 0.0 };
+        // No energy leaves that the pending force may need.
+        let committed = (pending + paid) * (pending + paid) / (8.0 * stiffness);
+        let kept = if computing_tick { spring.max(committed) } else { spring };
+        let excess = self.balance - (kept + capacity);
+        if excess > 0.0 {
+            self.balance -= excess;
+            self.sent = finite_or(self.sent + excess, self.sent);
+        }
+        force
+    }
+
+    /// The largest force that the balance can pay, √(2 k S), N; 0 while it is overdrawn.
+    pub fn largest_force(&self) -> f64 {
+        (2.0 * self.settings.stiffness * self.balance.max(0.0)).sqrt()
+    }
+
+    /// The settings of the account.
+    pub fn settings(&self) -> &AccountSettings {
+        &self.settings
+    }
+
+    /// The energy in the account, J; below 0 while it is overdrawn.
+    pub fn balance(&self) -> f64 {
+        self.balance
+    }
+
+    /// The energy sent to the partner so far, J; it never falls.
+    pub fn sent(&self) -> f64 {
+        self.sent
+    }
+
+    /// The energy taken in from the partner so far, J.
+    pub fn received(&self) -> f64 {
+        self.received
+    }
+
+    /// The energy given out to the handle so far as measured, J: the sum of force times displacement.
+    pub fn given_out(&self) -> f64 {
+        self.given_out
+    }
+
+    /// The energy credited so far for the losses in the robot's damping, J.
+    pub fn credited(&self) -> f64 {
+        self.credited
+    }
+}
+
+/// The value if it is finite.
+fn finite_or(value: f64, otherwise: f64) -> f64 {
+    if value.is_finite() { value } else { otherwise }
+}
