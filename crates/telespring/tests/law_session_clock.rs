@@ -78,7 +78,7 @@ fn law_the_true_offset_lies_in_the_stated_interval() {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut clock = Clock::new(ClockSettings::estimated()).unwrap();
         assert_eq!((clock.offset(), clock.to_peer(LocalTime(5))), (None, None));
-        let base = [0.030, 0.005];
+        let base = [0.0345, 0.0005];
         let jitter = [0.002, 0.010];
         let (mut checks, mut widest) = (0, 0.0_f64);
         let way = |_: f64, direction: usize| {
@@ -94,8 +94,8 @@ fn law_the_true_offset_lies_in_the_stated_interval() {
             checks += 1;
             if time > 30.0 {
                 widest = widest.max(error.seconds());
-                // the middle may be off by half the difference of the ways, 12.5 ms here, and is by no more
-                assert!(off.abs() <= 12.5e6 + 3e6, "{seed}, {time}: {off}");
+                // the middle is off by half the difference of the ways, 17 ms here
+                assert!((off.abs() - 17e6).abs() <= 3e6, "{seed}, {time}: {off}");
                 let back = clock.to_local(clock.to_peer(now).unwrap()).unwrap();
                 assert_eq!(back, now);
             }
@@ -106,7 +106,8 @@ fn law_the_true_offset_lies_in_the_stated_interval() {
         assert!(widest < 0.0175 + 0.003, "{seed}: {widest}");
         let report = clock.report(clocks.local(41.0));
         let smallest = report.minimum_round_trip.unwrap().seconds();
-        assert!((0.035..0.0365).contains(&smallest), "{smallest}");
+        // readings are whole nanoseconds, and the held time is one of a drifting clock
+        assert!((0.035 - 1e-6..0.0365).contains(&smallest), "{smallest}");
         assert!(report.round_trip.unwrap().seconds() <= 0.047 + 1e-6);
         assert_eq!((report.steps, report.impossible_echoes), (0, 0));
         let found = report.drift.unwrap();

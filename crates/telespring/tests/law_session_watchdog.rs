@@ -261,6 +261,31 @@ fn law_a_restarted_partner_is_begun_with_again_from_zero() {
 }
 
 #[test]
+fn law_a_partner_whose_clock_is_set_is_begun_with_again_from_zero() {
+    let law = Law { stiffness: STIFFNESS, damping: 0.0 };
+    let settings = EndpointSettings::new(1, law, Span(5_000_000));
+    let mut session = Session::new(EndpointSettings { clock: ClockSettings::estimated(), ..settings });
+    // 2 ms each way; three hours ahead, and from 1000 ms on five
+    let run = |session: &mut Session, until: u64, hours: u64| {
+        session.run(until, |tick, packet| {
+            let sent = PeerTime((tick + hours * 3_600_000) * MILLISECOND - 2 * MILLISECOND);
+            let echo = tick.checked_sub(4).filter(|stamp| *stamp > 0);
+            let echo = echo.map(|stamp| Echo { stamp: milliseconds(stamp), held: Span(0) });
+            Happening { own: Some(at(0.0)), packet: Some(Packet { sent, echo, ..packet }) }
+        });
+    };
+    run(&mut session, 1_000, 3);
+    assert_eq!(session.side.state(), WatchdogState::Engaged);
+    run(&mut session, 3_000, 5);
+    use EventKind::{ClockStepped, Disengaged, Engaged, RampingIn, RampingOut};
+    let cause = Cause::ClockStepped;
+    let kinds = [ClockStepped, RampingOut(cause), Disengaged(cause), RampingIn, Engaged];
+    assert_eq!(session.kinds_since(1_000), kinds);
+    assert!(session.largest_step() <= RAMP_STEP, "{}", session.largest_step());
+    assert!(session.forces.contains(&0.0) && session.forces.last() == Some(&FULL));
+}
+
+#[test]
 fn law_a_partner_that_comes_back_after_a_silence_with_an_earlier_clock_has_restarted() {
     let mut session = Session::plain();
     session.run_well(1_000);

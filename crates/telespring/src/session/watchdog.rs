@@ -27,6 +27,8 @@ pub enum Cause {
     OwnSilence,
     /// The partner has restarted.
     PartnerRestarted,
+    /// A clock was set: the stamps contradict what was known of the partner's clock.
+    ClockStepped,
     /// No packet of the partner comes.
     Silence,
     /// Packets come, but none has a later stamp than the newest before.
@@ -214,13 +216,13 @@ impl Watchdog {
         Some(state)
     }
 
-    /// The partner has restarted: the force ramps out at once. Returns the state if it changes.
-    pub(super) fn restart(&mut self, now: LocalTime) -> Option<WatchdogState> {
+    /// The partner begins anew: the force ramps out at once. Returns the state if it changes.
+    pub(super) fn let_go(&mut self, now: LocalTime, cause: Cause) -> Option<WatchdogState> {
         self.well_since = None;
         if matches!(self.state, WatchdogState::Disengaged { .. } | WatchdogState::RampingOut { .. }) {
             return None;
         }
-        let state = WatchdogState::RampingOut { cause: Cause::PartnerRestarted };
+        let state = WatchdogState::RampingOut { cause };
         self.enter(state, now);
         Some(state)
     }

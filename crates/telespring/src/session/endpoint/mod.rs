@@ -335,13 +335,9 @@ impl Endpoint {
             Arrival::First => self.events.push(now, EventKind::PartnerFound { session: packet.session }),
             Arrival::Restarted => {
                 self.events.push(now, EventKind::PartnerRestarted { session: packet.session });
+                self.restarted = true;
                 self.clock.forget();
-                self.playout.forget();
-                self.predictor.reset();
-                (self.ready, self.restarted) = (false, true);
-                if let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.restart(now)) {
-                    self.enter(now, state);
-                }
+                self.begin_anew(now, Cause::PartnerRestarted);
             }
             Arrival::Later | Arrival::Other => {}
         }
@@ -349,11 +345,22 @@ impl Endpoint {
         self.clock.handle_packet(now, &packet);
         if self.clock.steps() > steps {
             self.events.push(now, EventKind::ClockStepped);
+            self.begin_anew(now, Cause::ClockStepped);
         }
         if let Some(peer) = self.clock.to_peer(now) {
             self.playout.insert(peer, (&packet).into());
         }
         Ok(())
+    }
+
+    /// Forgets the partner's motion: what comes now does not continue it.
+    fn begin_anew(&mut self, now: LocalTime, cause: Cause) {
+        self.playout.forget();
+        self.predictor.reset();
+        self.ready = false;
+        if let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.let_go(now, cause)) {
+            self.enter(now, state);
+        }
     }
 
     /// The force on the own handle per axis from `now` until the next call, N.
