@@ -31,7 +31,10 @@ def growth(stiffness: float, delay: float, *, is_linear: bool) -> float:
 
 
 def closed_form(delay: float, *, is_linear: bool) -> float:
-    """Return the smallest real positive k on the imaginary axis, k = -(m s² + b s) / (1 ± (1 + g δ s) e^(-δ s))."""
+    """Return the smallest positive k of a root on the imaginary axis.
+
+    There k = -(m s² + b s) / (1 ± (1 + δ s) e^(-δ s)), without δ s if nothing is predicted.
+    """
     s = 1j * np.linspace(1e-3, 100.0, 200_001)
     gain = (1 + delay * s if is_linear else 1) * np.exp(-delay * s)
     limits = []
