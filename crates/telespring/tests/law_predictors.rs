@@ -187,7 +187,6 @@ fn ref_the_noise_that_made_a_motion_is_found_again() {
         let (times, positions) = random_motion(model, noise, 20_000, 0.005);
         let fit = fit_noise(model, &times, &positions).unwrap();
         let ratios = [fit.noise.process / noise.process, fit.noise.position / noise.position];
-        println!("{model:?}: {ratios:?}");
         assert_eq!(fit.end, FitEnd::Maximum);
         // 40,000 innovations: a standard error of about 1 %
         assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.05), "{model:?}: {ratios:?}");

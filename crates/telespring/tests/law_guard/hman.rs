@@ -169,3 +169,30 @@ fn law_free_robots_come_to_rest_where_the_spring_diverges() {
         }
     }
 }
+
+#[test]
+#[ignore = "prints the table of docs/guard.md"]
+fn law_no_case_of_the_table_breaks_the_account() {
+    for (stiffness, seconds) in [
+        (71.0, 0.084),
+        (71.0, 0.167),
+        (142.0, 0.05),
+        (142.0, 0.084),
+        (142.0, 0.12),
+        (142.0, 0.167),
+        (142.0, 0.334),
+    ] {
+        let case = two_hands(stiffness, seconds);
+        println!("{stiffness} N/m, {seconds} s: spring {:.1} mm", tracking_error(&with_spring(&case), 0));
+        for predictor in [
+            PredictorKind::Hold,
+            PredictorKind::Linear,
+            PredictorKind::ConstantVelocity,
+            PredictorKind::ConstantAcceleration,
+            PredictorKind::SharedTarget,
+        ] {
+            let guard = with_guard(&Case { predictor, ..case });
+            println!("  {predictor:?} {:.1} mm, limited {:.4}", tracking_error(&guard, 0), guard.limited[0]);
+        }
+    }
+}
