@@ -1,15 +1,17 @@
-//! The four verdicts on a dyad over a network, next to the paper's verdict.
+//! The five verdicts on a dyad over a network, next to the paper's verdict.
 //!
 //! | tier | what the network may do | rule |
 //! |---|---|---|
 //! | 1 [`Tier::AnyNetwork`] | anything, with bounded gaps | each side alone does not amplify |
 //! | 2 [`Tier::BoundedVaryingDelay`] | anything that keeps the age of every sample below a bound | Lyapunov–Krasovskii |
+//! | 5 [`Tier::AgeInRange`] | anything that keeps the ages in a range, played in order | a scaled small gain around the mean age |
 //! | 3 [`Tier::AnyConstantDelay`] | one constant delay, however long | no root crosses for any delay |
 //! | 4 [`Tier::ConstantDelay`] | one known constant delay | the delay lies in a stable interval |
 //!
 //! The tiers are not nested. The allowed stiffness is the largest bound over the tiers whose assumption the
 //! network meets.
 
+mod age_range;
 mod any_network;
 mod any_network_range;
 mod axis_tiers;
@@ -33,6 +35,7 @@ mod sampled_range;
 mod sampled_roots;
 mod zero_order_hold;
 
+pub use age_range::{AgeRange, AgeRangeBound, age_range_stiffness};
 pub use axis_tiers::AxisTier;
 pub use delay_limit::{DelayLimit, delay_limit};
 pub use islands::{is_stable_over_delays, is_stable_over_stiffnesses};
@@ -50,13 +53,16 @@ use crate::error::{InvalidInput, Result};
 use crate::model::Dyad;
 use crate::quantity;
 
-/// A tier: one of the four verdicts, named by what the network may do.
+/// A tier: one of the five verdicts, named by what the network may do, the strongest guarantee first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tier {
     /// 1: any behaviour, with bounded gaps.
     AnyNetwork,
     /// 2: any variation, jumps, losses with hold and reordering; no sample older than a bound.
     BoundedVaryingDelay,
+    /// 5: any variation of the age within a range, jumps and losses with hold included; no sample is played after a newer
+    /// one.
+    AgeInRange,
     /// 3: any constant delay.
     AnyConstantDelay,
     /// 4: one known constant delay.
@@ -64,13 +70,24 @@ pub enum Tier {
 }
 
 impl Tier {
-    /// All four, from 1 to 4.
-    pub const ALL: [Self; 4] =
-        [Self::AnyNetwork, Self::BoundedVaryingDelay, Self::AnyConstantDelay, Self::ConstantDelay];
+    /// All five, the strongest guarantee first.
+    pub const ALL: [Self; 5] = [
+        Self::AnyNetwork,
+        Self::BoundedVaryingDelay,
+        Self::AgeInRange,
+        Self::AnyConstantDelay,
+        Self::ConstantDelay,
+    ];
 
-    /// The number of the tier, 1 to 4.
+    /// The number of the tier, 1 to 5.
     pub fn number(self) -> u8 {
-        self as u8 + 1
+        match self {
+            Self::AnyNetwork => 1,
+            Self::BoundedVaryingDelay => 2,
+            Self::AnyConstantDelay => 3,
+            Self::ConstantDelay => 4,
+            Self::AgeInRange => 5,
+        }
     }
 
     /// The name of the tier in text and tables.
@@ -78,6 +95,7 @@ impl Tier {
         match self {
             Self::AnyNetwork => "any network",
             Self::BoundedVaryingDelay => "bounded varying delay",
+            Self::AgeInRange => "age in a range",
             Self::AnyConstantDelay => "any constant delay",
             Self::ConstantDelay => "constant delay",
         }
@@ -108,6 +126,8 @@ pub enum Unavailable {
     CouplingDampingWithComputingTime,
     /// Tier 2 with a coupling damper.
     CouplingDamping,
+    /// Tier 5 of sampled controllers with a coupling damper.
+    CouplingDampingWithSampledControllers,
     /// Tier 1 of sampled controllers over a range of operators: free ones with a coupling damper, or, with a computing
     /// time, grounded ones some of which may be free. Single pairs have a bound, but the worst pair is not known.
     UnprovenOverRange,
@@ -170,8 +190,8 @@ pub struct AxisVerdict {
     pub name: String,
     /// True if an operator, or one in the range, is grounded.
     pub grounded: bool,
-    /// The four tiers.
-    pub tiers: [AxisTier; 4],
+    /// The tiers, in the order of [`Tier::ALL`].
+    pub tiers: [AxisTier; 5],
     /// The paper's critical stiffness (Eq. 5), N/m.
     pub paper_critical_stiffness: f64,
     /// The paper's maximum delay (Eq. 6), s; 0 if its Eq. 9 fails.
@@ -197,15 +217,15 @@ pub struct AxisVerdict {
     pub sampled_proven: Option<bool>,
 }
 
-/// The four verdicts, the paper's verdict and the conclusions.
+/// The five verdicts, the paper's verdict and the conclusions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdicts {
     /// The given stiffness, N/m.
     pub stiffness: f64,
     /// The given network.
     pub network: Network,
-    /// Tiers 1 to 4.
-    pub tiers: [Verdict; 4],
+    /// The tiers, in the order of [`Tier::ALL`].
+    pub tiers: [Verdict; 5],
     /// The bound of tier 2 from the robots' own damping, N/m, valid for every passive operator.
     pub any_passive_operator: Option<f64>,
     /// True if the sampled dyad is proven to be stable at this constant delay on every axis for every operator;
@@ -235,13 +255,13 @@ impl Verdicts {
     }
 }
 
-/// The four verdicts on a dyad at a stiffness (N/m) over a network.
+/// The five verdicts on a dyad at a stiffness (N/m) over a network.
 ///
 /// With `operators` every verdict holds for all operators of both ranges, which replace the dyad's own. Tiers 1 and 2
 /// have a known worst operator; for tiers 3 and 4 and the sampled dyad a search excludes roots on the imaginary
-/// axis for the whole range at once. Tier 1 of sampled controllers has no bound over a range of free
+/// axis for the whole range at once, and for tier 5 it proves the rule for it. Tier 1 of sampled controllers has no bound over a range of free
 /// operators with a coupling damper, nor over grounded operators with a computing time if a ground stiffness may be 0:
-/// [`Unavailable::UnprovenOverRange`].
+/// [`Unavailable::UnprovenOverRange`]. Tier 5 has none for sampled controllers with a coupling damper.
 ///
 /// # Errors
 ///
@@ -279,12 +299,13 @@ pub fn verdicts(
     let tiers = Tier::ALL.map(|tier| worst_axis(&axes, tier, network, k));
     let is_sampled = network.sample_period() > 0.0;
     let sampled_stable = is_sampled.then(|| axes.iter().all(|axis| axis.sampled_stable == Some(true)));
-    let remedies = if tiers[3].satisfied && sampled_stable != Some(false) {
+    let constant = tiers[Tier::ConstantDelay as usize].satisfied;
+    let remedies = if constant && sampled_stable != Some(false) {
         Remedies::default()
     } else {
         remedies::remedies(&regions, &axes, network, k)?
     };
-    let paper = paper_verdict(&axes, network, k, tiers[3].satisfied);
+    let paper = paper_verdict(&axes, network, k, constant);
     let sampled_bound =
         axes.iter().filter_map(|axis| axis.sampled_stiffness_bound).fold(f64::INFINITY, f64::min);
     Ok(Verdicts {
@@ -325,6 +346,7 @@ fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> 
     let constant = axis_tiers::constant_delay_tiers(region, network.buffered_mean(), k)?;
     let [third, fourth] = constant.tiers;
     let nominal = region.axis(&constant.worst);
+    let in_range = age_range::tier(region, network, k, &fourth)?;
     let held = if network.sample_period() > 0.0 {
         let limit = fourth.stiffness_bound.unwrap_or(f64::INFINITY);
         Some(sampled_range::sampled_axis(region, &constant.worst, limit, network, k)?)
@@ -337,6 +359,7 @@ fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> 
         tiers: [
             axis_tiers::any_network_tier(region, network, k),
             axis_tiers::bounded_delay_tier(region, network, k),
+            in_range,
             third,
             fourth,
         ],
@@ -436,7 +459,7 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
 }
 
 /// The largest stiffness bound over the verdicts whose assumption is met.
-fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
+fn largest_allowed(tiers: &[Verdict; 5], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
     tiers
         .iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
