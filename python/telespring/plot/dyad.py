@@ -137,7 +137,8 @@ def _bounds_over_range(
     preceding = np.maximum(np.searchsorted(judged, delays, side="right") - 1, 0)
     boundaries = []
     for i, name in enumerate(dyad.axes):
-        bounds = [each.axes[i].tiers[3].stiffness_bound for each in verdict]
+        tiers = [next(t for t in each.axes[i].tiers if t.tier == "constant delay") for each in verdict]
+        bounds = [tier.stiffness_bound for tier in tiers]
         limits = [2.0 * k[-1] if bound is None else min(bound, 2.0 * k[-1]) for bound in bounds]
         lower = np.minimum(np.take(limits, preceding), np.take(limits, following))
         boundaries.append((name, lower[:, None] - k))

@@ -170,6 +170,11 @@ pub struct Verdict {
     pub assumption: Assumption,
     /// Why the tier is unavailable, if it is.
     pub unavailable: Option<Unavailable>,
+    /// The smallest and largest age (s) of the partner samples in use, forward and backward; of [`Tier::AgeInRange`] only.
+    pub ages: Option<[[f64; 2]; 2]>,
+    /// The lowest stiffness (N/m) at which an attack was seen to make the motion grow, if one was searched and found:
+    /// see [`Verdicts::with_attack`].
+    pub attack: Option<f64>,
 }
 
 /// The allowed stiffness and the tier that gives it.
@@ -252,6 +257,27 @@ impl Verdicts {
     /// The verdict of one tier.
     pub fn tier(&self, tier: Tier) -> &Verdict {
         &self.tiers[tier as usize]
+    }
+
+    /// The same verdicts with an attack searched for: a network that keeps the ages in their range and the order of the
+    /// samples, and still makes the motion of this dyad grow, from the lowest stiffness that was found on.
+    ///
+    /// The attack is simulated with the operators whose age in a range allows least. It is greedy: in each step it plays
+    /// the sample that gives each side most power. `seed` draws the starts. A lower attack may exist, down to the bound.
+    /// Takes up to some seconds.
+    ///
+    /// # Panics
+    ///
+    /// If `dyad` does not have the axes of the verdicts.
+    pub fn with_attack(mut self, dyad: &Dyad, seed: u64) -> Self {
+        let attack = self
+            .axes
+            .iter()
+            .enumerate()
+            .filter_map(|(index, axis)| age_range::attack(dyad, index, axis, &self.network, seed))
+            .reduce(f64::min);
+        self.tiers[Tier::AgeInRange as usize].attack = attack;
+        self
     }
 }
 
@@ -396,6 +422,8 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
         worst_operators: None,
         assumption,
         unavailable: None,
+        ages: (tier == Tier::AgeInRange).then(|| network.ages()),
+        attack: None,
     };
     verdict.unavailable = axes.iter().find_map(|axis| axis.tiers[index].unavailable);
     if verdict.unavailable.is_some() {

@@ -1,7 +1,7 @@
 //! Changes that make the constant delay stable, each proven for every operator of the range.
 
 use super::operators::OperatorBox;
-use super::{AxisVerdict, Network, sampled_range, Tier};
+use super::{AxisVerdict, Network, Tier, sampled_range};
 use crate::criteria::minimum_damping;
 use crate::error::Result;
 use crate::quantity;

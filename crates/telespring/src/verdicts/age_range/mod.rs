@@ -8,11 +8,15 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `attack` | a network that makes the motion grow, above the bound |
 //! | `jet` | intervals with their derivatives |
+//! | `range` | a bound of it over all operators of a range |
 //! | `rule` | the rule as the sign of one function, and a bound of it over a cell |
 //! | `search` | the stiffness up to which it is proven |
 
+mod attack;
 mod jet;
+mod range;
 mod rule;
 mod search;
 
@@ -20,10 +24,10 @@ use rule::Rule;
 
 use super::operators::{OperatorBox, operator_points};
 use super::ranges::SideRange;
-use super::{AxisTier, Network, Tier, Unavailable};
+use super::{AxisTier, AxisVerdict, Network, Tier, Unavailable};
 use crate::criteria::maximum_stiffness;
 use crate::error::{InvalidInput, Result};
-use crate::model::DyadAxis;
+use crate::model::{Dyad, DyadAxis, Side};
 use crate::quantity;
 
 /// The range of the age of the partner samples that one side uses, s.
@@ -139,10 +143,7 @@ pub fn age_range_stiffness(axis: &DyadAxis, ages: &[AgeRange; 2]) -> Result<AgeR
 /// Sample ages over a network: of the partner samples that each side uses, and of the own ones.
 fn ages_of(network: &Network) -> ([AgeRange; 2], AgeRange) {
     let computing = network.computing_time();
-    let [forward, backward] = network.budget().map(|direction| AgeRange {
-        least: direction.network + direction.computing,
-        greatest: direction.total(),
-    });
+    let [forward, backward] = network.ages().map(|[least, greatest]| AgeRange { least, greatest });
     ([backward, forward], AgeRange { least: computing, greatest: computing + network.sample_period() })
 }
 
@@ -194,7 +195,8 @@ pub(super) fn tier(
         worst.0 = region.operators_of(sides);
     } else if !region.is_point() {
         for at in [region.weakest_corner(), region.middle()] {
-            let single = rule(point(&region.axis(&at))).proven_stiffness().failing.map(|(failing, _)| failing);
+            let single =
+                rule(point(&region.axis(&at))).proven_stiffness().failing.map(|(failing, _)| failing);
             if single.is_some_and(|single| worst.1.is_none_or(|least| single < least)) {
                 worst = (at, single);
             }
@@ -211,6 +213,44 @@ pub(super) fn tier(
         unavailable: None,
     })
 }
+
+/// The lowest stiffness (N/m) at which an attack on one axis makes the motion grow, searched from the largest bound that
+/// is proven for the network as it is.
+pub(super) fn attack(
+    dyad: &Dyad,
+    index: usize,
+    verdict: &AxisVerdict,
+    network: &Network,
+    seed: u64,
+) -> Option<f64> {
+    let here = &verdict.tiers[Tier::AgeInRange as usize];
+    let [first, second] = [0, 1].map(|i| {
+        let (robot, operator) = (&dyad.robots()[i], &here.operators[i]);
+        Side {
+            mass: robot.mass()[index] + operator.mass,
+            damping: robot.damping()[index] + operator.damping,
+            ground_stiffness: operator.stiffness,
+        }
+    });
+    let axis = DyadAxis { sides: [first, second], coupling_damping: dyad.coupling_damping() };
+    let safe = [Tier::AnyNetwork, Tier::BoundedVaryingDelay, Tier::AgeInRange]
+        .into_iter()
+        .filter_map(|tier| verdict.tiers[tier as usize].stiffness_bound)
+        .fold(0.0, f64::max);
+    let most = verdict.tiers[Tier::ConstantDelay as usize].least_found?;
+    if safe == 0.0 || most.is_infinite() {
+        return None;
+    }
+    // Held samples grow older by one period; the simulation holds them itself.
+    let [forward, backward] = [network.delay().forward(), network.delay().backward()]
+        .map(|delay| (delay, delay + network.jitter() + network.max_gap()));
+    let controllers =
+        attack::Controllers { period: network.sample_period(), computing_time: network.computing_time() };
+    attack::lowest_stiffness(&axis, &[backward, forward], &controllers, (safe, BEYOND * most), seed)
+}
+
+/// An attack is searched up to this multiple of what the longest delay alone allows.
+const BEYOND: f64 = 1.1;
 
 /// The sides of one axis as ranges without a width.
 fn point(axis: &DyadAxis) -> [SideRange; 2] {

@@ -124,7 +124,7 @@ impl Cell {
     }
 
     /// Whether the cell has one pair of operators only.
-    fn is_one_pair(&self) -> bool {
+    pub fn is_one_pair(&self) -> bool {
         self.0[2..].iter().all(|(low, high)| low == high)
     }
 
@@ -147,8 +147,8 @@ impl Rule {
         }
     }
 
-    /// f over a cell with its derivatives.
-    fn jet<const N: usize>(&self, cell: &Cell, weights: &Weights) -> Jet<N> {
+    /// The real and imaginary parts of p₁ and p₂ over a cell, with their derivatives.
+    pub fn factors<const N: usize>(&self, cell: &Cell) -> [(Jet<N>, Jet<N>); 2] {
         let variable = |i: usize| Jet::<N>::variable(i, cell.0[i]);
         let (omega, k) = (variable(FREQUENCY), variable(STIFFNESS));
         let c = self.coupling_damping;
@@ -163,9 +163,9 @@ impl Rule {
         let own = omega.scaled(self.own_delay);
         let (own_re, own_im) =
             if self.own_delay == 0.0 { (Jet::constant(1.0), None) } else { (own.cosine(), Some(own.sine())) };
-        let factor = |mass: usize, damping: usize, stiffness: usize| {
-            let elastic = variable(stiffness) - variable(mass) * square;
-            let loss = variable(damping);
+        [2, 5].map(|first| {
+            let elastic = variable(first + 2) - variable(first) * square;
+            let loss = variable(first + 1);
             let (mut re, mut rate) = (elastic * u + own_re, loss * u);
             if let Some(v) = v {
                 re = re + square * loss * v;
@@ -173,8 +173,14 @@ impl Rule {
             }
             let im = rate * omega;
             (re, own_im.map_or(im, |own| im - own))
-        };
-        let ((r1, i1), (r2, i2)) = (factor(2, 3, 4), factor(5, 6, 7));
+        })
+    }
+
+    /// f over a cell with its derivatives.
+    fn jet<const N: usize>(&self, cell: &Cell, weights: &Weights) -> Jet<N> {
+        let [(r1, i1), (r2, i2)] = self.factors::<N>(cell);
+        let omega = Jet::<N>::variable(FREQUENCY, cell.0[FREQUENCY]);
+        let square = omega.squared();
         let turn = omega.scaled(self.round_trip);
         let re = r1 * r2 - i1 * i2 - turn.cosine();
         let im = r1 * i2 + r2 * i1 + turn.sine();
@@ -215,7 +221,7 @@ impl Rule {
     }
 
     /// A bound of f/ω² over a cell from ω = 0 on.
-    fn least_of_slow(&self, cell: &Cell, weights: &Weights) -> f64 {
+    pub fn least_of_slow(&self, cell: &Cell, weights: &Weights) -> f64 {
         let (top, c) = (cell.0[FREQUENCY].1, self.coupling_damping);
         let (k0, k1) = cell.0[STIFFNESS];
         let squares = Interval { low: 0.0, high: top * top };
@@ -243,14 +249,15 @@ impl Rule {
     }
 
     /// The direction whose width hides most of f in a cell from ω = 0 on.
-    fn widest_of_slow(&self, cell: &Cell, weights: &Weights) -> usize {
+    pub fn widest_of_slow(&self, cell: &Cell, weights: &Weights) -> usize {
         let mut best = (FREQUENCY, f64::NEG_INFINITY);
         for (i, &(low, high)) in cell.0.iter().enumerate() {
             if low == high {
                 continue;
             }
             let mut thin = *cell;
-            thin.0[i] = if i == FREQUENCY { (0.0, 0.125 * high) } else { (0.5 * (low + high), 0.5 * (low + high)) };
+            thin.0[i] =
+                if i == FREQUENCY { (0.0, 0.125 * high) } else { (0.5 * (low + high), 0.5 * (low + high)) };
             let least = self.least_of_slow(&thin, weights);
             if least > best.1 {
                 best = (i, least);

@@ -7,7 +7,7 @@
 use super::rule::{Cell, FREQUENCY, Pair, Rule, STIFFNESS, Sample, Weights};
 
 /// The outcome of one step.
-enum Step {
+pub(super) enum Step {
     /// The rule holds for all stiffnesses, frequencies and operators of the step.
     Proven,
     /// It fails at this κ.
@@ -18,10 +18,10 @@ enum Step {
 
 /// A frequency (rad/s), a stiffness (N/m) and a pair of operators at which f is not positive.
 #[derive(Debug, Clone, Copy)]
-struct Failure {
-    frequency: f64,
-    stiffness: f64,
-    pair: Pair,
+pub(super) struct Failure {
+    pub frequency: f64,
+    pub stiffness: f64,
+    pub pair: Pair,
 }
 
 /// The stiffness bound of the rule.
@@ -35,9 +35,10 @@ pub(super) struct Proven {
 
 /// The bound is within this part of the first failure of the rule.
 const ACCURACY: f64 = 2e-5;
+const ACCURACY_OVER_RANGE: f64 = 5e-3;
 /// The most cells of one step, and of a search.
 const MOST_CELLS_OF_STEP: usize = 20_000;
-const MOST_CELLS: usize = 100_000;
+const MOST_CELLS: usize = 300_000;
 /// κ is chosen at this many frequencies over this ratio of them.
 const SAMPLES: usize = 160;
 const SPREAD: f64 = 1e4;
@@ -47,7 +48,7 @@ const TRIES: usize = 3;
 const STIFFEST: f64 = 1e12;
 
 /// The middle of a range, by its logarithm where the ends are decades apart.
-fn middle((low, high): (f64, f64)) -> f64 {
+pub(super) fn middle((low, high): (f64, f64)) -> f64 {
     if high <= 4.0 * low {
         0.5 * (low + high)
     } else if low > 0.0 {
@@ -58,7 +59,7 @@ fn middle((low, high): (f64, f64)) -> f64 {
 }
 
 /// Both halves of a cell along a direction.
-fn halves(cell: &Cell, direction: usize) -> [Cell; 2] {
+pub(super) fn halves(cell: &Cell, direction: usize) -> [Cell; 2] {
     let mut parts = [*cell; 2];
     let range = cell.0[direction];
     let at = if direction < 2 { middle(range) } else { 0.5 * (range.0 + range.1) };
@@ -69,8 +70,13 @@ fn halves(cell: &Cell, direction: usize) -> [Cell; 2] {
 
 impl Rule {
     /// The pair in the middle of all operators.
-    fn middle_pair(&self) -> Pair {
+    pub(super) fn middle_pair(&self) -> Pair {
         Cell::new((0.0, 0.0), (0.0, 0.0), &self.sides).middle_pair()
+    }
+
+    /// Whether there is no range of operators.
+    fn is_one_pair(&self) -> bool {
+        Cell::new((0.0, 0.0), (0.0, 0.0), &self.sides).is_one_pair()
     }
 
     /// κ at which tier 2's rule for these ages follows from the one here.
@@ -129,6 +135,9 @@ impl Rule {
 
     /// Whether the rule holds for all stiffnesses of a range (N/m), all operators and all frequencies from `slowest` on.
     fn step(&self, stiffness: (f64, f64), slowest: f64, weights: &Weights, examined: &mut usize) -> Step {
+        if !self.is_one_pair() {
+            return self.step_over_range(stiffness, slowest, weights, examined);
+        }
         let Some(highest) = self.highest_frequency(stiffness.1, weights) else {
             return Step::Open(self.middle_pair());
         };
@@ -164,8 +173,19 @@ impl Rule {
         // Frequencies at which f came out negative: the next κ is chosen with them.
         let mut critical = Vec::new();
         let mut factor: f64 = 2.0;
-        while factor > 1.0 + ACCURACY && examined < MOST_CELLS && proven < STIFFEST {
+        let accuracy = if self.is_one_pair() { ACCURACY } else { ACCURACY_OVER_RANGE };
+        while factor > 1.0 + accuracy && examined < MOST_CELLS && proven < STIFFEST {
             let next = proven * factor;
+            // No search is needed where the pair that failed last fails alone.
+            if let Some((_, pair)) = failing {
+                let (own, least) = self.best_weights(next, &pair, &critical);
+                if least <= 0.0 {
+                    failing = failing.map(|(before, pair)| (before.min(next), pair));
+                    factor = factor.sqrt();
+                    continue;
+                }
+                weights = own;
+            }
             let mut outcome = self.step((proven, next), 0.0, &weights, &mut examined);
             for _ in 0..TRIES {
                 let pair = match &outcome {
