@@ -353,7 +353,7 @@ impl DyadAxis {
     ///
     /// `forward` is the smallest and largest age of the samples of robot 1 that act on robot 2, `backward` the other way;
     /// the same if it is left out. See `telespring.verdicts` for sampled controllers and ranges of operators.
-    #[pyo3(signature = (forward, backward=None), text_signature = "($self, forward, backward=None)")]
+    #[pyo3(signature = (forward, backward=Argument::Given(None)), text_signature = "($self, forward, backward=None)")]
     fn age_range_stiffness(
         &self,
         py: Python<'_>,
@@ -362,8 +362,8 @@ impl DyadAxis {
     ) -> Outcome<f64> {
         let allowed = "the smallest and the largest age, two numbers of seconds, are required";
         let forward = forward.or_refuse("forward", allowed, "Pass a pair, such as (0.08, 0.12).")?;
-        let backward =
-            backward.or_refuse("backward", allowed, "Pass a pair, or leave it out.")?.unwrap_or(forward);
+        let backward = backward.or_refuse("backward", allowed, "Pass a pair, or leave it out.")?;
+        let backward = backward.unwrap_or(forward);
         let range = |(least, greatest): (f64, f64), field: &str| {
             verdicts::AgeRange::new(least, greatest).map_err(|refusal| refusal.within(field))
         };

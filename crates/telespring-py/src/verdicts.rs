@@ -438,7 +438,7 @@ pub fn verdicts(
         "an integer from 0 to 2^64 - 1, or None, is required",
         "Pass None to search no attack.",
     )?;
-    let verdicts = apart(py, move || {
+    let verdicts = apart(py, move || -> telespring::Result<core::Verdicts> {
         let verdicts = core::verdicts(&dyad, ranges.as_ref(), stiffness, &network)?;
         Ok(match seed {
             Some(seed) => verdicts.with_attack(&dyad, seed),
