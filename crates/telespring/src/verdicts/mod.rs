@@ -488,8 +488,11 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
 
 /// The largest stiffness bound over the verdicts whose assumption is met.
 fn largest_allowed(tiers: &[Verdict; 5], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
-    tiers
-        .iter()
+    // Of equal bounds that with the stronger guarantee; age in a range last, since without a range it is a constant delay.
+    let mut ordered = tiers.each_ref();
+    ordered.sort_by_key(|verdict| verdict.tier.number());
+    ordered
+        .into_iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
         .filter_map(|verdict| {
             let bound = verdict.stiffness_bound?;

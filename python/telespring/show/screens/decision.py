@@ -207,6 +207,12 @@ def _stabilising_changes(decision: Decision) -> list[str]:
     return [line for line in lines if line]
 
 
+def _ages_clause(decision: Decision) -> str:
+    ages = decision.verdicts.tier("age in a range").ages or ()
+    low, high = min(least for least, _ in ages), max(most for _, most in ages)
+    return f"between {format_time(low, 6)} and {format_time(high, 6)}"
+
+
 def _stronger_guarantees(decision: Decision) -> list[str]:
     strongest = decision.verdicts.tier("any network")
     if strongest.stiffness_bound is not None and strongest.satisfied:
@@ -215,6 +221,7 @@ def _stronger_guarantees(decision: Decision) -> list[str]:
     oldest = max(budget.total for budget in decision.verdicts.delay_budget)
     promises = {
         "any constant delay": "under any constant delay",
+        "age in a range": f"while every sample's age stays {_ages_clause(decision)} and none is overtaken",
         "bounded varying delay": f"while no sample is older than {format_time(oldest, 6)}",
         "any network": "on any network",
     }
