@@ -217,3 +217,114 @@ fn law_the_sampled_bound_lies_below_the_continuous_one_and_approaches_it() {
     let (continuous, fine, coarse) = (of(0.0), of(1e-5), of(1e-3));
     assert!(coarse < fine && fine < continuous && fine > 0.999 * continuous, "{coarse} {fine} {continuous}");
 }
+
+/// The largest |x| in each window of 4 s under the greedy network: ages of 0 to 2 s, in order.
+fn greedy_windows(k: f64, seconds: f64) -> Vec<f64> {
+    let (m, b, step, oldest) = (0.8334, 7.7257, 0.005, 400);
+    let (free, forced) = step_of(m, b, k, step);
+    let steps = (seconds / step) as usize;
+    let mut past = [vec![1.0; steps + oldest + 1], vec![-1.0; steps + oldest + 1]];
+    let mut state = [[1.0, 0.0], [-1.0, 0.0]];
+    let mut played = [0; 2];
+    let mut windows = Vec::new();
+    for n in 0..steps {
+        for i in 0..2 {
+            past[i][n + oldest] = state[i][0];
+        }
+        let mut forces = [0.0; 2];
+        for i in 0..2 {
+            let sign = state[i][1].signum();
+            let from = played[i].max(n + 1);
+            let best = (from..=n + oldest)
+                .max_by(|&one, &other| (sign * past[1 - i][one]).total_cmp(&(sign * past[1 - i][other])))
+                .unwrap();
+            played[i] = best;
+            forces[i] = k * past[1 - i][best];
+        }
+        for i in 0..2 {
+            let [x, v] = state[i];
+            state[i] = [0, 1].map(|j| free[j][0] * x + free[j][1] * v + forced[j] * forces[i]);
+        }
+        if n % 800 == 0 {
+            windows.push(0.0);
+        }
+        let last = windows.last_mut().unwrap();
+        *last = state.iter().fold(*last, |most: f64, [x, _]| most.max(x.abs()));
+    }
+    windows
+}
+
+#[test]
+fn ref_the_greedy_network_makes_identical_arms_grow_and_not_below_tier_1() {
+    // b²/m = 71.6 N/m, samples up to 2 s old.
+    let scale = 7.7257f64.powi(2) / 0.8334;
+    let most = |part: f64, seconds: f64| {
+        let windows = greedy_windows(part * scale, seconds);
+        windows.iter().copied().fold(0.0, f64::max) / windows[0]
+    };
+    assert!(most(0.5, 30.0) > 1.5);
+    assert!(most(0.4, 60.0) > 1.5);
+    // Tier 1: the hull of the start is never left.
+    assert!(greedy_windows(0.25 * scale, 600.0).iter().all(|&size| size <= 1.0 + 1e-12));
+
+    let robot = Robot::new(vec![0.8334], vec![7.7257], None).unwrap();
+    let dyad = Dyad::new(robot.clone(), robot, None, 0.0).unwrap();
+    let network = Network::new(Delay::each_way(0.0).unwrap(), 2.0, 0.0, 0.0, 0.0).unwrap();
+    let found = verdicts(&dyad, None, 1.0, &network).unwrap().with_attack(&dyad, 1);
+    let attack = found.tier(Tier::AgeInRange).attack.unwrap();
+    assert!(attack > 0.25 * scale && attack < 0.4 * scale, "{attack}");
+}
+
+/// The bound over random ranges of operators holds for single pairs drawn from them.
+fn no_pair_has_less_than_its_range(count: usize, pairs: usize, seed: u64) {
+    use telespring::Operator;
+    use telespring::verdicts::OperatorRange;
+    let mut draw = Draw(seed);
+    let mut tight = 0;
+    for _ in 0..count {
+        let robots = [0; 2]
+            .map(|_| Robot::new(vec![draw.between(0.5, 2.0)], vec![draw.between(0.5, 10.0)], None).unwrap());
+        let mut ends = || {
+            let low = [draw.unit(), 5.0 * draw.unit(), draw.between(1.0, 100.0)];
+            (low, [low[0] + draw.unit(), low[1] + 5.0 * draw.unit(), low[2] + draw.between(1.0, 300.0)])
+        };
+        let ranges = [ends(), ends()];
+        let operator = |[m, b, k]: [f64; 3]| Operator::new(vec![m], vec![b], vec![k]).unwrap();
+        let given = ranges.map(|(low, high)| OperatorRange::new(operator(low), operator(high)).unwrap());
+        let delay = draw.between(0.02, 0.3);
+        let period = if draw.unit() < 0.5 { 0.001 } else { 0.0 };
+        let network =
+            Network::new(Delay::each_way(delay).unwrap(), delay * draw.between(0.05, 1.0), 0.0, period, 0.0)
+                .unwrap();
+        let dyad = Dyad::new(robots[0].clone(), robots[1].clone(), None, 0.0).unwrap();
+        let over = *verdicts(&dyad, Some(&given), 10.0, &network).unwrap().tier(Tier::AgeInRange);
+        let bound = over.stiffness_bound.unwrap();
+        tight += usize::from(over.proven);
+        assert!(over.least_found.is_none_or(|least| least >= bound));
+        for _ in 0..pairs {
+            let pair = ranges.map(|(low, high)| {
+                operator([0, 1, 2].map(|i| {
+                    low[i]
+                        + (high[i] - low[i]) * draw.unit().clamp(0.2, 0.8).mul_add(1.6, -0.3).clamp(0.0, 1.0)
+                }))
+            });
+            let held = Dyad::new(robots[0].clone(), robots[1].clone(), Some(pair), 0.0).unwrap();
+            let own =
+                verdicts(&held, None, 10.0, &network).unwrap().tier(Tier::AgeInRange).least_found.unwrap();
+            assert!(own >= bound, "{own} {bound} {ranges:?} {network:?}");
+        }
+    }
+    // Most bounds are close to the worst pair.
+    assert!(2 * tight >= count, "{tight} of {count}");
+}
+
+#[test]
+fn law_no_pair_of_operators_allows_less_than_the_range() {
+    no_pair_has_less_than_its_range(4, 12, 31);
+}
+
+#[test]
+#[ignore = "long; make verify runs it"]
+fn law_no_pair_of_operators_allows_less_than_many_ranges() {
+    no_pair_has_less_than_its_range(150, 60, 32);
+}

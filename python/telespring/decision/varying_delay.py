@@ -69,7 +69,7 @@ def varying_delay(
     >>> import telespring as ts
     >>> from telespring.decision.question import Question
     >>> question = Question(ts.hman(), ts.Network(0.08, jitter=0.02, sample_period=0.001))
-    >>> [varying_delay(question, question.judge(k)).status for k in (60.0, 73.0, 90.0, 140.0)]
+    >>> [varying_delay(question, question.judge(k)).status for k in (80.0, 88.0, 95.0, 140.0)]
     ['stable', 'marginal', 'not proven', 'unstable']
     """
     if question.network.is_constant:
