@@ -18,7 +18,9 @@ from telespring.decision.varying_delay import varying_delay
 ARM = ts.Robot(0.8334, 7.7257)
 
 
-def gain(k: float, ages: tuple[tuple[float, float], tuple[float, float]], one: ts.Robot, two: ts.Robot) -> float:
+def gain(
+    k: float, ages: tuple[tuple[float, float], tuple[float, float]], one: ts.Robot, two: ts.Robot
+) -> float:
     """Return the largest singular value over all frequencies, with the best constant scale."""
     (low1, high1), (low2, high2) = ages
     half1, half2 = 0.5 * (high1 - low1), 0.5 * (high2 - low2)

@@ -326,7 +326,11 @@ def test_law_the_map_over_a_range_shows_what_is_proven_for_every_operator() -> N
     step = 0.06 / 50
 
     def bound(delay: float) -> float:
-        found = ts.verdicts(ts.Dyad(*robots), 1.0, delay, operator_range=ranges).tier("constant delay").stiffness_bound
+        found = (
+            ts.verdicts(ts.Dyad(*robots), 1.0, delay, operator_range=ranges)
+            .tier("constant delay")
+            .stiffness_bound
+        )
         assert found is not None
         return found
 

@@ -60,9 +60,9 @@ def varying_delay(
 ) -> VaryingDelay | None:
     """Judge a question without a playout buffer; None if its delay does not vary.
 
-    In tiers 1 and 2 more delay needs no judgement of its own: the stiffness that a tier allows falls with it no
-    faster than in proportion, so that the reserve of stiffness is one of delay, too. Where the age in a range allows
-    more, it must allow the stiffness with 5 % more and 5 % less delay, too.
+    In tiers 1 and 2 more delay needs no judgement of its own: the stiffness that a tier allows falls with it
+    no faster than in proportion, so that the reserve of stiffness is one of delay, too. Where the age in a
+    range allows more, it must allow the stiffness with 5 % more and 5 % less delay, too.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def _limit_with_errors(
 
 
 def _every_robot(question: Question, worse: Question) -> Question:
-    """Return the question for all robots between the given ones and the worse ones, and their mirror images."""
+    """Return the question for all robots as far from the given ones as the worse ones, to either side."""
     robots, ranges = [], []
     for i, (robot, worst) in enumerate(zip(question.dyad.robots, worse.dyad.robots, strict=True)):
         more = np.asarray(worst.mass) - np.asarray(robot.mass)

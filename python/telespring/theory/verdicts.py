@@ -72,8 +72,9 @@ def verdicts(
     """Decide whether a dyad is stable at a stiffness over a network: in five tiers, and as the paper does.
 
     No partner sample in use is older than T_i = delay_i + jitter + max_gap + sample_period +
-    computing_time. Tier 5, "age in a range", also uses that none is younger than delay_i + computing_time, and
-    needs a play-out that drops samples that were overtaken, as telespring's does. Tiers 3 and 4 hold for constant delays; with jitter or gaps they need a playout buffer.
+    computing_time. Tier 5, "age in a range", also uses that none is younger than delay_i + computing_time,
+    and needs a play-out that drops samples that were overtaken, as telespring's does. Tiers 3 and 4 hold for
+    constant delays; with jitter or gaps they need a playout buffer.
     The verdict on a sampled controller is reported separately, and only with a sample period: controllers are
     continuous unless one is given. (`telespring.decide` samples every 1 ms unless it is told otherwise.)
 
@@ -105,12 +106,12 @@ def verdicts(
         of which may be free: `unavailable` is then "not proven over the range". `least_found` is the smallest
         bound of one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled
         bound may be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven`
-        where `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators. Tier
-        5 is proven for all operators at once; over wide ranges it may be low, then `proven` is False.
+        where `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
+        Tier 5 is proven for all operators at once; over wide ranges it may be low, then `proven` is False.
     attack_seed : int, optional
-        Search, from seeded starts, a network that keeps the ages in their range and the order of the samples and
-        still makes the motion grow. The `attack` of tier 5 is then the lowest stiffness, N/m, at which one was
-        seen to: the truth lies between the bound and it. Takes up to some seconds.
+        Search, from seeded starts, a network that keeps the ages in their range and the order of the samples
+        and still makes the motion grow. The `attack` of tier 5 is then the lowest stiffness, N/m, at which
+        one was seen to: the truth lies between the bound and it. Takes up to some seconds.
 
     Returns
     -------
@@ -125,9 +126,9 @@ def verdicts(
 
     References
     ----------
-    Tier 2: the form of E. Nuño, L. Basañez, R. Ortega, Automatica, 2011, section 3. Tier 5: the family of C.-Y. Kao,
-    B. Lincoln, "Simple stability criteria for systems with time-varying delays", Automatica 40, 2004; docs/age-range.md
-    has the proof. Ranges of operators: the
+    Tier 2: the form of E. Nuño, L. Basañez, R. Ortega, Automatica, 2011, section 3. Tier 5: the family of
+    C.-Y. Kao, B. Lincoln, "Simple stability criteria for systems with time-varying delays", Automatica 40,
+    2004; docs/age-range.md has the proof. Ranges of operators: the
     zero-exclusion principle, B. R. Barmish, New Tools for Robustness of Linear Systems, 1994. The
     paper: M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
     Delayed Haptic Dyadic Interactions Mediated by Robots", Eqs. 5 to 11.
