@@ -51,6 +51,7 @@ def test_ref_decide_answers_in_json_for_the_papers_case() -> None:
     assert set(answer["verdicts"]) == {
         "constant_delay",
         "any_constant_delay",
+        "age_in_a_range",
         "bounded_varying_delay",
         "any_network",
         "paper",

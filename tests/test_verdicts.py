@@ -146,8 +146,8 @@ def test_ref_the_operators_are_told_in_their_order(hman: ts.Dyad) -> None:
     held = ts.Dyad(*hman.robots, operators=(None, ts.Operator(0.5, 1.0, 10.0)))
     expected = (ts.OperatorPoint(0.0, 0.0, 0.0), ts.OperatorPoint(0.5, 1.0, 10.0))
     found = ts.verdicts(held, 30.0, 0.1)
-    assert [verdict.worst_operators for verdict in found.tiers] == [expected] * 4
-    assert [tier.operators for axis in found.axes for tier in axis.tiers] == [expected] * 8
+    assert [verdict.worst_operators for verdict in found.tiers] == [expected] * 5
+    assert [tier.operators for axis in found.axes for tier in axis.tiers] == [expected] * 10
 
 
 def test_law_a_range_of_operators_is_judged_by_its_worst(hman: ts.Dyad) -> None:
@@ -274,8 +274,8 @@ def test_law_the_dictionary_is_json_and_loses_nothing_but_infinity(
 
     compare(found, given)
     if delay == 0.0:
-        assert found.tiers[3].stiffness_bound == math.inf
-        assert given["tiers"][3]["stiffness_bound"] is given["tiers"][3]["unavailable"] is None
+        assert found.tier("constant delay").stiffness_bound == math.inf
+        assert given["tiers"][4]["stiffness_bound"] is given["tiers"][4]["unavailable"] is None
 
 
 @pytest.mark.parametrize(
@@ -325,7 +325,11 @@ def test_law_the_map_over_a_range_shows_what_is_proven_for_every_operator() -> N
     column = 600.0 / 100
 
     def bound(delay: float) -> float:
-        found = ts.verdicts(ts.Dyad(*robots), 1.0, delay, operator_range=ranges).tiers[3].stiffness_bound
+        found = (
+            ts.verdicts(ts.Dyad(*robots), 1.0, delay, operator_range=ranges)
+            .tier("constant delay")
+            .stiffness_bound
+        )
         assert found is not None
         return found
 

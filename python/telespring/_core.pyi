@@ -251,6 +251,9 @@ class DyadAxis:
         horizon: float = 100.0,
     ) -> list[tuple[float, float]]: ...
     def stable_delays(self, k: float, horizon: float = 100.0) -> list[tuple[float, float]]: ...
+    def age_range_stiffness(
+        self, forward: tuple[float, float], backward: tuple[float, float] | None = None
+    ) -> float: ...
     def decay_stiffness(self, delay: float, decay_rate: float) -> list[tuple[float, float]]: ...
     def spectral_abscissa(self, k: float, delay: Delay) -> float: ...
     def characteristic_roots(self, k: float, delay: Delay, count: int = 8) -> ComplexArray: ...
@@ -613,6 +616,8 @@ class Verdict(_Record):
         worst_operators: tuple[OperatorPoint, OperatorPoint] | None,
         assumption: Assumption | tuple[float, float],
         unavailable: Unavailable | None,
+        ages: tuple[tuple[float, float], tuple[float, float]] | None,
+        attack: float | None,
     ) -> Verdict: ...
     tier: Final[Tier]
     stiffness_bound: Final[float | None]
@@ -625,6 +630,8 @@ class Verdict(_Record):
     worst_operators: Final[tuple[OperatorPoint, OperatorPoint] | None]
     assumption: Final[Assumption]
     unavailable: Final[Unavailable | None]
+    ages: Final[tuple[tuple[float, float], tuple[float, float]] | None]
+    attack: Final[float | None]
     buffer_delay: Final[tuple[float, float] | None]
     assumption_met: Final[bool]
 
@@ -1032,6 +1039,7 @@ def verdicts(
     stiffness: float,
     network: Network,
     operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
+    attack_seed: int | None,
 ) -> Verdicts: ...
 def delay_limit(
     dyad: Dyad,

@@ -17,12 +17,15 @@ SimulationStatus: TypeAlias = Literal["completed", "diverged", "not resolved"]
 SolverStatus: TypeAlias = Literal[
     "completed", "step too small", "too many steps", "not finite", "invalid delay", "stopped"
 ]
-Tier: TypeAlias = Literal["any network", "bounded varying delay", "any constant delay", "constant delay"]
+Tier: TypeAlias = Literal[
+    "any network", "bounded varying delay", "age in a range", "any constant delay", "constant delay"
+]
 Assumption: TypeAlias = Literal["met", "met behind playout buffer", "not met"]
 Unavailable: TypeAlias = Literal[
     "coupling damping with grounded operator",
     "coupling damping with computing time",
     "coupling damping",
+    "coupling damping with sampled controllers",
     "not proven over the range",
 ]
 SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]

@@ -348,6 +348,30 @@ impl DyadAxis {
         Ok(apart(py, move || verdicts::sampled_stable_delays(&axis, k, &network, horizon))??)
     }
 
+    /// The largest stiffness, N/m, that is stable on every network that keeps the age of each partner sample in a range (s)
+    /// and plays none after a newer one, under continuous controllers.
+    ///
+    /// `forward` is the smallest and largest age of the samples of robot 1 that act on robot 2, `backward` the other way;
+    /// the same if it is left out. See `telespring.verdicts` for sampled controllers and ranges of operators.
+    #[pyo3(signature = (forward, backward=Argument::Given(None)), text_signature = "($self, forward, backward=None)")]
+    fn age_range_stiffness(
+        &self,
+        py: Python<'_>,
+        forward: Argument<(f64, f64)>,
+        backward: Argument<Option<(f64, f64)>>,
+    ) -> Outcome<f64> {
+        let allowed = "the smallest and the largest age, two numbers of seconds, are required";
+        let forward = forward.or_refuse("forward", allowed, "Pass a pair, such as (0.08, 0.12).")?;
+        let backward = backward.or_refuse("backward", allowed, "Pass a pair, or leave it out.")?;
+        let backward = backward.unwrap_or(forward);
+        let range = |(least, greatest): (f64, f64), field: &str| {
+            verdicts::AgeRange::new(least, greatest).map_err(|refusal| refusal.within(field))
+        };
+        let ages = [range(backward, "backward")?, range(forward, "forward")?];
+        let axis = self.axis;
+        Ok(apart(py, move || verdicts::age_range_stiffness(&axis, &ages))??.stiffness)
+    }
+
     /// Ranges of stiffness with at least this decay rate (1/s), N/m; see `telespring.decay_stiffness`.
     fn decay_stiffness(&self, py: Python<'_>, delay: Number, decay_rate: Number) -> Outcome<Vec<(f64, f64)>> {
         let (delay, rate) = (DELAY.check("delay", delay.named("delay")?)?, decay_rate.named("decay_rate")?);

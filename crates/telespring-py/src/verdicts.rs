@@ -16,6 +16,7 @@ use crate::records::{Value, record, words};
 words!(Tier {
     AnyNetwork = "any network",
     BoundedVaryingDelay = "bounded varying delay",
+    AgeInRange = "age in a range",
     AnyConstantDelay = "any constant delay",
     ConstantDelay = "constant delay",
 });
@@ -24,6 +25,7 @@ words!(Unavailable {
     CouplingDampingWithGroundedOperator = "coupling damping with grounded operator",
     CouplingDampingWithComputingTime = "coupling damping with computing time",
     CouplingDamping = "coupling damping",
+    CouplingDampingWithSampledControllers = "coupling damping with sampled controllers",
     UnprovenOverRange = "not proven over the range",
 });
 
@@ -103,7 +105,7 @@ record! {
 record! {
     /// The verdict of one tier on the whole dyad.
     Verdict(core::Verdict) {
-        /// "any network", "bounded varying delay", "any constant delay" or "constant delay".
+        /// "any network", "bounded varying delay", "age in a range", "any constant delay" or "constant delay".
         tier,
         /// The largest stiffness, N/m, such that every smaller one is allowed; inf if there is no limit,
         /// None if the tier has no rule for this dyad.
@@ -129,6 +131,12 @@ record! {
         assumption,
         /// Why the tier has no bound, where it has none.
         unavailable,
+        /// The smallest and largest age of the partner samples in use, s, forward and backward; None but for the age in
+        /// a range.
+        ages,
+        /// The lowest stiffness, N/m, at which an attack was seen to make the motion grow; None if none was searched or
+        /// found.
+        attack,
     }
     computed {
         /// The delay of that buffer, s, forward and backward: delay plus jitter plus longest gap.
@@ -241,7 +249,7 @@ record! {
         name,
         /// Whether an operator, or one in the range, ties a handle to the ground.
         grounded,
-        /// The four tiers, 1 to 4.
+        /// The five tiers, the strongest guarantee first.
         tiers,
         /// Eq. 5 of the paper, N/m.
         paper_critical_stiffness,
@@ -281,7 +289,7 @@ record! {
 }
 
 record! {
-    /// The four verdicts, the paper's verdict, and what follows from them.
+    /// The five verdicts, the paper's verdict, and what follows from them.
     ///
     /// In `to_dict` a `stiffness_bound` of None is infinite if `unavailable` is None, and absent if
     /// `unavailable` gives a reason; `worst_axis` is None only if it is absent.
@@ -290,7 +298,7 @@ record! {
         stiffness,
         /// The network.
         network,
-        /// Tiers 1 to 4.
+        /// The tiers, the strongest guarantee first.
         tiers,
         /// The bound of tier 2 from the robots' own damping, N/m: it holds for every passive operator. None
         /// with a coupling damper.
@@ -412,7 +420,7 @@ fn ranges_on(
     })
 }
 
-/// The four `Verdicts` on a dyad over a network.
+/// The five `Verdicts` on a dyad over a network.
 #[pyfunction]
 pub fn verdicts(
     py: Python<'_>,
@@ -420,11 +428,23 @@ pub fn verdicts(
     stiffness: Number,
     network: Argument<Bound<'_, Network>>,
     operator_range: Argument<Option<Ranges<'_>>>,
+    attack_seed: Argument<Option<u64>>,
 ) -> Outcome<Verdicts> {
     let (dyad, network) = (dyad.named("dyad")?.get().0.clone(), network.named("network")?.get().0);
     let ranges = ranges_on(&dyad, operator_range)?;
     let stiffness = stiffness.named("stiffness")?;
-    let verdicts = apart(py, move || core::verdicts(&dyad, ranges.as_ref(), stiffness, &network))??;
+    let seed = attack_seed.or_refuse(
+        "attack_seed",
+        "an integer from 0 to 2^64 - 1, or None, is required",
+        "Pass None to search no attack.",
+    )?;
+    let verdicts = apart(py, move || -> telespring::Result<core::Verdicts> {
+        let verdicts = core::verdicts(&dyad, ranges.as_ref(), stiffness, &network)?;
+        Ok(match seed {
+            Some(seed) => verdicts.with_attack(&dyad, seed),
+            None => verdicts,
+        })
+    })??;
     Ok(Verdicts(verdicts))
 }
 

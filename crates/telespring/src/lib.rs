@@ -7,7 +7,7 @@
 //! | [`model`] | robots, operators, dyads, with checked values |
 //! | [`study`] | reads and writes study files |
 //! | [`criteria`] | crossings, critical stiffness, stable delays and their inverses, for one axis |
-//! | [`verdicts`](mod@verdicts) | the four verdicts on a dyad over a network |
+//! | [`verdicts`](mod@verdicts) | the five verdicts on a dyad over a network |
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | time response: exact for the linear dyad, adaptive for any right-hand side |

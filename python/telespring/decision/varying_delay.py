@@ -13,7 +13,7 @@ from telespring.decision.bisection import largest_usable
 from telespring.decision.question import STIFFEST, is_instability_proven
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN, Status
 from telespring.decision.usable import recommended_stiffness
-from telespring.model import Dyad, Network, Robot
+from telespring.model import Dyad, Network, Operator, OperatorRange, Robot
 
 if TYPE_CHECKING:
     from telespring.decision.question import Question
@@ -66,32 +66,76 @@ def varying_delay(
 ) -> VaryingDelay | None:
     """Judge a question without a playout buffer; None if its delay does not vary.
 
-    More delay needs no judgement of its own: a tier that depends on the delay allows a stiffness that falls
-    with it no faster than in proportion, so that the reserve of stiffness is one of delay, too.
+    In tiers 1 and 2 more delay needs no judgement of its own: the stiffness that a tier allows falls with it
+    no faster than in proportion, so that the reserve of stiffness is one of delay, too. Where the age in a
+    range allows more, it must allow the stiffness with 5 % more and 5 % less delay, too.
 
     Examples
     --------
     >>> import telespring as ts
     >>> from telespring.decision.question import Question
     >>> question = Question(ts.hman(), ts.Network(0.08, jitter=0.02, sample_period=0.001))
-    >>> [varying_delay(question, question.judge(k)).status for k in (60.0, 73.0, 90.0, 140.0)]
+    >>> [varying_delay(question, question.judge(k)).status for k in (80.0, 88.0, 95.0, 140.0)]
     ['stable', 'marginal', 'not proven', 'unstable']
     """
     if question.network.is_constant:
         return None
     limit, attained, tier = _allowed(judged)
+    worst_limit = _limit_with_errors(question, uncertainty, judged)
+    if tier == "age in a range":
+        nearby = [_limit_at(question, factor, judged.stiffness) for factor in (1.0 - RESERVE, 1.0 + RESERVE)]
+    else:
+        nearby = []
+    usable = min(limit / (1.0 + RESERVE), worst_limit, *nearby)
+    return VaryingDelay(_status(question, judged, usable), limit, attained, WITHIN * usable, tier)
+
+
+def _limit_at(question: Question, factor: float, stiffness: float) -> float:
+    """Return what is proven with this multiple of the delay, N/m, jitter and gaps unchanged."""
+    network = question.network
+    forward, backward = network.delay
+    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    longer = Network((factor * forward, factor * backward), *timing)
+    return _allowed(replace(question, network=longer).judge(stiffness))[0]
+
+
+def _limit_with_errors(
+    question: Question,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
+    judged: Verdicts,
+) -> float:
+    """Return what is proven for all robots but a few, N/m."""
+    if uncertainty == (None, None):
+        return _allowed(judged)[0]
     worse = _worse_robots(question, uncertainty)
     if worse is None:
-        worst_limit = 0.0
-    else:
-        worst_limit = limit if worse is question else _allowed(worse.judge(judged.stiffness))[0]
-    return VaryingDelay(
-        _status(question, judged, limit, worse),
-        limit,
-        attained,
-        WITHIN * min(limit / (1.0 + RESERVE), worst_limit),
-        tier,
-    )
+        return 0.0
+    # The worst robots of tiers 1 and 2 are known; for the age in a range all of them are judged at once.
+    known = [worse.judge(judged.stiffness).tier(name) for name in ("any network", "bounded varying delay")]
+    every = _every_robot(question, worse).judge(judged.stiffness).tier("age in a range")
+    return max((tier.stiffness_bound or 0.0 for tier in (*known, every)), default=0.0)
+
+
+def _every_robot(question: Question, worse: Question) -> Question:
+    """Return the question for all robots as far from the given ones as the worse ones, to either side."""
+    robots, ranges = [], []
+    for i, (robot, worst) in enumerate(zip(question.dyad.robots, worse.dyad.robots, strict=True)):
+        more = np.asarray(worst.mass) - np.asarray(robot.mass)
+        less = np.asarray(robot.damping) - np.asarray(worst.damping)
+        mass = np.maximum(np.asarray(robot.mass) - more, _LIGHTEST)
+        robots.append(Robot(mass, worst.damping, axes=robot.axes))
+        held = question.operator_ranges
+        low, high = (question.dyad.operators[i],) * 2 if held is None else (held[i].low, held[i].high)
+        wider = Operator(
+            np.asarray(high.mass) + np.asarray(worst.mass) - mass,
+            np.asarray(high.damping) + 2.0 * less,
+            np.asarray(high.stiffness) + np.zeros_like(mass),
+        )
+        zero = np.zeros_like(mass)
+        narrow = Operator(*(np.asarray(each) + zero for each in (low.mass, low.damping, low.stiffness)))
+        ranges.append(OperatorRange(narrow, wider))
+    dyad = Dyad(robots[0], robots[1], None, question.dyad.coupling_damping)
+    return replace(question, dyad=dyad, operator_ranges=(ranges[0], ranges[1]))
 
 
 def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
@@ -99,12 +143,10 @@ def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
     return (0.0, False, None) if allowed is None else (allowed.stiffness, allowed.attained, allowed.tier)
 
 
-def _status(question: Question, judged: Verdicts, limit: float, worse: Question | None) -> Status:
+def _status(question: Question, judged: Verdicts, usable: float) -> Status:
     k = judged.stiffness
     if _is_proven(judged):
-        has_reserve = (1.0 + RESERVE) * k <= limit
-        is_probable = worse is not None and _is_proven(worse.judge(k))
-        return "stable" if has_reserve and is_probable else "marginal"
+        return "stable" if k <= usable else "marginal"
     # A constant delay is one of the ways in which the delay may vary.
     jitter = question.network.jitter
     forward, backward = question.network.delay

@@ -190,6 +190,7 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         "assumption": tier.assumption,
         "available": bound is not None,
         **({} if name == "paper" else {"unavailable": tier.unavailable}),
+        **({} if name == "paper" or tier.ages is None else {"ages": [list(ages) for ages in tier.ages]}),
     }
 
 

@@ -40,6 +40,15 @@ TIERS = {
         "the stiffness is below the critical stiffness",
         "k < kₘ exact",
     ),
+    "age in a range": TierText(
+        "age_in_a_range",
+        "any variation of the delay within a range of sample ages; no sample is played after a newer one",
+        (
+            "stable at the mean age, and half the width of the range times the largest gain from a delay's "
+            "error to the coupling signals' rates is below 1 (docs/age-range.md)"
+        ),
+        "J·sup σₘₐₓ < 1",
+    ),
     "bounded varying delay": TierText(
         "bounded_varying_delay",
         "any variation of the delay, with a known limit on the age of a sample",

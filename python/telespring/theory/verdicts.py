@@ -1,8 +1,9 @@
-"""The four verdicts on a dyad over a network, next to the paper's.
+"""The five verdicts on a dyad over a network, next to the paper's.
 
 ===  =======================  ============================================================
 1    any network              anything with bounded gaps
 2    bounded varying delay    any variation, loss and reordering, no sample older than a bound
+5    age in a range           any variation and loss, all ages in a range, played in order
 3    any constant delay       one constant delay, however long
 4    constant delay           one known constant delay
 ===  =======================  ============================================================
@@ -66,11 +67,14 @@ def verdicts(
     sample_period: float = 0.0,
     computing_time: float = 0.0,
     operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None = None,
+    attack_seed: int | None = None,
 ) -> Verdicts:
-    """Decide whether a dyad is stable at a stiffness over a network: in four tiers, and as the paper does.
+    """Decide whether a dyad is stable at a stiffness over a network: in five tiers, and as the paper does.
 
     No partner sample in use is older than T_i = delay_i + jitter + max_gap + sample_period +
-    computing_time. Tiers 3 and 4 hold for constant delays; with jitter or gaps they need a playout buffer.
+    computing_time. Tier 5, "age in a range", also uses that none is younger than delay_i + computing_time,
+    and needs a play-out that drops samples that were overtaken, as telespring's does. Tiers 3 and 4 hold for
+    constant delays; with jitter or gaps they need a playout buffer.
     The verdict on a sampled controller is reported separately, and only with a sample period: controllers are
     continuous unless one is given. (`telespring.decide` samples every 1 ms unless it is told otherwise.)
 
@@ -103,6 +107,11 @@ def verdicts(
         bound of one pair of operators, `worst_operators`. `sampled_proven` is also False where the sampled
         bound may be more than 5 % low, at sample periods near the motion's own, and `maximum_delay_proven`
         where `maximum_delay` may be; `least_maximum_delay` is the smallest found for one pair of operators.
+        Tier 5 is proven for all operators at once; over wide ranges it may be low, then `proven` is False.
+    attack_seed : int, optional
+        Search, from seeded starts, a network that keeps the ages in their range and the order of the samples
+        and still makes the motion grow. The `attack` of tier 5 is then the lowest stiffness, N/m, at which
+        one was seen to: the truth lies between the bound and it. Takes up to some seconds.
 
     Returns
     -------
@@ -117,7 +126,9 @@ def verdicts(
 
     References
     ----------
-    Tier 2: the form of E. Nuño, L. Basañez, R. Ortega, Automatica, 2011, section 3. Ranges of operators: the
+    Tier 2: the form of E. Nuño, L. Basañez, R. Ortega, Automatica, 2011, section 3. Tier 5: the family of
+    C.-Y. Kao, B. Lincoln, "Simple stability criteria for systems with time-varying delays", Automatica 40,
+    2004; docs/age-range.md has the proof. Ranges of operators: the
     zero-exclusion principle, B. R. Barmish, New Tools for Robustness of Linear Systems, 1994. The
     paper: M. Du, S. R. Kulkarni, S. Kager, D. Campolo, "Stability Criteria and Motor Performance in
     Delayed Haptic Dyadic Interactions Mediated by Robots", Eqs. 5 to 11.
@@ -127,13 +138,19 @@ def verdicts(
     >>> import telespring as ts
     >>> verdicts = ts.verdicts(ts.hman(), 71.2, 0.1, sample_period=0.001)
     >>> [verdict.tier for verdict in verdicts.tiers if verdict.satisfied]
-    ['bounded varying delay', 'constant delay']
+    ['bounded varying delay', 'age in a range', 'constant delay']
     >>> verdicts.stiffness_allowed.tier, verdicts.stiffness_allowed.stiffness > 71.2
     ('constant delay', True)
     >>> ts.verdicts(ts.hman(), 30.0, 0.1).to_dict()["paper"]["maximum_delay"] is None  # any delay
     True
     >>> ts.verdicts(ts.hman(), 71.2, ts.Network(0.1, sample_period=0.001)) == verdicts
     True
+
+    With 10 ms of jitter, and what an attack reaches:
+
+    >>> varying = ts.verdicts(ts.hman(), 71.2, 0.09, jitter=0.01, attack_seed=1).tier("age in a range")
+    >>> varying.satisfied, varying.stiffness_bound < varying.attack < 1.05 * varying.stiffness_bound
+    (True, True)
 
     Whatever the grip between a free handle and 300 N/m:
 
@@ -150,7 +167,7 @@ def verdicts(
         network = delay
     else:
         network = core.Network(delay, jitter, max_gap, sample_period, computing_time)
-    return core.verdicts(dyad, stiffness, network, operator_range)
+    return core.verdicts(dyad, stiffness, network, operator_range, attack_seed)
 
 
 def delay_limit(

@@ -1,4 +1,4 @@
-//! The four tiers on one axis: exact for one pair of operators, certified over a range of them.
+//! Tiers 1 to 4 on one axis: exact for one pair of operators, certified over a range of them.
 
 use super::operators::{OperatorBox, OperatorPair, OperatorPoint, operator_points};
 use super::ranges::{CertifiedBound, Crossing, Family};

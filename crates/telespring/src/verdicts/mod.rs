@@ -1,15 +1,17 @@
-//! The four verdicts on a dyad over a network, next to the paper's verdict.
+//! The five verdicts on a dyad over a network, next to the paper's verdict.
 //!
 //! | tier | what the network may do | rule |
 //! |---|---|---|
 //! | 1 [`Tier::AnyNetwork`] | anything, with bounded gaps | each side alone does not amplify |
 //! | 2 [`Tier::BoundedVaryingDelay`] | anything that keeps the age of every sample below a bound | Lyapunov–Krasovskii |
+//! | 5 [`Tier::AgeInRange`] | anything that keeps the ages in a range, played in order | a scaled small gain around the mean age |
 //! | 3 [`Tier::AnyConstantDelay`] | one constant delay, however long | no root crosses for any delay |
 //! | 4 [`Tier::ConstantDelay`] | one known constant delay | the delay lies in a stable interval |
 //!
 //! The tiers are not nested. The allowed stiffness is the largest bound over the tiers whose assumption the
 //! network meets.
 
+mod age_range;
 mod any_network;
 mod any_network_range;
 mod axis_tiers;
@@ -34,6 +36,7 @@ mod sampled_roots;
 mod tightness;
 mod zero_order_hold;
 
+pub use age_range::{AgeRange, AgeRangeBound, age_range_stiffness};
 pub use axis_tiers::AxisTier;
 pub use delay_limit::{DelayLimit, delay_limit};
 pub use islands::{is_stable_over_delays, is_stable_over_stiffnesses};
@@ -51,13 +54,16 @@ use crate::error::{InvalidInput, Result};
 use crate::model::Dyad;
 use crate::quantity;
 
-/// A tier: one of the four verdicts, named by what the network may do.
+/// A tier: one of the five verdicts, named by what the network may do, the strongest guarantee first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tier {
     /// 1: any behaviour, with bounded gaps.
     AnyNetwork,
     /// 2: any variation, jumps, losses with hold and reordering; no sample older than a bound.
     BoundedVaryingDelay,
+    /// 5: any variation of the age within a range, jumps and losses with hold included; no sample is played after a newer
+    /// one.
+    AgeInRange,
     /// 3: any constant delay.
     AnyConstantDelay,
     /// 4: one known constant delay.
@@ -65,13 +71,24 @@ pub enum Tier {
 }
 
 impl Tier {
-    /// All four, from 1 to 4.
-    pub const ALL: [Self; 4] =
-        [Self::AnyNetwork, Self::BoundedVaryingDelay, Self::AnyConstantDelay, Self::ConstantDelay];
+    /// All five, the strongest guarantee first.
+    pub const ALL: [Self; 5] = [
+        Self::AnyNetwork,
+        Self::BoundedVaryingDelay,
+        Self::AgeInRange,
+        Self::AnyConstantDelay,
+        Self::ConstantDelay,
+    ];
 
-    /// The number of the tier, 1 to 4.
+    /// The number of the tier, 1 to 5.
     pub fn number(self) -> u8 {
-        self as u8 + 1
+        match self {
+            Self::AnyNetwork => 1,
+            Self::BoundedVaryingDelay => 2,
+            Self::AnyConstantDelay => 3,
+            Self::ConstantDelay => 4,
+            Self::AgeInRange => 5,
+        }
     }
 
     /// The name of the tier in text and tables.
@@ -79,6 +96,7 @@ impl Tier {
         match self {
             Self::AnyNetwork => "any network",
             Self::BoundedVaryingDelay => "bounded varying delay",
+            Self::AgeInRange => "age in a range",
             Self::AnyConstantDelay => "any constant delay",
             Self::ConstantDelay => "constant delay",
         }
@@ -109,6 +127,8 @@ pub enum Unavailable {
     CouplingDampingWithComputingTime,
     /// Tier 2 with a coupling damper.
     CouplingDamping,
+    /// Tier 5 of sampled controllers with a coupling damper.
+    CouplingDampingWithSampledControllers,
     /// Tier 1 of sampled controllers over a range of operators: free ones with a coupling damper, or, with a computing
     /// time, grounded ones some of which may be free. Single pairs have a bound, but the worst pair is not known.
     UnprovenOverRange,
@@ -151,6 +171,11 @@ pub struct Verdict {
     pub assumption: Assumption,
     /// Why the tier is unavailable, if it is.
     pub unavailable: Option<Unavailable>,
+    /// The smallest and largest age (s) of the partner samples in use, forward and backward; of [`Tier::AgeInRange`] only.
+    pub ages: Option<[[f64; 2]; 2]>,
+    /// The lowest stiffness (N/m) at which an attack was seen to make the motion grow, if one was searched and found:
+    /// see [`Verdicts::with_attack`].
+    pub attack: Option<f64>,
 }
 
 /// The allowed stiffness and the tier that gives it.
@@ -171,8 +196,8 @@ pub struct AxisVerdict {
     pub name: String,
     /// True if an operator, or one in the range, is grounded.
     pub grounded: bool,
-    /// The four tiers.
-    pub tiers: [AxisTier; 4],
+    /// The tiers, in the order of [`Tier::ALL`].
+    pub tiers: [AxisTier; 5],
     /// The paper's critical stiffness (Eq. 5), N/m.
     pub paper_critical_stiffness: f64,
     /// The paper's maximum delay (Eq. 6), s; 0 if its Eq. 9 fails.
@@ -198,15 +223,15 @@ pub struct AxisVerdict {
     pub sampled_proven: Option<bool>,
 }
 
-/// The four verdicts, the paper's verdict and the conclusions.
+/// The five verdicts, the paper's verdict and the conclusions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdicts {
     /// The given stiffness, N/m.
     pub stiffness: f64,
     /// The given network.
     pub network: Network,
-    /// Tiers 1 to 4.
-    pub tiers: [Verdict; 4],
+    /// The tiers, in the order of [`Tier::ALL`].
+    pub tiers: [Verdict; 5],
     /// The bound of tier 2 from the robots' own damping, N/m, valid for every passive operator.
     pub any_passive_operator: Option<f64>,
     /// True if the sampled dyad is proven to be stable at this constant delay on every axis for every operator;
@@ -234,15 +259,36 @@ impl Verdicts {
     pub fn tier(&self, tier: Tier) -> &Verdict {
         &self.tiers[tier as usize]
     }
+
+    /// The same verdicts with an attack searched for: a network that keeps the ages in their range and the order of the
+    /// samples, and still makes the motion of this dyad grow, from the lowest stiffness that was found on.
+    ///
+    /// The attack is simulated with the operators whose age in a range allows least. It is greedy: in each step it plays
+    /// the sample that gives each side most power. `seed` draws the starts. A lower attack may exist, down to the bound.
+    /// Takes up to some seconds.
+    ///
+    /// # Panics
+    ///
+    /// If `dyad` does not have the axes of the verdicts.
+    pub fn with_attack(mut self, dyad: &Dyad, seed: u64) -> Self {
+        let attack = self
+            .axes
+            .iter()
+            .enumerate()
+            .filter_map(|(index, axis)| age_range::attack(dyad, index, axis, &self.network, seed))
+            .reduce(f64::min);
+        self.tiers[Tier::AgeInRange as usize].attack = attack;
+        self
+    }
 }
 
-/// The four verdicts on a dyad at a stiffness (N/m) over a network.
+/// The five verdicts on a dyad at a stiffness (N/m) over a network.
 ///
 /// With `operators` every verdict holds for all operators of both ranges, which replace the dyad's own. Tiers 1 and 2
 /// have a known worst operator; for tiers 3 and 4 and the sampled dyad a search excludes roots on the imaginary
-/// axis for the whole range at once. Tier 1 of sampled controllers has no bound over a range of free
+/// axis for the whole range at once, and for tier 5 it proves the rule for it. Tier 1 of sampled controllers has no bound over a range of free
 /// operators with a coupling damper, nor over grounded operators with a computing time if a ground stiffness may be 0:
-/// [`Unavailable::UnprovenOverRange`].
+/// [`Unavailable::UnprovenOverRange`]. Tier 5 has none for sampled controllers with a coupling damper.
 ///
 /// # Errors
 ///
@@ -280,12 +326,13 @@ pub fn verdicts(
     let tiers = Tier::ALL.map(|tier| worst_axis(&axes, tier, network, k));
     let is_sampled = network.sample_period() > 0.0;
     let sampled_stable = is_sampled.then(|| axes.iter().all(|axis| axis.sampled_stable == Some(true)));
-    let remedies = if tiers[3].satisfied && sampled_stable != Some(false) {
+    let constant = tiers[Tier::ConstantDelay as usize].satisfied;
+    let remedies = if constant && sampled_stable != Some(false) {
         Remedies::default()
     } else {
         remedies::remedies(&regions, &axes, network, k)?
     };
-    let paper = paper_verdict(&axes, network, k, tiers[3].satisfied);
+    let paper = paper_verdict(&axes, network, k, constant);
     let sampled_bound =
         axes.iter().filter_map(|axis| axis.sampled_stiffness_bound).fold(f64::INFINITY, f64::min);
     Ok(Verdicts {
@@ -326,6 +373,7 @@ fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> 
     let constant = axis_tiers::constant_delay_tiers(region, network.buffered_mean(), k)?;
     let [third, fourth] = constant.tiers;
     let nominal = region.axis(&constant.worst);
+    let in_range = age_range::tier(region, network, k, &fourth)?;
     let held = if network.sample_period() > 0.0 {
         let limit = fourth.stiffness_bound.unwrap_or(f64::INFINITY);
         Some(sampled_range::sampled_axis(region, &constant.worst, limit, network, k)?)
@@ -338,6 +386,7 @@ fn axis_verdict(name: &str, region: &OperatorBox, network: &Network, k: f64) -> 
         tiers: [
             axis_tiers::any_network_tier(region, network, k),
             axis_tiers::bounded_delay_tier(region, network, k),
+            in_range,
             third,
             fourth,
         ],
@@ -374,6 +423,8 @@ fn worst_axis(axes: &[AxisVerdict], tier: Tier, network: &Network, k: f64) -> Ve
         worst_operators: None,
         assumption,
         unavailable: None,
+        ages: (tier == Tier::AgeInRange).then(|| network.ages()),
+        attack: None,
     };
     verdict.unavailable = axes.iter().find_map(|axis| axis.tiers[index].unavailable);
     if verdict.unavailable.is_some() {
@@ -437,9 +488,12 @@ fn paper_verdict(axes: &[AxisVerdict], network: &Network, k: f64, truth: bool) -
 }
 
 /// The largest stiffness bound over the verdicts whose assumption is met.
-fn largest_allowed(tiers: &[Verdict; 4], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
-    tiers
-        .iter()
+fn largest_allowed(tiers: &[Verdict; 5], sampled_bound: f64, buffered: bool) -> Option<Allowed> {
+    // Of equal bounds that with the stronger guarantee; age in a range last, since without a range it is a constant delay.
+    let mut ordered = tiers.each_ref();
+    ordered.sort_by_key(|verdict| verdict.tier.number());
+    ordered
+        .into_iter()
         .filter(|verdict| buffered || verdict.assumption == Assumption::Met)
         .filter_map(|verdict| {
             let bound = verdict.stiffness_bound?;

@@ -171,6 +171,22 @@ impl Network {
         self.budget().map(|direction| direction.total())
     }
 
+    /// The smallest and largest age (s) of the partner samples in use, forward and backward, if a sample that was
+    /// overtaken is never played: a force acts from the computing time on and is held over a period.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::{Delay, verdicts::Network};
+    /// let network = Network::new(Delay::each_way(0.05)?, 0.01, 0.0, 0.0, 0.0)?;
+    /// let [[least, greatest], _] = network.ages();
+    /// assert!((least - 0.05).abs() < 1e-15 && (greatest - 0.06).abs() < 1e-15);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn ages(&self) -> [[f64; 2]; 2] {
+        self.budget().map(|direction| [direction.network + direction.computing, direction.total()])
+    }
+
     /// The constant delays behind a playout buffer that waits for the latest packet and the longest gap, s;
     /// without jitter and gaps the network's own delays.
     pub fn buffered(&self) -> [f64; 2] {

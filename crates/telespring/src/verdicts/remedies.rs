@@ -1,7 +1,7 @@
 //! Changes that make the constant delay stable, each proven for every operator of the range.
 
 use super::operators::OperatorBox;
-use super::{AxisVerdict, Network, sampled_range};
+use super::{AxisVerdict, Network, Tier, sampled_range};
 use crate::criteria::minimum_damping;
 use crate::error::Result;
 use crate::quantity;
@@ -48,7 +48,7 @@ pub(super) fn remedies(
     let is_sampled = network.sample_period() > 0.0;
     let (mut stiffness, mut delay, mut damping) = (f64::INFINITY, f64::INFINITY, Some(0.0_f64));
     for (region, axis) in regions.iter().zip(axes) {
-        let bounds = [axis.tiers[3].stiffness_bound, axis.sampled_stiffness_bound];
+        let bounds = [axis.tiers[Tier::ConstantDelay as usize].stiffness_bound, axis.sampled_stiffness_bound];
         stiffness = bounds.into_iter().flatten().fold(stiffness, f64::min);
         delay = delay.min(axis.maximum_delay);
         // An axis that is stable now may, with more damping, be so in a later stable interval only.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.padding import Padding
 from rich.text import Text
 
-from telespring.decision.changes import Changes
+from telespring.decision.changes import WIDER_TIERS, Changes
 from telespring.decision.decide import Decision
 from telespring.decision.reserve import LEAST_PROBABILITY
 from telespring.show.quantities import format_number, format_stiffness, format_time
@@ -93,6 +93,14 @@ def _is_improbable(decision: Decision) -> bool:
     )
 
 
+def _ages_clause(decision: Decision) -> str:
+    ages = decision.verdicts.tier("age in a range").ages
+    if ages is None:
+        return "as stated"
+    low, high = min(least for least, _ in ages), max(most for _, most in ages)
+    return f"between {format_time(low, 6)} and {format_time(high, 6)}"
+
+
 def _guarantees(decision: Decision) -> list[str]:
     answers = [each.verdicts for each in (decision, decision.free) if each is not None]
     if all(each.tier("any network").satisfied for each in answers):
@@ -100,6 +108,7 @@ def _guarantees(decision: Decision) -> list[str]:
     oldest = max(budget.total for budget in decision.verdicts.delay_budget)
     promises = {
         "any constant delay": "under any constant delay",
+        "age in a range": f"while every sample's age stays {_ages_clause(decision)} and none is overtaken",
         "bounded varying delay": f"while no sample is older than {format_time(oldest, 6)}",
         "any network": "on any network",
     }
@@ -119,6 +128,8 @@ def _guarantees(decision: Decision) -> list[str]:
         elif found is not None:
             buffer = " behind a playout buffer" if found.needs_buffer else ""
             lines.append(f"a stiffness of up to {format_stiffness(found.stiffness)} {promise}{buffer}")
-        elif all(each.stiffness_bound is not None for each in verdicts) and "any network" not in given:
+        elif all(each.stiffness_bound is not None for each in verdicts) and not any(
+            tier in given for tier in WIDER_TIERS.get(verdicts[0].tier, ())
+        ):
             lines.append(f"no stiffness is low enough {promise}")
     return lines or ["nothing to change"]
