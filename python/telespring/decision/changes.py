@@ -24,8 +24,13 @@ from telespring.decision.varying_delay import varying_delay
 from telespring.model import Dyad, Network, Robot
 from telespring.theory.verdicts import Tier
 
-__all__ = ["Changes", "Guarantee", "find_changes", "find_guarantees"]
+__all__ = ["WIDER_TIERS", "Changes", "Guarantee", "find_changes", "find_guarantees"]
 
+#: The tiers whose networks include all networks of a tier.
+WIDER_TIERS: dict[Tier, tuple[Tier, ...]] = {
+    "any constant delay": ("any network",),
+    "bounded varying delay": ("any network",),
+}
 #: Sample periods that are tried, as shares of the given one.
 _SHORTER = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 #: Dampings that are tried, as multiples of the least that may be enough, and halvings between two of them.
@@ -302,6 +307,11 @@ def _without_less(found: list[Guarantee]) -> tuple[Guarantee, ...]:
     """Leave out what allows no more than a network with more freedom."""
     return tuple(
         each
-        for i, each in enumerate(found)
-        if not any(wider.stiffness >= each.stiffness and not wider.needs_buffer for wider in found[i + 1 :])
+        for each in found
+        if not any(
+            wider.tier in WIDER_TIERS.get(each.tier, ())
+            and wider.stiffness >= each.stiffness
+            and not wider.needs_buffer
+            for wider in found
+        )
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.padding import Padding
 from rich.text import Text
 
-from telespring.decision.changes import Changes
+from telespring.decision.changes import WIDER_TIERS, Changes
 from telespring.decision.decide import Decision
 from telespring.decision.reserve import LEAST_PROBABILITY
 from telespring.show.quantities import format_number, format_stiffness, format_time
@@ -119,6 +119,8 @@ def _guarantees(decision: Decision) -> list[str]:
         elif found is not None:
             buffer = " behind a playout buffer" if found.needs_buffer else ""
             lines.append(f"a stiffness of up to {format_stiffness(found.stiffness)} {promise}{buffer}")
-        elif all(each.stiffness_bound is not None for each in verdicts) and "any network" not in given:
+        elif all(each.stiffness_bound is not None for each in verdicts) and not any(
+            tier in given for tier in WIDER_TIERS.get(verdicts[0].tier, ())
+        ):
             lines.append(f"no stiffness is low enough {promise}")
     return lines or ["nothing to change"]

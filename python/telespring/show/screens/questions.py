@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rich.text import Text
 
+from telespring.decision.changes import WIDER_TIERS
 from telespring.decision.question import is_stable, stiffness_limit
 from telespring.model import Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_time
@@ -108,18 +109,18 @@ def hand_rows(free: Verdicts, held: Verdicts) -> list[tuple[str, str, str, str]]
 
 
 def _nested(judged: Verdicts) -> list[tuple[str, TierBound]]:
-    """List the tiers with the bound that holds there, which may be that for any network."""
+    """List the tiers with the bound that holds there, which may be that for more networks.
+
+    A constant delay has an exact limit; continuous controllers set that for any constant delay.
+    """
     bounds = tier_bounds(judged)
-    widest = next(each for each in bounds if each.verdict.tier == "any network")
-    return [
-        (
-            each.verdict.tier,
-            widest
-            if each.verdict.tier == "bounded varying delay" and (widest.bound or 0.0) > (each.bound or 0.0)
-            else each,
-        )
-        for each in bounds
-    ]
+    rows = []
+    for own in bounds:
+        also = [each for each in bounds if each.verdict.tier in WIDER_TIERS.get(own.verdict.tier, ())]
+        is_exact = own.verdict.tier == "any constant delay"
+        best = max([own, *([] if is_exact else also)], key=lambda each: each.bound or 0.0)
+        rows.append((own.verdict.tier, best))
+    return rows
 
 
 def hands_name(held: str) -> str:
