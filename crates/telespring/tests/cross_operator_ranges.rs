@@ -205,8 +205,13 @@ fn check_constant_delay_bounds(numbers: impl Iterator<Item = u64>, draws: usize,
         }
 
         // The end of the first stable interval, unless no delay destabilises.
-        let (delay, worst) =
-            case.least(&mut rng, draws.max(4000), |axis| maximum_delay(axis, case.stiffness).unwrap());
+        let mut least_delay =
+            |draws| case.least(&mut rng, draws, |axis| maximum_delay(axis, case.stiffness).unwrap());
+        let (mut delay, mut worst) = least_delay(draws.max(4000));
+        if axis.maximum_delay < 0.95 * delay.min(1e3) {
+            // The worst operators may lie in a narrow corner of the range.
+            (delay, worst) = least_delay(400_000);
+        }
         assert!(axis.maximum_delay <= delay * (1.0 + 1e-9), "{number} {case:?} {axis:?} {delay} {worst:?}");
         assert!(!third.satisfied || delay == f64::INFINITY, "{number} {case:?} {worst:?}");
         assert!(axis.maximum_delay_proven, "{number} {case:?} {axis:?} {delay}");

@@ -114,7 +114,7 @@ def _nested(judged: Verdicts) -> list[tuple[str, TierBound]]:
     A constant delay has an exact limit; continuous controllers set that for any constant delay.
     """
     bounds = tier_bounds(judged)
-    rows = []
+    rows: list[tuple[str, TierBound]] = []
     for own in bounds:
         also = [each for each in bounds if each.verdict.tier in WIDER_TIERS.get(own.verdict.tier, ())]
         is_exact = own.verdict.tier == "any constant delay"
