@@ -98,7 +98,8 @@ def test_law_decide_answers_by_it_while_the_delay_varies() -> None:
     assert found is not None
     assert (found.status, found.tier) == ("stable", "age in a range")
     assert varying_delay(question, question.judge(found.usable_stiffness)).status == "stable"  # type: ignore[union-attr]
-    options = ["--robot", "0.8334,7.7257", "--stiffness", "80", "--delay", "80ms", "--jitter", "20ms"]
+    robots = ["--robot", "0.8334,7.7257"] * 2
+    options = [*robots, "--stiffness", "80", "--delay", "80ms", "--jitter", "20ms"]
     answer = json.loads(CliRunner().invoke(app, ["decide", "--json", *options]).stdout)
     assert answer["varying_delay"]["verdict"] == "age in a range"
     assert answer["verdicts"]["age_in_a_range"]["ages"][0] == pytest.approx([0.08, 0.101])
