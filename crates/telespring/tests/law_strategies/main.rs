@@ -1,5 +1,7 @@
 //! The strategies of the literature: a closed form of each, and what each promises on two H-MANs, driven through endpoints.
 
+#![allow(clippy::disallowed_macros, reason = "the tests print what they measure")]
+
 mod driver;
 mod garbage;
 mod injected_damping;
