@@ -46,7 +46,7 @@ struct Line {
 /// Each handle is held by a spring of 2k and a damper of b at the end of a virtual line. With the velocity v of the end and
 /// the force F on the spring, the wave (b v + F)/√(2b) arrives and (b v − F)/√(2b) leaves. Half the square of a wave is the
 /// power that it carries, so a line of any constant length is passive. With delay T the line is a spring of b/T and has the
-/// inertia b·T.
+/// inertia b·T. The filter's time constant lengthens it.
 ///
 /// The packet carries the integral of the leaving wave: a loss delays a part of it, and nothing drifts. What arrives never
 /// carries more energy than the partner says it has sent; with that, varying delays, loss and repetition are passive, too. A
@@ -58,7 +58,7 @@ struct Line {
 /// ```
 /// use telespring::session::strategy::{WaveSettings, WaveVariables};
 ///
-/// let line = WaveVariables::new(WaveSettings::new(100.0, 10.0))?;
+/// let line = WaveVariables::new(WaveSettings { filter: 0.0, ..WaveSettings::new(100.0, 10.0) })?;
 /// // in series: the spring, and the line of 0.1 s as a spring of 10 N·s/m / 0.1 s = 100 N/m
 /// assert_eq!(line.static_stiffness(0.1), 50.0);
 /// # Ok::<(), telespring::InvalidInput>(())
