@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use telespring::rig::{Protocol, Schedule};
+use telespring::rig::{Network, Protocol, Schedule};
 
 use crate::arguments::hash;
 use crate::errors::Outcome;
@@ -36,7 +36,8 @@ record! {
 record! {
     /// Imperfections of the controllers and the network of a virtual laboratory.
     ///
-    /// The attributes are keys of the section `[laboratory]` of a study file.
+    /// The attributes are keys of the sections `[laboratory]` and `[network]` of a study file; where the two directions
+    /// of the network differ, jitter and loss are the larger ones.
     ///
     /// Examples
     /// --------
@@ -50,9 +51,9 @@ record! {
         actuator_lag: f64,
         /// Step to which measured positions are rounded, m; 0 is none.
         encoder_resolution: f64,
-        /// Largest delay of a packet beyond that of the condition, s.
+        /// Largest delay of a packet beyond the constant one, s.
         jitter: f64,
-        /// Probability that a packet is lost.
+        /// Probability that a packet is lost, apart from bursts and blackouts.
         loss: f64,
     }
 }
@@ -192,12 +193,14 @@ impl Experiment {
     #[getter]
     fn settings(&self) -> LaboratorySettings {
         let setup = self.study.setup();
+        let network = self.study.emulated_network();
+        let Network { forward, backward } = &network.model;
         LaboratorySettings {
             computing_tick: setup.computing_tick,
             actuator_lag: setup.actuator_lag,
             encoder_resolution: setup.encoder_resolution,
-            jitter: setup.jitter,
-            loss: setup.loss,
+            jitter: network.jitter(),
+            loss: forward.loss.max(backward.loss),
         }
     }
 

@@ -158,8 +158,6 @@ fn laboratory() -> BoxedStrategy<String> {
         ("computing_tick", flag()),
         ("actuator_lag", number(0.01)),
         ("encoder_resolution", number(1e-4)),
-        ("jitter", number(0.05)),
-        ("loss", number(1.0)),
     ];
     prop_oneof![Just(String::new()), section("laboratory", vec![], parts)].boxed()
 }
