@@ -411,11 +411,11 @@ fn run(laboratory: &Laboratory, coupling: Option<ConnectedMode>, duration: f64) 
 }
 
 /// What the two robots gave out, by the balance of energies of each handle, which shares nothing with forces times
-/// displacements: the kinetic energy and the viscous loss less the work of the hand.
-fn balance(recording: &Recording, laboratory: &Laboratory) -> f64 {
+/// displacements: the kinetic energy and the viscous loss less the work of the hand. And that loss, J.
+fn balance(recording: &Recording, laboratory: &Laboratory) -> (f64, f64) {
     let rows = recording.velocity.len();
     let period = laboratory.controller.sample_period;
-    let mut given = 0.0;
+    let (mut given, mut lost) = (0.0, 0.0);
     for side in 0..2 {
         for axis in 0..2 {
             let (m, b) =
@@ -425,12 +425,12 @@ fn balance(recording: &Recording, laboratory: &Laboratory) -> f64 {
             for row in 0..rows - 1 {
                 let (from, to) = (velocity(row), velocity(row + 1));
                 // a velocity that changes evenly within a period
-                given += b * period * (from * from + from * to + to * to) / 3.0;
+                lost += b * period * (from * from + from * to + to * to) / 3.0;
                 given -= recording.agent_force[row][side][axis] * period * 0.5 * (from + to);
             }
         }
     }
-    given
+    (given + lost, lost)
 }
 
 #[test]
@@ -439,8 +439,10 @@ fn law_the_observer_counts_what_the_handles_balance_says() {
     for (stiffness, delay) in [(71.2, 0.0), (71.2, 0.084), (142.0, 0.084)] {
         let recording = run(&laboratory, coupled(stiffness, delay), 4.0);
         let observed = recording.outcome.passivity;
-        let expected = -balance(&recording, &laboratory);
-        let scale = 1e-4 * expected.abs().max(0.1);
+        let (given, lost) = balance(&recording, &laboratory);
+        let expected = -given;
+        // the velocity between two ticks is not quite even
+        let scale = 1e-4 * lost;
         assert!(
             (observed.total - expected).abs() < scale,
             "{stiffness}, {delay}: {observed:?}, not {expected}"
@@ -450,7 +452,7 @@ fn law_the_observer_counts_what_the_handles_balance_says() {
     // undelayed, a spring cannot give more than it took, but for the little that holding a force generates
     laboratory.stations[1].agent = Agent::Skilled { stiffness: 60.0, damping: 1.0 };
     let spring = run(&laboratory, coupled(71.2, 0.0), 4.0).outcome.passivity;
-    let delayed = run(&laboratory, coupled(142.0, 0.084), 4.0).outcome.passivity;
+    let delayed = run(&free_robots(None), coupled(142.0, 0.2), 4.0).outcome.passivity;
     assert!(spring.minimum > -0.01, "{spring:?}");
     assert!(delayed.minimum < -0.1, "{delayed:?}");
     let alone = run(&laboratory, None, 1.0).outcome.passivity;
@@ -473,11 +475,11 @@ fn free_robots(adversary: Option<Adversary>) -> Laboratory {
 
 #[test]
 fn law_adversaries_make_the_bare_spring_give_out_energy() {
-    let given = |adversary| run(&free_robots(adversary), coupled(71.2, 0.02), 6.0).outcome.passivity.minimum;
+    let given = |adversary| run(&free_robots(adversary), coupled(71.2, 0.02), 6.0).outcome.passivity.total;
     let none = given(None);
     let worst = given(Some(Adversary::MostHarmfulSample { memory: 0.5 }));
     let oldest = given(Some(Adversary::OldestSample { memory: 0.3 }));
-    assert!(worst < none - 0.1, "{worst}, {none}");
+    assert!(none > 0.0 && worst < -1.0, "{worst}, {none}");
     assert!(oldest < none, "{oldest}, {none}");
     assert!(worst < oldest, "{worst}, {oldest}");
     let liar = given(Some(Adversary::LyingPeer { position: 0.05, stamp: 0.0, power: 1.0 }));
@@ -657,4 +659,29 @@ fn law_a_study_with_a_trace_needs_its_content() {
     let way = laboratory.network.backward;
     assert_eq!((way.jitter, way.trace.unwrap().rows()[1].delay), (0.0, 0.02));
     assert_eq!(study("").unwrap().laboratory_on([Some(trace), None]).unwrap_err().field, "traces");
+}
+
+#[test]
+fn pin_uniform_jitter_and_independent_loss_draw_as_before() {
+    // positions after 1 s as the first emulator gave them, which had nothing else
+    let mut laboratory = Laboratory::paper();
+    laboratory.network =
+        Network::each_way(NetworkModel { jitter: 0.004, loss: 0.05, ..NetworkModel::ideal() });
+    let schedule = Schedule::new(1.0, 100.0, 0.001).unwrap();
+    for (stiffness, delay, expected) in [
+        (
+            71.2,
+            0.0836,
+            [[-0.046900358256811756, 0.07622370094106803], [-0.027995692200430553, 0.06380505327408491]],
+        ),
+        (
+            142.0,
+            0.05,
+            [[-0.04709646645690854, 0.07266178675315473], [-0.027366791368631148, 0.0709874721145861]],
+        ),
+    ] {
+        let trial = Trial { laboratory: &laboratory, coupling: coupled(stiffness, delay), seed: 7, schedule };
+        let recording = trial.record::<InvalidInput>([None, None]).unwrap();
+        assert_eq!(*recording.position.last().unwrap(), expected, "{stiffness} N/m");
+    }
 }

@@ -130,8 +130,8 @@ impl Channel for EmulatedChannel {
             (comes_twice, self.jitter.draw(jitter, &mut self.copies))
         });
         let lost_in_burst = self.burst.as_mut().is_some_and(BurstState::loses);
-        let recorded = self.model.trace.as_ref().map(|trace| trace.at(now.seconds()));
-        let blacked_out = self.model.blackout.is_some_and(|blackout| blackout.covers(now.seconds()));
+        let recorded = self.model.trace.as_ref().map(|trace| trace.at(now));
+        let blacked_out = self.model.blackout.is_some_and(|blackout| blackout.covers(now));
         if fate < loss || lost_in_burst || blacked_out || recorded.is_some_and(|row| row.lost) {
             return;
         }

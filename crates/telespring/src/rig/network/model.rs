@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Adversary, GilbertElliott, JitterDistribution, Trace};
+use crate::session::{LocalTime, Span};
 
 /// Both directions of a network; each has its own model and its own random numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,20 +124,26 @@ pub struct Blackout {
 }
 
 impl Blackout {
-    /// Whether the network's blackout covers a packet sent at this time, s after the start; the end is not covered.
+    /// Whether the network's blackout covers a packet sent at this time, where the trial starts at 0; the end is not
+    /// covered.
     ///
     /// # Examples
     ///
     /// ```
-    /// let blackout = telespring::rig::Blackout { start: 2.0, duration: 0.5, period: Some(10.0) };
-    /// assert_eq!([1.9, 2.0, 2.4, 2.5, 12.2].map(|time| blackout.covers(time)), [false, true, true, false, true]);
+    /// use telespring::rig::Blackout;
+    /// use telespring::session::LocalTime;
+    ///
+    /// let blackout = Blackout { start: 2.0, duration: 0.5, period: Some(10.0) };
+    /// let covered = [1.9, 2.0, 2.4, 2.5, 12.2].map(|time| blackout.covers(LocalTime::from_seconds(time)));
+    /// assert_eq!(covered, [false, true, true, false, true]);
     /// ```
-    pub fn covers(&self, time: f64) -> bool {
-        let since = time - self.start;
-        let since = match self.period {
-            Some(period) if since >= 0.0 => since % period,
-            _ => since,
-        };
-        (0.0..self.duration).contains(&since)
+    pub fn covers(&self, time: LocalTime) -> bool {
+        // in whole ns, so that a beginning counts whichever period it is of
+        let Some(since) = time.checked_sub(Span::from_seconds(self.start)) else { return false };
+        let duration = Span::from_seconds(self.duration).0.cast_unsigned();
+        match self.period {
+            None => since.0 < duration,
+            Some(period) => since.0 % Span::from_seconds(period).0.max(1).cast_unsigned() < duration,
+        }
     }
 }

@@ -11,6 +11,7 @@ pub use statistics::TraceStatistics;
 
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
+use crate::session::LocalTime;
 
 /// One recorded packet of a network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,11 +120,12 @@ impl Trace {
         self.duration
     }
 
-    /// What happens to a packet sent at this time, s after the start, if the network's trace is played in a circle: what
-    /// happened to the recorded packet that was sent last before it.
-    pub fn at(&self, time: f64) -> TraceRow {
-        let time = time.max(0.0) % self.duration;
-        let after = self.rows.partition_point(|row| row.time <= time);
+    /// What happens to a packet sent at this time, where the trial starts at 0, if the network's trace is played in a
+    /// circle: what happened to the recorded packet that was sent last before it.
+    pub fn at(&self, time: LocalTime) -> TraceRow {
+        // in whole ns, so that a packet sent with a recorded one meets the same
+        let within = time.0 % LocalTime::from_seconds(self.duration).0.max(1);
+        let after = self.rows.partition_point(|row| LocalTime::from_seconds(row.time).0 <= within);
         self.rows[after.saturating_sub(1)]
     }
 
