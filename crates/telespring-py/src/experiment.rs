@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use telespring::rig::{Network, Protocol, Schedule};
 
-use crate::arguments::hash;
+use crate::arguments::{Argument, hash};
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
 use crate::records::record;
@@ -212,10 +212,44 @@ impl Experiment {
 
     /// The experiment's virtual laboratory: robots, arms, agents, target, controllers and network.
     ///
-    /// Its `run` needs the agents and the target that are written in Python as arguments.
+    /// Its `run` needs the agents and the target that are written in Python as arguments. A study that names recorded
+    /// traces of the network needs `laboratory_on`.
     #[getter]
     fn laboratory(&self) -> Outcome<Laboratory> {
-        Ok(Laboratory::of(&self.study)?)
+        Ok(Laboratory::of(&self.study, [None, None])?)
+    }
+
+    /// Files of the recorded traces of the experiment's network, forward and backward; None without one.
+    #[getter]
+    fn trace_files(&self) -> (Option<&str>, Option<&str>) {
+        let traces = &self.study.emulated_network().traces;
+        traces.each_ref().map(|file| file.as_ref().map(|file| file.path.as_str())).into()
+    }
+
+    /// The experiment's virtual laboratory with the recorded traces that its study names.
+    ///
+    /// Parameters
+    /// ----------
+    /// traces : (str or None, str or None)
+    ///     The content of the files, forward and backward: a table, or the JSON of IRTT.
+    ///
+    /// Returns
+    /// -------
+    /// Laboratory
+    ///     As `laboratory`.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If a trace is missing, superfluous, or no trace.
+    #[pyo3(text_signature = "(self, traces)")]
+    fn laboratory_on(&self, traces: Argument<(Option<String>, Option<String>)>) -> Outcome<Laboratory> {
+        let (forward, backward) = traces.or_refuse(
+            "traces",
+            "a pair of texts is required, None for a direction without a trace",
+            "Give (text, None), or read the files of trace_files.",
+        )?;
+        Ok(Laboratory::of(&self.study, [forward, backward])?)
     }
 
     fn __repr__(&self) -> String {

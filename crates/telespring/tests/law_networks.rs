@@ -656,8 +656,30 @@ fn law_a_study_with_a_trace_needs_its_content() {
     let trace = Arc::new(read("time_s,delay_ms\n0,20\n1,40\n").unwrap());
     let laboratory = given.laboratory_on([Some(trace.clone()), Some(trace.clone())]).unwrap();
     laboratory.check().unwrap();
-    let way = laboratory.network.backward;
+    let way = laboratory.network.backward.clone();
     assert_eq!((way.jitter, way.trace.unwrap().rows()[1].delay), (0.0, 0.02));
+    // the same from the text of the files, with their names where they are refused
+    let text = Some("time_s,delay_ms\n0,20\n1,40\n");
+    assert_eq!(given.laboratory_on_texts([text, text]).unwrap(), laboratory);
+    let refused = given.laboratory_on_texts([text, Some("time_s\n0\n")]).unwrap_err();
+    assert_eq!(refused.field, "a.csv, trace, column delay");
+    // of IRTT the round trip is halved, and one way is that of the direction
+    let stamps = r#""timestamps": {"client": {"send": {"monotonic": 0}}}"#;
+    let trip = |ms: u32| {
+        let delay = r#""delay": {"rtt": 30000000, "send": 20000000, "receive": 10000000}"#;
+        format!(
+            r#"{{"lost": "false", {}, {delay}}}"#,
+            stamps.replace(": 0", &format!(": {}", ms * 1_000_000))
+        )
+    };
+    let irtt = format!(r#"{{"round_trips": [{}, {}]}}"#, trip(0), trip(10));
+    let delays = |study: &Study| {
+        let network = study.laboratory_on_texts([Some(&irtt), Some(&irtt)]).unwrap().network;
+        [network.forward, network.backward].map(|way| way.trace.unwrap().rows()[1].delay)
+    };
+    assert_eq!(delays(&given), [0.015, 0.015]);
+    let one_way = study("network.trace = \"a.json\"").unwrap();
+    assert_eq!(delays(&one_way), [0.02, 0.01]);
     assert_eq!(study("").unwrap().laboratory_on([Some(trace), None]).unwrap_err().field, "traces");
 }
 

@@ -7,6 +7,7 @@ use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
+use crate::rig::trace::{IrttDelay, TraceUnits};
 use crate::rig::{
     Blackout, GilbertElliott, JitterDistribution, Network, NetworkModel, PacketOrder, RateLimit, Trace,
 };
@@ -18,6 +19,30 @@ pub struct TraceFile {
     pub path: String,
     /// Whether its delays are round trips, of which one way takes half.
     pub is_round_trip: bool,
+}
+
+impl TraceFile {
+    /// The recorded trace in the text of the study's file: a table, or the JSON of IRTT.
+    ///
+    /// Of IRTT's delays it takes the round trip if the study says so, otherwise the one from client to server on the
+    /// way forward and the other on the way backward: the client stands at robot 1.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trace::from_csv`] and [`Trace::from_irtt`], with the name of the file.
+    pub fn trace(&self, text: &str, is_forward: bool) -> Result<Trace> {
+        let read = if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+            let taken = match (self.is_round_trip, is_forward) {
+                (true, _) => IrttDelay::RoundTrip,
+                (false, true) => IrttDelay::Send,
+                (false, false) => IrttDelay::Receive,
+            };
+            Trace::from_irtt(text, taken)
+        } else {
+            Trace::from_csv(text, TraceUnits::default())
+        };
+        read.map_err(|refusal| InvalidInput { field: format!("{}, {}", self.path, refusal.field), ..refusal })
+    }
 }
 
 /// What the network does to the packets of a rehearsal, as given in the study.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Study;
+use super::emulated_network::TraceFile;
 use super::laboratory::{AgentChoice, Setup, Task};
 use super::network::SAMPLE_PERIOD;
 use super::reader::Reader;
@@ -82,6 +83,21 @@ impl Study {
     pub fn laboratory_on(&self, traces: [Option<Arc<rig::Trace>>; 2]) -> Result<rig::Laboratory> {
         let network = self.network_on(traces)?;
         Ok(rig::Laboratory { network, ..self.laboratory_without_traces()? })
+    }
+
+    /// As [`Study::laboratory_on`], with the text of the files that the study names; see [`TraceFile::trace`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Study::laboratory_on`] and [`TraceFile::trace`].
+    pub fn laboratory_on_texts(&self, texts: [Option<&str>; 2]) -> Result<rig::Laboratory> {
+        let [forward, backward] = &self.emulated_network.traces;
+        let unnamed = TraceFile { path: String::new(), is_round_trip: false };
+        let read = |file: &Option<TraceFile>, text: Option<&str>, is_forward: bool| {
+            let file = file.as_ref().unwrap_or(&unnamed);
+            text.map(|text| file.trace(text, is_forward).map(Arc::new)).transpose()
+        };
+        self.laboratory_on([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
     }
 
     /// The study's laboratory as it is before its recorded traces are read.

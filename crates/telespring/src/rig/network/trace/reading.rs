@@ -19,13 +19,13 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// The unit in seconds.
-    pub fn seconds(self) -> f64 {
+    /// How many of the unit are a second: dividing by it gives the number as written in s.
+    pub fn per_second(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
-            Self::Milliseconds => 1e-3,
-            Self::Microseconds => 1e-6,
-            Self::Nanoseconds => 1e-9,
+            Self::Milliseconds => 1e3,
+            Self::Microseconds => 1e6,
+            Self::Nanoseconds => 1e9,
         }
     }
 
@@ -136,7 +136,7 @@ impl Trace {
         let (time, delay) = (column("time", &TIMES)?, column("delay", &DELAYS)?);
         let lost = find_column(&names, &LOSSES);
         let unit = |kind: &str, column: &Column, given: Option<TimeUnit>| {
-            column.unit.or(given).map(TimeUnit::seconds).ok_or_else(|| {
+            column.unit.or(given).map(TimeUnit::per_second).ok_or_else(|| {
                 InvalidInput::missing(
                     format!("trace, unit of {kind}"),
                     "",
@@ -179,8 +179,8 @@ impl Trace {
             let text = cell(&delay);
             let is_empty = matches!(text.to_lowercase().as_str(), "" | "nan" | "na");
             let lost = is_lost || is_empty;
-            let delay = if lost { 0.0 } else { number("delay", text)? * delay_unit };
-            rows.push(TraceRow { time: (sent - first) * time_unit, delay, lost });
+            let delay = if lost { 0.0 } else { number("delay", text)? / delay_unit };
+            rows.push(TraceRow { time: (sent - first) / time_unit, delay, lost });
         }
         Self::new(rows)
     }
@@ -231,7 +231,7 @@ impl Trace {
                 )
             };
             let delay = if lost { 0 } else { delay.ok_or_else(missing)? };
-            Ok(TraceRow { time: since as f64 * 1e-9, delay: delay as f64 * 1e-9, lost })
+            Ok(TraceRow { time: since as f64 / 1e9, delay: delay as f64 / 1e9, lost })
         });
         Self::new(rows.collect::<Result<_>>()?)
     }
