@@ -319,7 +319,8 @@ def test_law_a_study_of_other_agents_or_another_laboratory_is_judged_as_printed(
         agent1={"stiffness": 300.0, "damping": 2.0},
         agent2={"stiffness": 200.0, "spots": 3},
         robot1={"coulomb": 1.0},
-        laboratory={"loss": 0.1, "actuator_lag": 0.1},
+        laboratory={"actuator_lag": 0.1},
+        network={"loss": 0.1, "order": "fifo"},
     )
     plain = printed_laboratory(ts.Study.paper()).experiment
     restored = printed_laboratory(other).experiment

@@ -147,7 +147,7 @@ def test_ref_the_targets_path_is_what_the_trials_follow() -> None:
 
 def test_ref_what_will_spoil_the_trials_has_a_warning() -> None:
     assert warnings_of(ts.Study.paper()) == []
-    lost = ts.Study.paper().replace(laboratory={"loss": 1.0, "jitter": 30.0}, allow_unusual=True)
+    lost = ts.Study.paper().replace(network={"loss": 1.0, "jitter": 30.0}, allow_unusual=True)
     jitter, loss = warnings_of(lost)
     assert "jitter = 30 s is no shorter than a trial of 29.111 s" in jitter
     assert "no packet ever arrives" in loss

@@ -258,7 +258,7 @@ def test_law_an_interrupt_check_ends_a_trial_by_what_it_raises() -> None:
 
 
 def test_law_a_laboratory_survives_pickling() -> None:
-    study = ts.Study.paper().replace(laboratory={"jitter": 0.002})
+    study = ts.Study.paper().replace(network={"jitter": 0.002})
     assert study.experiment is not None
     laboratory = study.experiment.laboratory
     assert pickle.loads(pickle.dumps(laboratory)) == laboratory

@@ -3,9 +3,9 @@
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use telespring::rig::{Protocol, Schedule};
+use telespring::rig::{Network, Protocol, Schedule};
 
-use crate::arguments::hash;
+use crate::arguments::{Argument, hash};
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
 use crate::records::record;
@@ -36,7 +36,8 @@ record! {
 record! {
     /// Imperfections of the controllers and the network of a virtual laboratory.
     ///
-    /// The attributes are keys of the section `[laboratory]` of a study file.
+    /// The attributes are keys of the sections `[laboratory]` and `[network]` of a study file; where the two directions
+    /// of the network differ, jitter and loss are the larger ones.
     ///
     /// Examples
     /// --------
@@ -50,9 +51,9 @@ record! {
         actuator_lag: f64,
         /// Step to which measured positions are rounded, m; 0 is none.
         encoder_resolution: f64,
-        /// Largest delay of a packet beyond that of the condition, s.
+        /// Largest delay of a packet beyond the constant one, s.
         jitter: f64,
-        /// Probability that a packet is lost.
+        /// Probability that a packet is lost, apart from bursts and blackouts.
         loss: f64,
     }
 }
@@ -192,12 +193,14 @@ impl Experiment {
     #[getter]
     fn settings(&self) -> LaboratorySettings {
         let setup = self.study.setup();
+        let network = self.study.emulated_network();
+        let Network { forward, backward } = &network.model;
         LaboratorySettings {
             computing_tick: setup.computing_tick,
             actuator_lag: setup.actuator_lag,
             encoder_resolution: setup.encoder_resolution,
-            jitter: setup.jitter,
-            loss: setup.loss,
+            jitter: network.jitter(),
+            loss: forward.loss.max(backward.loss),
         }
     }
 
@@ -209,10 +212,44 @@ impl Experiment {
 
     /// The experiment's virtual laboratory: robots, arms, agents, target, controllers and network.
     ///
-    /// Its `run` needs the agents and the target that are written in Python as arguments.
+    /// Its `run` needs the agents and the target that are written in Python as arguments. A study that names recorded
+    /// traces of the network needs `laboratory_on`.
     #[getter]
     fn laboratory(&self) -> Outcome<Laboratory> {
-        Ok(Laboratory::of(&self.study)?)
+        Ok(Laboratory::of(&self.study, [None, None])?)
+    }
+
+    /// Files of the recorded traces of the experiment's network, forward and backward; None without one.
+    #[getter]
+    fn trace_files(&self) -> (Option<&str>, Option<&str>) {
+        let traces = &self.study.emulated_network().traces;
+        traces.each_ref().map(|file| file.as_ref().map(|file| file.path.as_str())).into()
+    }
+
+    /// The experiment's virtual laboratory with the recorded traces that its study names.
+    ///
+    /// Parameters
+    /// ----------
+    /// traces : (str or None, str or None)
+    ///     The content of the files, forward and backward: a table, or the JSON of IRTT.
+    ///
+    /// Returns
+    /// -------
+    /// Laboratory
+    ///     As `laboratory`.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If a trace is missing, superfluous, or no trace.
+    #[pyo3(text_signature = "(self, traces)")]
+    fn laboratory_on(&self, traces: Argument<(Option<String>, Option<String>)>) -> Outcome<Laboratory> {
+        let (forward, backward) = traces.or_refuse(
+            "traces",
+            "a pair of texts is required, None for a direction without a trace",
+            "Give (text, None), or read the files of trace_files.",
+        )?;
+        Ok(Laboratory::of(&self.study, [forward, backward])?)
     }
 
     fn __repr__(&self) -> String {

@@ -35,14 +35,15 @@ pub struct Laboratory {
 enum Source {
     /// `Laboratory.paper()`.
     Paper,
-    /// The laboratory of the study with this text.
-    Study(String),
+    /// The laboratory of the study with this text, and the content of its traces.
+    Study(String, [Option<String>; 2]),
 }
 
 impl Laboratory {
-    /// The Python laboratory of a study.
-    pub fn of(study: &telespring::study::Study) -> telespring::Result<Self> {
-        Ok(Self { inner: study.laboratory()?, source: Source::Study(study.to_toml()) })
+    /// The Python laboratory of a study, with the content of the traces that it names.
+    pub fn of(study: &telespring::study::Study, traces: [Option<String>; 2]) -> telespring::Result<Self> {
+        let inner = study.laboratory_on_texts(traces.each_ref().map(Option::as_deref))?;
+        Ok(Self { inner, source: Source::Study(study.to_toml(), traces) })
     }
 }
 
@@ -74,13 +75,15 @@ impl Laboratory {
         let class = py.get_type::<Self>();
         Ok(match &self.source {
             Source::Paper => (class.getattr("paper")?, PyTuple::empty(py)),
-            Source::Study(text) => (class.getattr("_from_toml")?, PyTuple::new(py, [text])?),
+            Source::Study(text, [forward, backward]) => {
+                (class.getattr("_from_toml")?, (text, forward, backward).into_pyobject(py)?)
+            }
         })
     }
 
     #[staticmethod]
-    fn _from_toml(text: &str) -> Outcome<Self> {
-        Ok(Self::of(&telespring::study::Study::from_toml(text)?)?)
+    fn _from_toml(text: &str, forward: Option<String>, backward: Option<String>) -> Outcome<Self> {
+        Ok(Self::of(&telespring::study::Study::from_toml(text)?, [forward, backward])?)
     }
 
     /// Positions of the target at the recorded instants of a whole trial, m, (n, 2).

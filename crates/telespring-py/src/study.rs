@@ -1,6 +1,9 @@
 //! The study of a study file.
 
+use std::ffi::CString;
+
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyFutureWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
@@ -111,10 +114,12 @@ impl Study {
         let [one, other] = [one, other].map(|file| file.as_ref().map(read_robot_file).transpose());
         let (one, other) = (one?, other?);
         let sections = sections.map_or_else(|| Ok(Default::default()), replacements)?;
-        py.detach(|| {
+        let study = py.detach(|| {
             let robots = [one.as_ref(), other.as_ref()];
-            Ok(Self(telespring::study::Study::from_changed_toml(&text, robots, &sections)?))
-        })
+            telespring::study::Study::from_changed_toml(&text, robots, &sections)
+        })?;
+        warn_of_moved_keys(py, &study)?;
+        Ok(Self(study))
     }
 
     /// Read a study file.
@@ -194,7 +199,9 @@ impl Study {
     fn replace(&self, py: Python<'_>, sections: Option<&Bound<'_, PyDict>>) -> Outcome<Self> {
         let Some(sections) = sections else { return Ok(self.clone()) };
         let sections = replacements(sections)?;
-        py.detach(|| Ok(Self(self.0.replace(&sections)?)))
+        let study = py.detach(|| self.0.replace(&sections))?;
+        warn_of_moved_keys(py, &study)?;
+        Ok(Self(study))
     }
 
     /// The study with one of its robots replaced by that of a robot file.
@@ -408,4 +415,15 @@ impl Study {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((PyType::new::<Self>(py).getattr("from_toml")?, (self.to_toml(),)))
     }
+}
+
+/// Warns of keys that a study's text has at their old place, one warning for each.
+fn warn_of_moved_keys(py: Python<'_>, study: &telespring::study::Study) -> PyResult<()> {
+    for (old, new) in study.moved_keys() {
+        let message =
+            format!("{old} is now {new}, for the verdicts and the rehearsal; the next release refuses it.");
+        let message = CString::new(message)?;
+        PyErr::warn(py, &py.get_type::<PyFutureWarning>(), &message, 1)?;
+    }
+    Ok(())
 }

@@ -91,6 +91,8 @@ pub const LIFETIME: Quantity = Quantity::new("a lifetime", "s", 1e-3, 1e6, Some(
 pub const ANGULAR_FREQUENCY: Quantity = Quantity::new("an angular frequency", "rad/s", 0.0, 1e4, None);
 /// A probability.
 pub const PROBABILITY: Quantity = Quantity::new("a probability", "", 0.0, 1.0, Some(("%", 1e-2)));
+/// The rate of a network's link in bit/s.
+pub const BIT_RATE: Quantity = Quantity::new("a rate", "bit/s", 1.0, 1e15, Some(("kbit/s", 1e3)));
 /// The standard deviation of a mass in kg.
 pub const MASS_SD: Quantity = Quantity::new("a standard deviation of a mass", "kg", 0.0, 1e4, None);
 /// The standard deviation of a damping in N·s/m.

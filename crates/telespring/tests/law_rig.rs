@@ -1,8 +1,8 @@
 //! Laws of whole trials in the virtual laboratory.
 
 use telespring::rig::{
-    Agent, Arm, ConnectedMode, Elbow, Laboratory, Observation, Recording, Schedule, Spots, Status, Target,
-    Trial, TwoLinkArm, trial_seed,
+    Agent, Arm, ConnectedMode, Elbow, Laboratory, Network, NetworkModel, Observation, Recording, Schedule,
+    Spots, Status, Target, Trial, TwoLinkArm, trial_seed,
 };
 use telespring::{Delay, InvalidInput};
 
@@ -19,8 +19,8 @@ fn run(laboratory: &Laboratory, coupling: Option<ConnectedMode>, seed: u64, dura
 /// Everything that a laboratory can do at once.
 fn busy() -> Laboratory {
     let mut laboratory = Laboratory::paper();
-    laboratory.network.jitter = 0.004;
-    laboratory.network.loss = 0.05;
+    laboratory.network =
+        Network::each_way(NetworkModel { jitter: 0.004, loss: 0.05, ..NetworkModel::ideal() });
     laboratory.controller.encoder_resolution = 1e-5;
     laboratory.controller.actuator_lag = 2e-3;
     laboratory.controller.computing_tick = true;

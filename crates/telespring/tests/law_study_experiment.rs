@@ -158,10 +158,40 @@ fn laboratory() -> BoxedStrategy<String> {
         ("computing_tick", flag()),
         ("actuator_lag", number(0.01)),
         ("encoder_resolution", number(1e-4)),
-        ("jitter", number(0.05)),
-        ("loss", number(1.0)),
     ];
     prop_oneof![Just(String::new()), section("laboratory", vec![], parts)].boxed()
+}
+
+/// What the network does to the packets: a value for both ways or for one.
+fn network() -> BoxedStrategy<String> {
+    let ways = |value: BoxedStrategy<String>| {
+        prop_oneof![
+            value.clone(),
+            value.clone().prop_map(|value| format!("{{forward = {value}}}")),
+            (value.clone(), value)
+                .prop_map(|(one, other)| format!("{{forward = {one}, backward = {other}}}")),
+        ]
+        .boxed()
+    };
+    let burst = (number(1.0), number(1.0), number(1.0));
+    let burst = burst
+        .prop_map(|(bad, good, lost)| format!("{{to_bad = {bad}, to_good = {good}, loss_good = {lost}}}"));
+    let rate = (1..1_000_000_000_u32, 0..100_u32);
+    let rate = rate.prop_map(|(rate, queue)| format!("{{bits_per_second = {rate}, queue = {queue}}}"));
+    let blackout = prop_oneof![Just("{start = 3, duration = 0.5}"), Just("{duration = 1.5, period = 7.25}")];
+    let parts = vec![
+        ("jitter", ways(number(0.05))),
+        ("loss", ways(number(1.0))),
+        ("duplicate", ways(number(1.0))),
+        ("order", ways(words(&["any", "fifo"]))),
+        ("burst", ways(burst.boxed())),
+        ("rate", ways(prop_oneof![rate, Just("2e6".to_owned())].boxed())),
+        ("blackout", ways(blackout.prop_map(str::to_owned).boxed())),
+    ];
+    let sure = vec![("delay", Just("0.05".to_owned()).boxed())];
+    let drawn = "jitter = 0.05\ndistribution = {kind = \"gamma\", mean = 0.01, sd = 0.02}\n";
+    let fixed = format!("[network]\ndelay = 0.05\n{drawn}");
+    prop_oneof![4 => section("network", sure, parts), 1 => Just(fixed)].boxed()
 }
 
 fn protocol() -> BoxedStrategy<String> {
@@ -229,10 +259,10 @@ fn robot(name: &'static str) -> BoxedStrategy<String> {
 fn study() -> impl Strategy<Value = String> {
     let robots = (robot("robot1"), robot("robot2"));
     let sides = (arm("arm1"), arm("arm2"), agent("agent1"), agent("agent2"));
-    (robots, sides, task(), laboratory(), protocol()).prop_map(
-        |((robot1, robot2), (arm1, arm2, agent1, agent2), task, laboratory, protocol)| {
+    (robots, sides, task(), (network(), laboratory()), protocol()).prop_map(
+        |((robot1, robot2), (arm1, arm2, agent1, agent2), task, (network, laboratory), protocol)| {
             format!(
-                "allow_unusual = true\n{robot1}{robot2}[coupling]\nstiffness = 20\n[network]\ndelay = 0.05\n\
+                "allow_unusual = true\n{robot1}{robot2}[coupling]\nstiffness = 20\n{network}\
                  {arm1}{arm2}{agent1}{agent2}{task}{laboratory}{protocol}"
             )
         },

@@ -1,6 +1,6 @@
 //! The experiment of a study file: the paper's own, every key as it arrives, and every message.
 
-use telespring::rig::{Agent, Arm, Elbow, Laboratory, Target};
+use telespring::rig::{Agent, Arm, Elbow, Laboratory, NetworkModel, Target};
 use telespring::study::{AgentChoice, Conditions, OptionValue, Study, Task, keys};
 
 const ROBOTS: &str = "\
@@ -65,7 +65,9 @@ fn ref_the_example_with_two_link_arms() {
         (controller.sample_period, controller.actuator_lag, controller.encoder_resolution),
         (0.001, 0.002, 1e-5)
     );
-    assert_eq!((laboratory.network.jitter, laboratory.network.loss), (0.005, 0.02));
+    let NetworkModel { jitter, loss, .. } = laboratory.network.forward;
+    assert_eq!((jitter, loss), (0.005, 0.02));
+    assert_eq!(laboratory.network.backward, laboratory.network.forward);
     let protocol = study.protocol().unwrap();
     assert_eq!(protocol.conditions[2], (Some(40.0), 0.04));
     assert_eq!((protocol.conditions.len(), protocol.trials, protocol.seed), (5, 6, 7));

@@ -72,7 +72,7 @@ def preflight_warnings(study: Study, modules: Path | None = None) -> list[Prefli
     >>> import telespring as ts
     >>> preflight_warnings(ts.Study.paper())
     []
-    >>> preflight_warnings(ts.Study.paper().replace(laboratory={"loss": 1.0}))
+    >>> preflight_warnings(ts.Study.paper().replace(network={"loss": 1.0}))
     [LossWarning()]
     """
     experiment = study.experiment

@@ -11,13 +11,14 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, TypeAlias
 
-from telespring._core import Experiment, Study
+from telespring._core import Experiment, Laboratory, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.rehearsal.encoding import SIGNALS, compress_signal
 from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
 from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
 from telespring.rehearsal.store import RehearsalStore, lock_folder
+from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.trial_file import TrialRecord
 from telespring.rehearsal.user_code import RehearsalStopped, UserCode, UserCodeError, load_user_code
 from telespring.study.conditions import condition_labels
@@ -137,10 +138,13 @@ def run_protocol(
     experiment = _require_rehearsal_experiment(study)
     threads = _rehearsal_thread_count(workers)
     user_code = load_user_code(experiment, modules)
+    traces = read_traces(experiment, modules)
+    laboratory = traces.laboratory(experiment)
     if workers is None and user_code.has_agents:
         # The interpreter runs one agent at a time; threads would only wait for each other.
         threads = 1
-    identity = RehearsalIdentity(study.name, study.to_toml(), user_code.provenance(), SCHEMA, core_version())
+    provenance = user_code.provenance() | traces.provenance()
+    identity = RehearsalIdentity(study.name, study.to_toml(), provenance, SCHEMA, core_version())
     trials = schedule_trials(experiment)
     store = RehearsalStore(Path(folder), identity)
     store.create_folder()
@@ -161,7 +165,9 @@ def run_protocol(
         if progress is not None:
             progress(done, len(trials))
         missing = [trial for trial in trials if trial not in finished]
-        records = _run_trials(experiment, missing, user_code, target, identity.fingerprint, threads)
+        records = _run_trials(
+            experiment, laboratory, missing, user_code, target, identity.fingerprint, threads
+        )
         # Closed at once on an error here, so that no trial continues.
         with closing(records):
             for trial, record in records:
@@ -171,7 +177,8 @@ def run_protocol(
                     progress(done, len(trials))
         from telespring.rehearsal.dataset import write_dataset
 
-        write_dataset(store, identity, study, experiment, trials, _recorded_target(experiment, target))
+        recorded = _recorded_target(experiment, laboratory, target)
+        write_dataset(store, identity, study, experiment, trials, recorded)
         store.flush_folder()
         store.remove_trials()
     return RehearsalOutcome(store.dataset, len(trials), len(finished))
@@ -197,11 +204,11 @@ def _require_rehearsal_experiment(study: Study) -> Experiment:
     return experiment
 
 
-def _recorded_target(experiment: Experiment, target: FloatArray | None) -> FloatArray:
+def _recorded_target(experiment: Experiment, laboratory: Laboratory, target: FloatArray | None) -> FloatArray:
     """Return the target at the recorded instants, m; `target` is a Python one at every tick."""
     if target is not None:
         return target[:: experiment.tick_stride]
-    return experiment.laboratory.target(experiment.duration, experiment.record_rate)
+    return laboratory.target(experiment.duration, experiment.record_rate)
 
 
 def _rehearsal_thread_count(workers: int | None) -> int:
@@ -224,6 +231,7 @@ def _remove_leftover_trials(store: RehearsalStore) -> None:
 
 def _run_trials(
     experiment: Experiment,
+    laboratory: Laboratory,
     trials: list[ScheduledTrial],
     user_code: UserCode,
     target: FloatArray | None,
@@ -243,7 +251,7 @@ def _run_trials(
     def run_trial(trial: ScheduledTrial) -> tuple[ScheduledTrial, TrialRecord]:
         condition = experiment.conditions[trial.condition]
         try:
-            recording = experiment.laboratory.run(
+            recording = laboratory.run(
                 condition.stiffness,
                 condition.delay,
                 trial.seed,

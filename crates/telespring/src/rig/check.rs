@@ -1,6 +1,6 @@
 //! Checks of the values of a laboratory.
 
-use super::{Agent, Arm, Controller, Handle, Laboratory, NetworkImpairments, Spots, Station, Target};
+use super::{Agent, Arm, Controller, Handle, Laboratory, Network, NetworkModel, Spots, Station, Target};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
@@ -47,7 +47,7 @@ impl Laboratory {
                 actuator_lag: 0.0,
                 encoder_resolution: 0.0,
             },
-            network: NetworkImpairments { jitter: 0.0, loss: 0.0 },
+            network: Network::each_way(NetworkModel::ideal()),
         }
     }
 
@@ -62,8 +62,8 @@ impl Laboratory {
     /// ```
     /// let mut laboratory = telespring::rig::Laboratory::paper();
     /// laboratory.check()?;
-    /// laboratory.network.loss = 1.5;
-    /// assert_eq!(laboratory.check().unwrap_err().field, "laboratory.loss");
+    /// laboratory.network.forward.loss = 1.5;
+    /// assert_eq!(laboratory.check().unwrap_err().field, "network.loss.forward");
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn check(&self) -> Result<()> {
@@ -75,7 +75,7 @@ impl Laboratory {
         }
         self.target.check().map_err(|refusal| refusal.within("task"))?;
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
-        self.network.check().map_err(|refusal| refusal.within("laboratory"))?;
+        self.network.check().map_err(|refusal| refusal.within("network"))?;
         let period = self.controller.sample_period;
         for (index, side) in self.stations.iter().enumerate() {
             if let Agent::Blurred { spots, .. } = side.agent
@@ -227,19 +227,6 @@ impl Controller {
                 "Write 0 for a sensor without quantisation.",
             ));
         }
-        Ok(())
-    }
-}
-
-impl NetworkImpairments {
-    /// Checks that jitter and loss of the laboratory's network are in range.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] with the field.
-    pub fn check(&self) -> Result<()> {
-        quantity::SPAN.check("jitter", self.jitter)?;
-        quantity::PROBABILITY.check("loss", self.loss)?;
         Ok(())
     }
 }

@@ -1,6 +1,8 @@
 //! The parts of the virtual laboratory as plain values in SI units; the axes are x and y. The study reader
 //! fills them in and checks them.
 
+use super::Network;
+
 /// A planar robot at its handle, with two independent axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Handle {
@@ -133,16 +135,6 @@ pub struct Controller {
     pub encoder_resolution: f64,
 }
 
-/// The impairments of the emulated network besides the constant delay of a condition.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NetworkImpairments {
-    /// The maximum additional delay of a packet, uniformly distributed from 0, s.
-    pub jitter: f64,
-    /// The probability that a packet is lost. A lost sample is interpolated across if its successor has
-    /// arrived in time; otherwise the newest sample is held.
-    pub loss: f64,
-}
-
 /// The virtual laboratory: everything that is the same in all conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory {
@@ -152,8 +144,8 @@ pub struct Laboratory {
     pub target: Target,
     /// The controllers.
     pub controller: Controller,
-    /// The impairments of the network.
-    pub network: NetworkImpairments,
+    /// What the network does to packets, besides the constant delay of a condition.
+    pub network: Network,
 }
 
 /// The protocol of an experiment: which trials are run.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Laboratory`] | the parts, as plain values |
 //! | [`Trial`] | one run with a seed; repeatable bit for bit on one type of CPU |
+//! | [`network`] | what a network does to packets; adversaries; recorded traces |
 //! | [`plant`] | robots held by arms, moved by forces |
 //! | [`trial_seed`] | the seed of each trial of a rehearsal |
 //!
@@ -26,9 +27,10 @@
 //! ```
 
 mod agent;
-mod channel;
 mod check;
 mod laboratory;
+pub mod network;
+mod passivity;
 pub mod plant;
 mod random;
 mod record;
@@ -38,9 +40,13 @@ mod trial;
 
 pub use agent::Observation;
 pub use laboratory::{
-    Agent, Arm, Controller, Elbow, Handle, Laboratory, NetworkImpairments, Protocol, Spots, Station, Target,
-    TwoLinkArm,
+    Agent, Arm, Controller, Elbow, Handle, Laboratory, Protocol, Spots, Station, Target, TwoLinkArm,
 };
+pub use network::{
+    Adversary, Blackout, Channel, Datagram, GilbertElliott, JitterDistribution, Network, NetworkModel,
+    PacketOrder, RateLimit, Trace, TraceRow, trace,
+};
+pub use passivity::PassivityReport;
 pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Record, Recording, Row, Status, TrialOutcome};

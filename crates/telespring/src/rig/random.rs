@@ -11,8 +11,21 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 pub(crate) enum RandomStream {
     /// The agent of a side.
     Agent(usize),
-    /// The network towards a side.
+    /// Uniform jitter and independent loss of the network towards a side.
     Network(usize),
+    /// Another impairment of the network towards a side.
+    Impairment(Impairment, usize),
+}
+
+/// The impairments of a network with random numbers of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Impairment {
+    /// Jitter that is not uniform.
+    Jitter,
+    /// Loss in bursts.
+    Burst,
+    /// Copies of packets.
+    Duplicate,
 }
 
 /// The random generator of one element of a trial.
@@ -21,6 +34,7 @@ pub(crate) fn random_generator(seed: u64, stream: RandomStream) -> ChaCha8Rng {
     random_generator.set_stream(match stream {
         RandomStream::Agent(side) => side as u64,
         RandomStream::Network(side) => 2 + side as u64,
+        RandomStream::Impairment(impairment, side) => 4 + 2 * impairment as u64 + side as u64,
     });
     random_generator
 }

@@ -1,5 +1,7 @@
 //! The recorded signals of a trial and how it ended.
 
+use super::PassivityReport;
+
 /// One value per robot and axis.
 pub type Row = [[f64; 2]; 2];
 
@@ -70,6 +72,8 @@ pub struct TrialOutcome {
     pub status: Status,
     /// The number of rows written, from the first.
     pub rows: usize,
+    /// The energy that passed between the coupling and the two people.
+    pub passivity: PassivityReport,
 }
 
 /// A recorded trial in its own memory.
@@ -98,7 +102,7 @@ impl Recording {
     pub(super) fn new(rows: usize) -> Self {
         let empty = || vec![Row::default(); rows];
         Self {
-            outcome: TrialOutcome { status: Status::Completed, rows },
+            outcome: TrialOutcome { status: Status::Completed, rows, passivity: PassivityReport::default() },
             target: vec![[0.0; 2]; rows],
             position: empty(),
             velocity: empty(),

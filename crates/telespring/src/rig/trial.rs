@@ -6,16 +6,16 @@
 //! samples of the same instant, in either order of computation.
 
 use super::agent::{AgentState, Observation};
-use super::channel::Channel;
+use super::network::Channel;
+use super::passivity::{PassivityReport, held_force_energy};
 use super::plant::{Halt, Plant, RelaxingForce};
-use super::random::{RandomStream, random_generator};
 use super::record::{Record, Recording, Row, Status, TrialOutcome};
 use super::schedule::Schedule;
 use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{DatagramError, Endpoint, EndpointSettings, Law, LocalTime, Motion, Span, motion};
+use crate::session::{Endpoint, EndpointSettings, Law, LocalTime, Motion, Span, motion};
 
 /// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
 /// that far.
@@ -85,7 +85,7 @@ struct RunningStation {
     mover: AgentState,
     endpoint: Option<Endpoint>,
     /// The channel towards this side.
-    link: Option<Channel>,
+    link: Option<Box<dyn Channel>>,
     /// The forces computed at the previous tick: of the spring and of the agent, N.
     computed: [[f64; 2]; 2],
     /// The force of the actuator, N.
@@ -111,12 +111,14 @@ impl RunningStation {
     }
 
     /// Receives all packets that have arrived and returns the force of the spring, N.
-    fn spring_force(&mut self, now: LocalTime) -> std::result::Result<[f64; 2], DatagramError> {
-        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return Ok([0.0; 2]) };
+    fn spring_force(&mut self, now: LocalTime, measured: Motion) -> [f64; 2] {
+        let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
+        link.observe(measured);
         while let Some(packet) = link.deliver(now) {
-            endpoint.handle_datagram(now, &packet)?;
+            // What is refused is dropped, as by a live program; only an adversary alters packets so that they are.
+            let _ = endpoint.handle_datagram(now, &packet);
         }
-        Ok(endpoint.force(now))
+        endpoint.force(now)
     }
 
     /// The forces that act in the trial until the next tick, given the newly computed ones, N.
@@ -126,6 +128,15 @@ impl RunningStation {
         let [command, hand] = if controller.computing_tick { before } else { computed };
         let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
         ActingForces { command, robot, hand }
+    }
+
+    /// The mean force of the trial's robot over the next sample period, N; it is held but for the actuator lag.
+    fn mean_robot_force(&self, acting: &ActingForces, controller: &Controller) -> [f64; 2] {
+        if controller.actuator_lag > 0.0 {
+            let (from, to, time_constant) = (self.actuator, acting.command, controller.actuator_lag);
+            return RelaxingForce { from, to, time_constant }.mean(controller.sample_period);
+        }
+        acting.command
     }
 
     /// Moves the plant of one side of the trial over one sample period.
@@ -159,7 +170,6 @@ impl Trial<'_> {
                 let delay = if side == 1 { delay.forward() } else { delay.backward() };
                 let delay = Span::from_seconds(delay);
                 let travel = (delay - period).max(Span(0));
-                let random = random_generator(self.seed, RandomStream::Network(side));
                 let settings = EndpointSettings {
                     // the laboratory asks what the coupling does, on however old a motion
                     watchdog: None,
@@ -167,7 +177,7 @@ impl Trial<'_> {
                     computing_tick: controller.computing_tick,
                     ..EndpointSettings::new(side as u64 + 1, Law { stiffness, damping }, delay)
                 };
-                Ok((Endpoint::new(settings)?, Channel::new(network, travel, random)))
+                Ok((Endpoint::new(settings)?, network.towards(side).channel(travel, self.seed, side)))
             });
             let (endpoint, link) = linked.transpose()?.unzip();
             Ok(RunningStation {
@@ -261,12 +271,13 @@ impl Trial<'_> {
         let period = controller.sample_period;
         let mut stations = self.start_stations()?;
         let mut rows = 0;
+        let mut passivity = PassivityReport::default();
         for tick in 0..=ticks {
             let time = tick as f64 * period;
             let now = LocalTime::from_seconds(time);
             let aim_here = target.at_tick(tick, period);
             // Also if the motion cannot be sent in a packet.
-            let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows };
+            let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows, passivity };
             if stations.iter().any(RunningStation::has_diverged) {
                 return Ok(diverged);
             }
@@ -302,7 +313,7 @@ impl Trial<'_> {
                     }
                     _ => station.mover.aim_and_force(&seen, &aim_here),
                 };
-                let Ok(spring) = station.spring_force(now) else { return Ok(diverged) };
+                let spring = station.spring_force(now, measured[side]);
                 acting[side] = station.acting_forces(spring, hand, controller);
             }
             if tick % stride == 0 {
@@ -321,18 +332,22 @@ impl Trial<'_> {
             if tick == ticks {
                 break;
             }
+            let mut given = 0.0;
             for (station, acting) in stations.iter_mut().zip(&acting) {
+                let (from, force) = (station.plant.position(), station.mean_robot_force(acting, controller));
                 if let Err(halt) = station.advance_plant(acting, controller) {
                     let at = (tick + 1) as f64 * period;
                     let status = match halt {
                         Halt::OutOfReach(_) => Status::OutOfReach { at },
                         Halt::TooStiff { .. } => Status::TooStiff { at },
                     };
-                    return Ok(TrialOutcome { status, rows });
+                    return Ok(TrialOutcome { status, rows, passivity });
                 }
+                given += held_force_energy(force, from, station.plant.position());
             }
+            passivity = passivity.after(given);
         }
-        Ok(TrialOutcome { status: Status::Completed, rows })
+        Ok(TrialOutcome { status: Status::Completed, rows, passivity })
     }
 }
 

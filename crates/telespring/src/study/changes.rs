@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
-use super::replace::{EXCLUSIVE, unwritable};
+use super::replace::{excluded_by, unwritable};
 use super::source::Source;
 use super::{Replacement, RobotFile, Study};
 use crate::error::Result;
@@ -35,10 +35,10 @@ impl Changes {
                 Replacement::Keys(keys) => {
                     for (key, value) in keys {
                         removed.push((name.clone(), Some(key.clone())));
-                        let excluded = EXCLUSIVE.iter().filter(|(of, one, _)| of == name && one == key);
-                        for other in excluded.flat_map(|(_, _, others)| others.iter()) {
-                            removed.push((name.clone(), Some((*other).to_owned())));
-                        }
+                        let excluded = excluded_by(name, key);
+                        removed.extend(
+                            excluded.map(|(section, key)| (section.to_owned(), Some(key.to_owned()))),
+                        );
                         let Some(value) = value else { continue };
                         let section = added.entry(name.clone()).or_insert_with(|| Value::Table(Table::new()));
                         if let Value::Table(section) = section {

@@ -172,23 +172,9 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// Reads an entry as a table with exactly these two keys, such as min and max; `None` if it is not a table.
     /// `instead` describes the alternative.
     pub fn pair(&self, keys: [&str; 2], instead: &str) -> Result<Option<[Self; 2]>> {
-        let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
-        for (key, value) in table {
-            let word = key.get_ref().as_ref();
-            if !keys.contains(&word) {
-                let unknown = UnknownKey {
-                    field: &format!("{}.{}", self.field, toml_key(word)),
-                    key: word,
-                    position: key.span().start,
-                    section: Some(""),
-                    allowed: format!("its keys are {} and {}", keys[0], keys[1]),
-                    keys: &keys,
-                };
-                return Err(self.source.reject_unknown_key(unknown, value));
-            }
-        }
-        let part = |key: &str| match table.get(key) {
-            Some(value) => Ok(self.child(format!(".{key}"), value)),
+        let Some([one, other]) = self.parts(keys)? else { return Ok(None) };
+        let part = |key: &str, given: Option<Self>| match given {
+            Some(entry) => Ok(entry),
             None => Err(self.place(InvalidInput::missing(
                 format!("{}.{key}", self.field),
                 "",
@@ -199,7 +185,28 @@ impl<'r, 'a> Entry<'r, 'a> {
                 },
             ))),
         };
-        Ok(Some([part(keys[0])?, part(keys[1])?]))
+        Ok(Some([part(keys[0], one)?, part(keys[1], other)?]))
+    }
+
+    /// The parts of an entry that is a table with some of these keys, in their order; `None` if it is not a table.
+    pub fn parts<const N: usize>(&self, keys: [&str; N]) -> Result<Option<[Option<Self>; N]>> {
+        let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
+        for (key, value) in table {
+            let word = key.get_ref().as_ref();
+            if !keys.contains(&word) {
+                let (last, others) = keys.split_last().unwrap_or((&"", &[]));
+                let unknown = UnknownKey {
+                    field: &format!("{}.{}", self.field, toml_key(word)),
+                    key: word,
+                    position: key.span().start,
+                    section: Some(""),
+                    allowed: format!("its keys are {} and {last}", others.join(", ")),
+                    keys: &keys,
+                };
+                return Err(self.source.reject_unknown_key(unknown, value));
+            }
+        }
+        Ok(Some(keys.map(|key| table.get(key).map(|value| self.child(format!(".{key}"), value)))))
     }
 
     /// Reads an entry of the study file as a number within the range of a quantity.

@@ -58,10 +58,6 @@ pub struct Setup {
     pub actuator_lag: f64,
     /// Resolution of measured positions, m; 0 for none. Velocities are not quantised.
     pub encoder_resolution: f64,
-    /// The maximum additional delay of a packet, s.
-    pub jitter: f64,
-    /// Probability that a packet is lost.
-    pub loss: f64,
 }
 
 /// The ideal massless arm: the agent's force reaches the handle unchanged.
@@ -87,8 +83,6 @@ impl Setup {
             computing_tick: false,
             actuator_lag: 0.0,
             encoder_resolution: 0.0,
-            jitter: 0.0,
-            loss: 0.0,
         }
     }
 }
@@ -111,8 +105,6 @@ pub(super) fn read_setup(reader: &Reader<'_>) -> Result<Setup> {
             .map_or(Ok(false), |entry| entry.boolean())?,
         actuator_lag: number("actuator_lag", quantity::SPAN)?,
         encoder_resolution: number("encoder_resolution", quantity::RESOLUTION)?,
-        jitter: number("jitter", quantity::SPAN)?,
-        loss: number("loss", quantity::PROBABILITY)?,
     })
 }
 

@@ -21,6 +21,7 @@
 //! [network]
 //! delay = 0.05                  # s, one way; or {forward = 0.04, backward = 0.06}
 //! jitter = 0.01                 # s, the maximum additional delay of a packet, default 0
+//! loss = 0.01                   # probability that a packet is lost in the rehearsal, default 0
 //! max_gap = 0.02                # s, the longest wait for a newer sample, default 0
 //! playout_buffer = true         # a buffer makes the delay constant, default false
 //!
@@ -35,6 +36,7 @@
 //! every key with its meaning, unit, range and default.
 
 mod changes;
+mod emulated_network;
 mod entry;
 mod keys;
 mod laboratory;
@@ -58,12 +60,14 @@ use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
 use crate::verdicts::{Network, OperatorRange};
 use changes::Changes;
+use emulated_network::{MovedKeys, read_emulated_network};
 use network::read_network;
 use operator::{read_operator, with_spring};
 use reader::Reader;
 use robot::{RobotSection, read_robots};
 use source::Source;
 
+pub use emulated_network::{EmulatedNetwork, TraceFile};
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
 pub use python::{OptionValue, PythonObject};
@@ -112,10 +116,12 @@ pub struct Study {
     network: Network,
     /// Whether both sides play the samples out at a constant age.
     has_playout_buffer: bool,
+    emulated_network: EmulatedNetwork,
     setup: Setup,
     protocol: ProtocolChoice,
     allows_unusual: bool,
     holders: NamedHolders,
+    moved_keys: MovedKeys,
 }
 
 /// Whether a study file has a section of an arm or an agent. Studies that say the same are equal whether
@@ -153,10 +159,12 @@ impl Study {
             operator_ranges: None,
             network: Network::constant(Delay::each_way(0.167).expect("the paper's delay is valid")),
             has_playout_buffer: false,
+            emulated_network: EmulatedNetwork::ideal(),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
             allows_unusual: false,
             holders: NamedHolders(false),
+            moved_keys: MovedKeys::default(),
         }
     }
 
@@ -199,6 +207,7 @@ impl Study {
             error.field = error.field.trim_start_matches("robot2.").to_owned();
             reader.place("robot2", error)
         })?;
+        let emulated_network = read_emulated_network(&reader)?;
         let study = Self {
             name: reader.name()?.unwrap_or_else(|| UNNAMED.to_owned()),
             robots: [section1, section2],
@@ -207,14 +216,16 @@ impl Study {
             operator_ranges: (!single).then_some(ranges),
             stiffness,
             has_delay: reader.get("network", "delay").is_some(),
-            network: read_network(&reader)?,
+            network: read_network(&reader, emulated_network.jitter())?,
             has_playout_buffer: reader
                 .get("network", "playout_buffer")
                 .map_or(Ok(false), |entry| entry.boolean())?,
+            emulated_network,
             setup: laboratory::read_setup(&reader)?,
             protocol: protocol::read_protocol(&reader)?,
             allows_unusual: reader.allows_unusual(),
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
+            moved_keys: MovedKeys::of(&reader),
         };
         study.check_rehearsal(&reader)?;
         Ok(study)

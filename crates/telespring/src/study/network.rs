@@ -11,8 +11,8 @@ use crate::verdicts::Network;
 /// The default sample period of both controllers, s.
 pub(super) const SAMPLE_PERIOD: f64 = 0.001;
 
-/// Reads the network's delays and the timing of both controllers.
-pub(super) fn read_network(reader: &Reader<'_>) -> Result<Network> {
+/// Reads the network's delays and the timing of both controllers; the jitter, s, is read already.
+pub(super) fn read_network(reader: &Reader<'_>, jitter: f64) -> Result<Network> {
     let delay = match reader.get("network", "delay") {
         None => Delay::each_way(0.0),
         Some(entry) => read_delay(&entry)?,
@@ -24,7 +24,7 @@ pub(super) fn read_network(reader: &Reader<'_>) -> Result<Network> {
     };
     Network::new(
         delay.map_err(|error| reader.place("network", error))?,
-        reader.number_or_zero("network", "jitter", quantity::SPAN)?,
+        jitter,
         reader.number_or_zero("network", "max_gap", quantity::SPAN)?,
         period,
         reader.number_or_zero("controller", "computing_time", quantity::SPAN)?,

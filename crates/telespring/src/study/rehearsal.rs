@@ -1,6 +1,9 @@
 //! The rehearsal of a study: its laboratory and protocol.
 
+use std::sync::Arc;
+
 use super::Study;
+use super::emulated_network::TraceFile;
 use super::laboratory::{AgentChoice, Setup, Task};
 use super::network::SAMPLE_PERIOD;
 use super::reader::Reader;
@@ -58,8 +61,8 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if the robots have other axes than x and y or the sample period is invalid, with
-    /// its dotted field.
+    /// [`InvalidInput`] if the robots have other axes than x and y, the sample period is invalid, or the study
+    /// names a recorded trace of the network (see [`Study::laboratory_on`]), with its dotted field.
     ///
     /// # Examples
     ///
@@ -69,6 +72,36 @@ impl Study {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn laboratory(&self) -> Result<rig::Laboratory> {
+        self.laboratory_on([None, None])
+    }
+
+    /// As [`Study::laboratory`], with the content of the recorded traces that the study names, forward and backward.
+    ///
+    /// # Errors
+    ///
+    /// As [`Study::laboratory`], and if a trace is missing or superfluous.
+    pub fn laboratory_on(&self, traces: [Option<Arc<rig::Trace>>; 2]) -> Result<rig::Laboratory> {
+        let network = self.network_on(traces)?;
+        Ok(rig::Laboratory { network, ..self.laboratory_without_traces()? })
+    }
+
+    /// As [`Study::laboratory_on`], with the text of the files that the study names; see [`TraceFile::trace`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Study::laboratory_on`] and [`TraceFile::trace`].
+    pub fn laboratory_on_texts(&self, texts: [Option<&str>; 2]) -> Result<rig::Laboratory> {
+        let [forward, backward] = &self.emulated_network.traces;
+        let unnamed = TraceFile { path: String::new(), is_round_trip: false };
+        let read = |file: &Option<TraceFile>, text: Option<&str>, is_forward: bool| {
+            let file = file.as_ref().unwrap_or(&unnamed);
+            text.map(|text| file.trace(text, is_forward).map(Arc::new)).transpose()
+        };
+        self.laboratory_on([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
+    }
+
+    /// The study's laboratory as it is before its recorded traces are read.
+    fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
         self.check_planar()?;
         let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Station {
@@ -98,7 +131,7 @@ impl Study {
                 actuator_lag: self.setup.actuator_lag,
                 encoder_resolution: self.setup.encoder_resolution,
             },
-            network: rig::NetworkImpairments { jitter: self.setup.jitter, loss: self.setup.loss },
+            network: self.emulated_network.model.clone(),
         })
     }
 
@@ -148,7 +181,8 @@ impl Study {
                 "Remove the section, or give both robots these axes.",
             ));
         }
-        let mut laboratory = self.laboratory().map_err(|error| reader.with_line_of_field(error))?;
+        let mut laboratory =
+            self.laboratory_without_traces().map_err(|error| reader.with_line_of_field(error))?;
         if matches!(laboratory.target, rig::Target::Sampled(_)) {
             // A Python target has no samples yet; everything else is checked.
             laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };

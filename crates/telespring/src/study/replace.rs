@@ -20,17 +20,32 @@ pub enum Replacement {
     Default,
 }
 
+/// A section and one of its keys.
+type Key = (&'static str, &'static str);
+
 /// Keys that exclude each other: to set one removes the others.
-pub(super) const EXCLUSIVE: [(&str, &str, &[&str]); 3] = [
-    ("protocol", "conditions", &["stiffness", "delay"]),
-    ("protocol", "stiffness", &["conditions"]),
-    ("protocol", "delay", &["conditions"]),
+const EXCLUSIVE: [(Key, &[Key]); 7] = [
+    (("protocol", "conditions"), &[("protocol", "stiffness"), ("protocol", "delay")]),
+    (("protocol", "stiffness"), &[("protocol", "conditions")]),
+    (("protocol", "delay"), &[("protocol", "conditions")]),
+    (("network", "jitter"), &[("laboratory", "jitter")]),
+    (("network", "loss"), &[("laboratory", "loss")]),
+    (("laboratory", "jitter"), &[("network", "jitter")]),
+    (("laboratory", "loss"), &[("network", "loss")]),
 ];
 
+/// The keys that a replaced key excludes.
+pub(super) fn excluded_by<'k>(section: &'k str, key: &'k str) -> impl Iterator<Item = Key> + 'k {
+    EXCLUSIVE
+        .into_iter()
+        .filter(move |(of, _)| *of == (section, key))
+        .flat_map(|(_, others)| others.iter().copied())
+}
+
 impl Study {
-    /// The study with some values replaced, by section. Keys that are not named keep their values, with two
-    /// exceptions: a new `kind` restarts its section, and the `conditions` of a protocol exclude its lists
-    /// of `stiffness` and `delay`.
+    /// The study with some values replaced, by section. Keys that are not named keep their values, with three
+    /// exceptions: a new `kind` restarts its section, the `conditions` of a protocol exclude its lists of
+    /// `stiffness` and `delay`, and `jitter` and `loss` of `[network]` exclude those of `[laboratory]`.
     ///
     /// # Errors
     ///
@@ -48,6 +63,14 @@ impl Study {
     /// ```
     pub fn replace(&self, sections: &BTreeMap<String, Replacement>) -> Result<Self> {
         let mut tables = self.tables();
+        for (name, replacement) in sections {
+            let Replacement::Keys(keys) = replacement else { continue };
+            for (section, key) in keys.keys().flat_map(|key| excluded_by(name, key)) {
+                if let Some(Value::Table(section)) = tables.get_mut(section) {
+                    section.remove(key);
+                }
+            }
+        }
         for (name, replacement) in sections {
             let is_known =
                 TOP.contains(&name.as_str()) || SECTIONS.iter().any(|(section, _)| section == name);
@@ -112,11 +135,6 @@ fn replace_keys(tables: &mut Table, name: &str, keys: &BTreeMap<String, Option<V
         && section.get("kind") != kind.as_ref()
     {
         section.clear();
-    }
-    for (_, _, others) in EXCLUSIVE.iter().filter(|(of, key, _)| *of == name && keys.contains_key(*key)) {
-        for other in *others {
-            section.remove(*other);
-        }
     }
     for (key, value) in keys {
         match value {

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use super::Study;
+use super::emulated_network::{EmulatedNetwork, TraceFile};
 use super::laboratory::{AgentChoice, MASSLESS, Setup, Task};
 use super::protocol::{Conditions, ProtocolChoice};
 use super::python::{OptionValue, PythonObject};
 use crate::model::Operator;
-use crate::rig::{Arm, Elbow};
+use crate::rig::{Arm, Blackout, Elbow, GilbertElliott, JitterDistribution, PacketOrder, RateLimit};
 
 /// The text of a study file, with units as comments.
 pub(super) fn to_toml(study: &Study) -> String {
@@ -63,11 +64,12 @@ pub(super) fn to_toml(study: &Study) -> String {
     if study.has_delay {
         text.write_line("delay", delay, "s, one way");
     }
-    text.write_line("jitter", float_text(study.network.jitter()), "s");
+    text.write_each_way("jitter", study.emulated_network.model.jitters().map(float_text), "s");
     text.write_line("max_gap", float_text(study.network.max_gap()), "s");
     if study.has_playout_buffer() {
         text.write_line("playout_buffer", "true", "");
     }
+    text.write_emulated_network(&study.emulated_network);
     text.write_section("controller");
     text.write_line("sample_period", float_text(study.network.sample_period()), "s");
     text.write_line("computing_time", float_text(study.network.computing_time()), "s");
@@ -88,6 +90,35 @@ impl TomlText {
     fn write_line(&mut self, key: &str, value: impl AsRef<str>, unit: &str) {
         let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
         let _ = writeln!(self.0, "{key} = {}{comment}", value.as_ref());
+    }
+
+    /// Writes a key with a value for each direction of the network to a study file: one value if both are equal.
+    fn write_each_way(&mut self, key: &str, [forward, backward]: [String; 2], unit: &str) {
+        if forward == backward {
+            self.write_line(key, forward, unit);
+        } else {
+            self.write_line(key, format!("{{forward = {forward}, backward = {backward}}}"), unit);
+        }
+    }
+
+    /// Writes to a study file what the network does to packets, where it does anything.
+    fn write_emulated_network(&mut self, network: &EmulatedNetwork) {
+        let ways = [&network.model.forward, &network.model.backward];
+        let mut write = |key: &str, unit: &str, given: [Option<String>; 2]| match given {
+            [None, None] => {}
+            [Some(forward), Some(backward)] => self.write_each_way(key, [forward, backward], unit),
+            [Some(forward), None] => self.write_line(key, format!("{{forward = {forward}}}"), unit),
+            [None, Some(backward)] => self.write_line(key, format!("{{backward = {backward}}}"), unit),
+        };
+        let above_zero = |value: f64| (value > 0.0).then(|| float_text(value));
+        write("distribution", "s", ways.map(|way| distribution_text(way.distribution)));
+        write("loss", "", ways.map(|way| above_zero(way.loss)));
+        write("burst", "", ways.map(|way| way.burst.map(burst_text)));
+        write("duplicate", "", ways.map(|way| above_zero(way.duplicate)));
+        write("order", "", ways.map(|way| (way.order == PacketOrder::Fifo).then(|| quoted_text("fifo"))));
+        write("rate", "", ways.map(|way| way.rate.map(rate_text)));
+        write("blackout", "s", ways.map(|way| way.blackout.map(blackout_text)));
+        write("trace", "", network.traces.each_ref().map(|file| file.as_ref().map(trace_text)));
     }
 
     /// Writes to a study file the sections of the rehearsal setup that differ from the paper's.
@@ -126,8 +157,6 @@ impl TomlText {
             self.write_line("computing_tick", setup.computing_tick.to_string(), "");
             self.write_line("actuator_lag", float_text(setup.actuator_lag), "s");
             self.write_line("encoder_resolution", float_text(setup.encoder_resolution), "m");
-            self.write_line("jitter", float_text(setup.jitter), "s");
-            self.write_line("loss", float_text(setup.loss), "");
         }
     }
 
@@ -233,6 +262,42 @@ impl TomlText {
         self.write_line("seed", protocol.seed.to_string(), "");
         self.write_line("order", quoted_text(if protocol.shuffled { "shuffled" } else { "blocks" }), "");
     }
+}
+
+/// The distribution of a network's jitter as written to a study file; `None` if it is uniform.
+fn distribution_text(distribution: JitterDistribution) -> Option<String> {
+    let [mean, sd] = distribution.moments()?.map(float_text);
+    let kind = match distribution {
+        JitterDistribution::Uniform => "uniform",
+        JitterDistribution::Normal { .. } => "normal",
+        JitterDistribution::Gamma { .. } => "gamma",
+        JitterDistribution::LogNormal { .. } => "lognormal",
+    };
+    Some(format!("{{kind = {}, mean = {mean}, sd = {sd}}}", quoted_text(kind)))
+}
+
+/// Losses of a network in bursts as written to a study file.
+fn burst_text(burst: GilbertElliott) -> String {
+    let GilbertElliott { to_bad, to_good, loss_good, loss_bad } = burst;
+    let [to_bad, to_good, loss_good, loss_bad] = [to_bad, to_good, loss_good, loss_bad].map(float_text);
+    format!("{{to_bad = {to_bad}, to_good = {to_good}, loss_good = {loss_good}, loss_bad = {loss_bad}}}")
+}
+
+/// The rate of a network's link as written to a study file.
+fn rate_text(rate: RateLimit) -> String {
+    format!("{{bits_per_second = {}, queue = {}}}", float_text(rate.bits_per_second), rate.queue)
+}
+
+/// The blackouts of a network as written to a study file.
+fn blackout_text(blackout: Blackout) -> String {
+    let Blackout { start, duration, period } = blackout;
+    let period = period.map_or_else(String::new, |period| format!(", period = {}", float_text(period)));
+    format!("{{start = {}, duration = {}{period}}}", float_text(start), float_text(duration))
+}
+
+/// The file of a network's trace as written to a study file.
+fn trace_text(file: &TraceFile) -> String {
+    format!("{{file = {}, round_trip = {}}}", quoted_text(&file.path), file.is_round_trip)
 }
 
 /// A number as written to a study file: the shortest text that reads back to the same value.

@@ -58,7 +58,20 @@ def printed_laboratory(study: Study) -> Study:
         agent1={"stiffness": None, "damping": None},
         agent2=dict.fromkeys(("stiffness", "spots", "spot_velocity", "spot_lifetime")),
         coupling={"damping": None},
-        laboratory=dict.fromkeys(("computing_tick", "actuator_lag", "encoder_resolution", "jitter", "loss")),
+        laboratory=dict.fromkeys(("computing_tick", "actuator_lag", "encoder_resolution")),
+        network=dict.fromkeys(
+            (
+                "jitter",
+                "distribution",
+                "loss",
+                "burst",
+                "duplicate",
+                "order",
+                "rate",
+                "blackout",
+                "trace",
+            )
+        ),
         robot1={"coulomb": None},
         robot2={"coulomb": None},
     )

@@ -35,15 +35,15 @@ def preflight_sentence(warning: PreflightWarning) -> str:
     --------
     >>> from telespring.rehearsal.preflight import LossWarning
     >>> preflight_sentence(LossWarning())
-    'laboratory.loss = 1: no packet ever arrives: each spring pulls to where the partner began.'
+    'network.loss = 1: no packet ever arrives: each spring pulls to where the partner began.'
     """
     if isinstance(warning, JitterWarning):
         return (
-            f"laboratory.jitter = {warning.jitter:g} s is no shorter than a trial of "
+            f"network.jitter = {warning.jitter:g} s is no shorter than a trial of "
             f"{warning.duration:g} s: most packets arrive after its end."
         )
     if isinstance(warning, LossWarning):
-        return "laboratory.loss = 1: no packet ever arrives: each spring pulls to where the partner began."
+        return "network.loss = 1: no packet ever arrives: each spring pulls to where the partner began."
     is_far = warning.limit == "farthest"
     limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside")
     room = 1e3 * warning.room
