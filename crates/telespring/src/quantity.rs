@@ -25,6 +25,8 @@ pub const MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 1e4, Some(("g", 1
 pub const ADDED_MASS: Quantity = Quantity::new("an added mass", "kg", 0.0, 1e4, Some(("g", 1e-3)));
 /// A viscous damping in N·s/m.
 pub const DAMPING: Quantity = Quantity::new("a damping", "N·s/m", 0.0, 1e6, None);
+/// A wave impedance in N·s/m.
+pub const IMPEDANCE: Quantity = Quantity::new("a wave impedance", "N·s/m", 1e-3, 1e6, None);
 /// The combined mass of a robot and its operator in kg.
 pub(crate) const SIDE_MASS: Quantity = Quantity::new("a mass", "kg", 1e-4, 2e4, Some(("g", 1e-3)));
 /// The combined viscous damping of a robot and its operator in N·s/m.

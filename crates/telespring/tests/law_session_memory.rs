@@ -3,10 +3,14 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use telespring::session::strategy::{
+    Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings,
+    StrategyChoice, TankSettings, TimeDomainPassivity, TwoLayer, WaveSettings, WaveVariables,
+};
 use telespring::session::wire::{LENGTH, Packet};
 use telespring::session::{
-    AdaptiveDelay, ClockSettings, Endpoint, EndpointSettings, Law, LocalTime, Motion, PeerTime,
-    PlayoutSettings, Span,
+    AccountSettings, AdaptiveDelay, ClockSettings, Endpoint, EndpointSettings, Law, LocalTime, Motion,
+    PeerTime, PlayoutSettings, Span,
 };
 
 thread_local! {
@@ -156,6 +160,41 @@ fn settings() -> impl Iterator<Item = EndpointSettings> {
         EndpointSettings { playout: adaptive, clock: ClockSettings::estimated(), ..plain() },
     ]
     .into_iter()
+}
+
+/// One strategy of every kind, but the bare spring.
+fn strategies() -> [StrategyChoice; 6] {
+    let law = Law { stiffness: 1e4, damping: 0.0 };
+    let damping = [7.0, 9.0];
+    let sizes = InjectedDampingSettings {
+        own_damping: damping,
+        partner_damping: damping,
+        round_trip: 0.2,
+        own_age: 0.001,
+    };
+    [
+        StrategyChoice::Guard(Guard::new(law, AccountSettings::new(1e4, damping)).unwrap()),
+        StrategyChoice::InjectedDamping(InjectedDamping::new(1e4, sizes).unwrap()),
+        StrategyChoice::WaveVariables(WaveVariables::new(WaveSettings::new(1e4, 10.0)).unwrap()),
+        StrategyChoice::TimeDomainPassivity(TimeDomainPassivity::new(law, 100.0).unwrap()),
+        StrategyChoice::TwoLayer(TwoLayer::new(law, TankSettings::new(1e4)).unwrap()),
+        StrategyChoice::SetPositionModulation(
+            SetPositionModulation::new(SetPositionSettings::new(1e4, 10.0)).unwrap(),
+        ),
+    ]
+}
+
+#[test]
+fn law_no_strategy_allocates_and_every_force_is_finite() {
+    let law = Law { stiffness: 1e4, damping: 0.0 };
+    for (seed, strategy) in strategies().into_iter().enumerate() {
+        // without a watchdog a strategy acts always
+        let settings = EndpointSettings::new(1, law, Span(40_000_000));
+        let mut side = Endpoint::new(EndpointSettings { strategy, watchdog: None, ..settings }).unwrap();
+        let mut random = Random(200 + seed as u64);
+        assert_eq!(without_allocator(|| torment(&mut side, 100_000, &mut random)), 0, "{seed}");
+        assert!(side.report().strategy.ticks > 1_000);
+    }
 }
 
 #[test]

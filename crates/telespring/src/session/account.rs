@@ -9,6 +9,7 @@ mod settings;
 
 pub use settings::AccountSettings;
 
+use super::pair::{dot, finite_or};
 use crate::error::Result;
 use loss::LossWindow;
 
@@ -48,10 +49,6 @@ pub struct EnergyAccount {
     /// The size of the last force paid, N.
     paid: f64,
     windows: [LossWindow; 2],
-}
-
-fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
-    a * c + b * d
 }
 
 /// The sum of both magnitudes.
@@ -195,9 +192,4 @@ impl EnergyAccount {
     pub fn credited(&self) -> f64 {
         self.credited
     }
-}
-
-/// The value if it is finite.
-fn finite_or(value: f64, otherwise: f64) -> f64 {
-    if value.is_finite() { value } else { otherwise }
 }

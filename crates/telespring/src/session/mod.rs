@@ -33,6 +33,7 @@ pub mod endpoint;
 pub mod event;
 pub mod law;
 pub mod motion;
+mod pair;
 pub mod playout;
 pub mod predictor;
 pub mod strategy;

@@ -1,5 +1,6 @@
 //! The guard: a spring that cannot give out more energy than it has.
 
+use super::tally::Tally;
 use super::{Outgoing, Strategy, StrategyReport, Tick};
 use crate::error::{InvalidInput, Result};
 use crate::session::{AccountSettings, EnergyAccount, Law};
@@ -35,11 +36,7 @@ use crate::session::{AccountSettings, EnergyAccount, Law};
 pub struct Guard {
     law: Law,
     account: EnergyAccount,
-    ticks: u64,
-    limited_ticks: u64,
-    /// The sum over the limited ticks of the share of the force that was withheld.
-    withheld: f64,
-    limited: bool,
+    tally: Tally,
 }
 
 impl Guard {
@@ -59,24 +56,12 @@ impl Guard {
         }
         crate::quantity::DAMPING.check("coupling_damping", law.damping)?;
         let account = EnergyAccount::new(settings)?;
-        Ok(Self { law, account, ticks: 0, limited_ticks: 0, withheld: 0.0, limited: false })
+        Ok(Self { law, account, tally: Tally::default() })
     }
 
     /// The energy account.
     pub fn account(&self) -> &EnergyAccount {
         &self.account
-    }
-
-    /// Counts one tick with a partner in the report.
-    fn count(&mut self, wanted: [f64; 2], force: [f64; 2]) {
-        let size = |[x, y]: [f64; 2]| f64::hypot(x, y);
-        self.ticks = self.ticks.saturating_add(1);
-        self.limited = force != wanted;
-        if self.limited {
-            self.limited_ticks = self.limited_ticks.saturating_add(1);
-            let kept = size(force) / size(wanted);
-            self.withheld += if kept.is_finite() { 1.0 - kept } else { 1.0 };
-        }
     }
 }
 
@@ -88,7 +73,7 @@ impl Strategy for Guard {
 
     fn force(&mut self, tick: &Tick) -> [f64; 2] {
         let Some(partner) = &tick.partner else {
-            self.limited = false;
+            self.tally.pause();
             return self.account.pay([0.0; 2], 0.0);
         };
         let wanted = self.law.force(&tick.own, &partner.wanted).map(|force| force * tick.enabled);
@@ -96,7 +81,7 @@ impl Strategy for Guard {
         let spring = Law { damping: 0.0, ..self.law };
         let [x, y] = spring.force(&tick.own, &partner.wanted);
         let force = self.account.pay(wanted, (x * x + y * y) / (2.0 * self.law.stiffness));
-        self.count(wanted, force);
+        self.tally.count(wanted, force);
         force
     }
 
@@ -105,19 +90,17 @@ impl Strategy for Guard {
             energy_sent: self.account.sent(),
             signal: [0.0; 2],
             stiffness: self.law.stiffness,
-            limited: self.limited,
+            limited: self.tally.is_limited(),
         }
     }
 
     fn report(&self) -> StrategyReport {
         StrategyReport {
-            ticks: self.ticks,
-            limited_ticks: self.limited_ticks,
-            withheld: if self.limited_ticks == 0 { 0.0 } else { self.withheld / self.limited_ticks as f64 },
             given_out: self.account.given_out(),
             balance: Some(self.account.balance()),
             energy_sent: self.account.sent(),
             energy_received: self.account.received(),
+            ..self.tally.report()
         }
     }
 }

@@ -4,13 +4,26 @@
 //! endpoint calls [`Strategy::settle`] once per measurement, with what happened since the previous one, and then
 //! [`Strategy::force`]. What the partner must know of it travels in every packet ([`Outgoing`]).
 //!
+//! `docs/strategies.md` says what each promises and when to use which.
+//!
 //! No strategy allocates, reads a clock or fails: whatever comes in, it returns a finite force.
 
 mod guard;
+mod injected_damping;
+mod set_position_modulation;
 mod spring;
+mod tally;
+mod time_domain_passivity;
+mod two_layer;
+mod wave_variables;
 
 pub use guard::Guard;
+pub use injected_damping::{InjectedDamping, InjectedDampingSettings};
+pub use set_position_modulation::{SetPositionModulation, SetPositionSettings};
 pub use spring::Spring;
+pub use time_domain_passivity::TimeDomainPassivity;
+pub use two_layer::{TankSettings, TwoLayer};
+pub use wave_variables::{WaveSettings, WaveVariables};
 
 use super::motion::Motion;
 
@@ -75,10 +88,10 @@ pub struct Outgoing {
 pub struct StrategyReport {
     /// Ticks with a partner.
     pub ticks: u64,
-    /// Of these, ticks at which the strategy changed the force of the spring.
+    /// Of these, ticks at which the strategy changed the force of the spring; with wave variables, the arriving wave.
     pub limited_ticks: u64,
-    /// The mean share of the spring's force that was withheld at the limited ticks, 0 to 1 (above 1 if the strategy
-    /// pushed the other way).
+    /// The mean share of that force that was withheld at the limited ticks, 0 to 1 (above 1 if the strategy pushed the
+    /// other way, below 0 if a damper made the force larger).
     pub withheld: f64,
     /// The energy given out to the own handle since the start, J: the sum of force times displacement.
     pub given_out: f64,
@@ -114,6 +127,16 @@ pub enum StrategyChoice {
     Spring(Spring),
     /// The spring behind an energy account.
     Guard(Guard),
+    /// The spring beside a damper sized by the delays (Nuño, Basañez and Ortega 2011).
+    InjectedDamping(InjectedDamping),
+    /// A virtual transmission line (Niemeyer and Slotine 1991).
+    WaveVariables(WaveVariables),
+    /// A passivity observer and controller (Ryu, Artigas and Preusche 2010).
+    TimeDomainPassivity(TimeDomainPassivity),
+    /// The coupling law above a tank of energy (Franken et al. 2011).
+    TwoLayer(TwoLayer),
+    /// A set position that jumps only as far as a reservoir pays (Lee and Huang 2010).
+    SetPositionModulation(SetPositionModulation),
 }
 
 impl StrategyChoice {
@@ -121,6 +144,11 @@ impl StrategyChoice {
         match self {
             Self::Spring(strategy) => strategy,
             Self::Guard(strategy) => strategy,
+            Self::InjectedDamping(strategy) => strategy,
+            Self::WaveVariables(strategy) => strategy,
+            Self::TimeDomainPassivity(strategy) => strategy,
+            Self::TwoLayer(strategy) => strategy,
+            Self::SetPositionModulation(strategy) => strategy,
         }
     }
 
@@ -128,6 +156,11 @@ impl StrategyChoice {
         match self {
             Self::Spring(strategy) => strategy,
             Self::Guard(strategy) => strategy,
+            Self::InjectedDamping(strategy) => strategy,
+            Self::WaveVariables(strategy) => strategy,
+            Self::TimeDomainPassivity(strategy) => strategy,
+            Self::TwoLayer(strategy) => strategy,
+            Self::SetPositionModulation(strategy) => strategy,
         }
     }
 }

@@ -25,7 +25,7 @@ impl Strategy for Spring {
 
     fn force(&mut self, tick: &Tick) -> [f64; 2] {
         let Some(partner) = &tick.partner else { return [0.0; 2] };
-        self.report.ticks += 1;
+        self.report.ticks = self.report.ticks.saturating_add(1);
         self.law.force(&tick.own, &partner.wanted).map(|force| force * tick.enabled)
     }
 

@@ -1,0 +1,15 @@
+//! The strategies of the literature: a closed form of each, and what each promises on two H-MANs, driven through endpoints.
+
+#![allow(clippy::disallowed_macros, reason = "the tests print what they measure")]
+
+mod driver;
+mod garbage;
+mod injected_damping;
+#[allow(dead_code, reason = "the guard's tests use more of it")]
+#[path = "../law_guard/support/plant.rs"]
+mod plant;
+mod set_position_modulation;
+mod side_by_side;
+mod time_domain_passivity;
+mod two_layer;
+mod wave_variables;
