@@ -65,6 +65,16 @@ pub struct Case {
 }
 
 impl Case {
+    /// Free handles, one side held, both held on the target, and held over a network that loses and overtakes.
+    pub fn with_and_without_hands() -> [Self; 4] {
+        [
+            Self::free(84, 30.0),
+            Self { hands: [0.0, 300.0], ..Self::free(84, 30.0) },
+            Self::hands(84),
+            Self { delay: 20, jitter: 130, loss: 0.1, playout: 60, ..Self::hands(20) },
+        ]
+    }
+
     /// Free handles over a constant delay of some ticks, the first one thrown at 0.3 m/s.
     pub fn free(delay: usize, seconds: f64) -> Self {
         Self {

@@ -12,15 +12,6 @@ fn modulated() -> [StrategyChoice; 2] {
     [(); 2].map(|()| StrategyChoice::SetPositionModulation(SetPositionModulation::new(settings).unwrap()))
 }
 
-fn cases() -> [Case; 4] {
-    [
-        Case::free(84, 30.0),
-        Case { hands: [0.0, 300.0], ..Case::free(84, 30.0) },
-        Case::hands(84),
-        Case { delay: 20, jitter: 130, loss: 0.1, playout: 60, ..Case::hands(20) },
-    ]
-}
-
 /// The set position in use, from the force −B v − k (x − ȳ).
 fn set_position(tick: &Tick) -> [f64; 2] {
     let (x, v) = (tick.motion.position, tick.motion.velocity);
@@ -34,7 +25,7 @@ fn spring_energy(x: [f64; 2], y: [f64; 2]) -> f64 {
 #[test]
 fn law_the_reservoir_pays_each_jump_of_the_set_position() {
     let mut jumps = 0.0;
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         let course = run(&case, modulated());
         for pair in course.0.windows(2) {
             for side in 0..2 {
@@ -66,7 +57,7 @@ fn law_the_reservoir_pays_each_jump_of_the_set_position() {
 
 #[test]
 fn law_the_reservoir_is_never_below_zero_nor_above_its_ceiling() {
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         let course = run(&case, modulated());
         let levels = course.0.iter().flatten().map(|tick| tick.report.balance.unwrap());
         let (least, most) = levels.fold((1.0_f64, 0.0_f64), |(a, b), level| (a.min(level), b.max(level)));

@@ -4,18 +4,9 @@ use crate::driver::{Case, pair, run};
 use telespring::session::Law;
 use telespring::session::strategy::TimeDomainPassivity;
 
-fn cases() -> [Case; 4] {
-    [
-        Case::free(84, 30.0),
-        Case { hands: [0.0, 300.0], ..Case::free(84, 30.0) },
-        Case::hands(84),
-        Case { delay: 20, jitter: 130, loss: 0.1, playout: 60, ..Case::hands(20) },
-    ]
-}
-
 #[test]
 fn law_the_observer_is_never_below_zero_by_more_than_one_tick() {
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         let course = run(&case, pair("time-domain passivity", 0.0));
         let one_tick = course.most_in_a_tick();
         let lowest = course.0.iter().flatten().map(|tick| tick.report.balance.unwrap()).fold(0.0, f64::min);
@@ -31,7 +22,7 @@ fn law_the_observer_is_never_below_zero_by_more_than_one_tick() {
 
 #[test]
 fn law_the_totals_of_both_ports_are_what_the_plants_received() {
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         let course = run(&case, pair("time-domain passivity", 0.0));
         for ticks in &course.0 {
             for tick in ticks {

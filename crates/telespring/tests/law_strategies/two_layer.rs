@@ -8,19 +8,10 @@ fn layers(settings: TankSettings) -> [StrategyChoice; 2] {
     [(); 2].map(|()| StrategyChoice::TwoLayer(TwoLayer::new(spring_law(), settings).unwrap()))
 }
 
-fn cases() -> [Case; 4] {
-    [
-        Case::free(84, 30.0),
-        Case { hands: [0.0, 300.0], ..Case::free(84, 30.0) },
-        Case::hands(84),
-        Case { delay: 20, jitter: 130, loss: 0.1, playout: 60, ..Case::hands(20) },
-    ]
-}
-
 #[test]
 fn law_the_energy_in_both_tanks_under_way_and_given_out_never_changes() {
     let settings = TankSettings::new(STIFFNESS);
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         for ticks in run(&case, layers(settings)).0 {
             let [one, two] = ticks;
             let tanks = one.report.balance.unwrap() + two.report.balance.unwrap();
@@ -38,7 +29,7 @@ fn law_the_force_is_limited_by_the_tank() {
     // without the damper that fills the tank, all force is that of the upper layer
     let settings = TankSettings { filling: 0.0, ..TankSettings::new(STIFFNESS) };
     let mut limited = 0;
-    for case in cases() {
+    for case in Case::with_and_without_hands() {
         let course = run(&case, layers(settings));
         let one_tick = course.most_in_a_tick();
         for tick in course.0.iter().flatten() {

@@ -86,12 +86,7 @@ impl Strategy for Guard {
     }
 
     fn outgoing(&self) -> Outgoing {
-        Outgoing {
-            energy_sent: self.account.sent(),
-            signal: [0.0; 2],
-            stiffness: self.law.stiffness,
-            limited: self.tally.is_limited(),
-        }
+        self.tally.outgoing(self.law.stiffness, self.account.sent())
     }
 
     fn report(&self) -> StrategyReport {

@@ -2,7 +2,7 @@
 
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
-use super::{StrategyReport, Tick};
+use super::{Outgoing, StrategyReport, Tick};
 use crate::session::pair::{dot, finite_or, size};
 
 /// The longest time between two measurements that a strategy integrates over, s: a clock that jumps moves no more.
@@ -50,6 +50,11 @@ impl Tally {
     /// Whether the force was changed at the last tick.
     pub(super) fn is_limited(&self) -> bool {
         self.limited
+    }
+
+    /// What the partner must know of a strategy without a signal of its own.
+    pub(super) fn outgoing(&self, stiffness: f64, energy_sent: f64) -> Outgoing {
+        Outgoing { energy_sent, signal: [0.0; 2], stiffness, limited: self.limited }
     }
 
     /// The report, without balance and exchanged energy.

@@ -116,12 +116,7 @@ impl Strategy for TimeDomainPassivity {
     }
 
     fn outgoing(&self) -> Outgoing {
-        Outgoing {
-            energy_sent: self.sent,
-            signal: [0.0; 2],
-            stiffness: self.law.stiffness,
-            limited: self.tally.is_limited(),
-        }
+        self.tally.outgoing(self.law.stiffness, self.sent)
     }
 
     fn report(&self) -> StrategyReport {

@@ -160,12 +160,7 @@ impl Strategy for TwoLayer {
     }
 
     fn outgoing(&self) -> Outgoing {
-        Outgoing {
-            energy_sent: self.sent,
-            signal: [0.0; 2],
-            stiffness: self.law.stiffness,
-            limited: self.tally.is_limited(),
-        }
+        self.tally.outgoing(self.law.stiffness, self.sent)
     }
 
     fn report(&self) -> StrategyReport {
