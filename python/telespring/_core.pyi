@@ -26,9 +26,11 @@ from telespring._types import (
 
 __all__ = [
     "Agent",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "ComparisonPlan",
     "Condition",
     "Coupling",
     "Crossing",
