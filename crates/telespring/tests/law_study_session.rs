@@ -110,7 +110,7 @@ const REFUSED: [(&str, &str, &str); 30] = [
     ("session.strategy = {share = 0.5}", "session.strategy.kind", "kind = \"spring\""),
     ("session.strategy = {kind = \"spring\", share = 0.5}", "session.strategy.share", ""),
     ("session.strategy = {kind = \"guard\", shar = 0.5}", "session.strategy.shar", "share"),
-    ("session.strategy = {kind = \"guard\", share = 1}", "session.strategy.share", "0.8"),
+    ("session.strategy = {kind = \"guard\", share = 1}", "session.strategy.share", "0.7"),
     ("session.strategy = {kind = \"guard\", share = 80}", "session.strategy.share", "0.8"),
     ("session.strategy = {kind = \"guard\", capacity = 50}", "session.strategy.capacity", "Write 0.05"),
     ("session.strategy = {kind = \"guard\", intake = \"0.3 W\"}", "session.strategy.intake", "Write 0.3"),

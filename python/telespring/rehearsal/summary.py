@@ -50,8 +50,8 @@ class ConditionSummary:
     early_ends
         Those that were not, by reason.
     limited_share
-        Mean share of the ticks, over trials and robots, at which the strategy changed the spring's force; None
-        in the unconnected mode, or if no motion of a partner was ever in use.
+        Mean share of the ticks, over trials and robots, at which the strategy changed the spring's force;
+        None in the unconnected mode, or if no motion of a partner was ever in use.
     """
 
     label: str

@@ -29,9 +29,9 @@ const LONGEST_INTAKE: f64 = 0.1;
 /// let mut account = EnergyAccount::new(settings)?;
 /// assert_eq!(account.pay([1.0, 0.0], 0.005), [1.0, 0.0]);
 /// assert_eq!(account.pay([50.0, 0.0], 12.5), [2.0, 0.0]);
-/// // the robot moved 4 mm with the 2 N, in 0.1 s: 8 mJ given out, of which 80 % of 6 N·s/m · (0.04 m/s)² · 0.1 s return
+/// // the robot moved 4 mm with the 2 N, in 0.1 s: 8 mJ given out, of which 70 % of 6 N·s/m · (0.04 m/s)² · 0.1 s return
 /// account.settle(0.1, [0.004, 0.0], [2.0, 0.0], 0.0);
-/// assert!((account.balance() - (0.02 - 0.008 + 0.8 * 0.00096)).abs() < 1e-12);
+/// assert!((account.balance() - (0.02 - 0.008 + 0.7 * 0.00096)).abs() < 1e-12);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 #[derive(Debug, Clone)]
