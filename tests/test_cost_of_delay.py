@@ -36,7 +36,7 @@ def rehearsed(folder: Path, session: dict[str, str], factor: float, delays: list
 
 def errors(trials: xr.Dataset) -> xr.DataArray:
     """The mean tracking error over the trials, mm, per condition and robot, over the delay."""
-    error = 1e3 * measure(trials).tracking_error.mean("trial")
+    error: xr.DataArray = 1e3 * measure(trials).tracking_error.mean("trial")
     return error.swap_dims(condition="delay")
 
 

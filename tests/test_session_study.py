@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from telespring.cli import app
+from telespring.paper.scene import Scene
+from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.rehearsal.preflight import LateWarning, preflight_warnings
 from telespring.show.screens.rehearsal import preflight_sentence
 from telespring.show.sessions import describe_bare_verdict, describe_strategy
@@ -249,3 +251,21 @@ def test_ref_a_guarded_rehearsal_says_whose_verdict_it_prints(root: Path, tmp_pa
     plain = ts.Study.paper()
     assert describe_bare_verdict(plain.session) is None
     assert "the bare spring" in str(describe_bare_verdict(study.session))
+
+
+def test_ref_the_report_lists_the_session_and_does_not_take_it_for_the_papers(root: Path) -> None:
+    study = ts.Study.read(root / "examples" / "guard.toml").replace(
+        session={"strategy": {"kind": "guard", "capacity": 0.02}}
+    )
+    assert not Scene.of(study).of_the_papers_experiment
+    assert Scene.of(study.replace(session=None)).of_the_papers_experiment
+    rows = find_laboratory(Scene.of(study)).numbers["laboratory"]["parameters"]
+    listed = {row["name"]: (row["value"], row["unit"]) for row in rows if row["part"] == "session"}
+    assert listed == {
+        "strategy": ("guard", ""),
+        "strategy, share": (0.7, "1"),
+        "strategy, capacity": (0.02, "J"),
+        "strategy, intake": (0.3, "W"),
+        "predictor": ("shared-target", ""),
+        "play-out": ("fixed", ""),
+    }
