@@ -228,3 +228,15 @@ def test_law_the_command_attacks_a_delay_that_varies() -> None:
     refused = CliRunner().invoke(app, ["decide", *options])
     assert refused.exit_code == 2
     assert "--attack" in refused.output
+
+
+def test_law_a_session_of_more_than_a_spring_is_told_apart() -> None:
+    text = "robot1 = {mass = 1, damping = 5}\nrobot2 = {mass = 1, damping = 5}\nnetwork.delay = 0.02\n"
+    study = ts.Study.from_toml(f"{text}coupling.stiffness = 20\n")
+    plain = ts.decide(study)
+    assert not any("bare spring" in note for note in plain.notes)
+    guarded = ts.decide(study.replace(session={"strategy": "guard"}))
+    assert "Above its limits the study's guard weakens the force" in " ".join(str(guarded).split())
+    assert guarded.to_dict()["status"] == plain.to_dict()["status"]
+    waves = ts.decide(study.replace(session={"strategy": "wave-variables"}))
+    assert any("not of the study's session (wave-variables)" in note for note in waves.notes)

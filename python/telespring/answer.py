@@ -29,7 +29,7 @@ from telespring.show.quantities import format_number, format_time
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
-from telespring.show.screens.questions import delay_clause, describe_robots
+from telespring.show.screens.questions import delay_clause, describe_robots, session_notes
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -362,6 +362,8 @@ def _answer(
     title = (study.name if study is not None else "") if name is None else name
     springs = question.robot_springs
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
+    if study is not None:
+        notes = (*notes, *session_notes(study.session))
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
     if attack_seed is not None and question.network.is_constant:
         raise InvalidInput(

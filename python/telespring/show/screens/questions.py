@@ -10,7 +10,7 @@ from rich.text import Text
 
 from telespring.decision.changes import WIDER_TIERS
 from telespring.decision.question import is_stable, stiffness_limit
-from telespring.model import Dyad, Network, Operator, Robot
+from telespring.model import Architecture, Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
@@ -36,6 +36,7 @@ __all__ = [
     "range_notes",
     "sampling_clause",
     "sampling_note",
+    "session_notes",
     "tier_bounds",
     "variation_clause",
 ]
@@ -171,6 +172,27 @@ def sampling_note(judged: Verdicts) -> str:
     if judged.tier("bounded varying delay").stiffness_bound is None:
         return note
     return f"{note} It puts b − kh in place of b, and lowers the limit for any network."
+
+
+def session_notes(session: Architecture) -> tuple[str, ...]:
+    """Say, for a study whose sides do more than a bare spring, whose answer it is; nothing for a bare spring.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> session_notes(ts.Architecture(strategy="guard"))[0][:46]
+    'The answer is that of the bare spring. Above i'
+    """
+    if session.strategy == "guard":
+        return (
+            (
+                "The answer is that of the bare spring. Above its limits the study's guard weakens the force, so "
+                "that no side gives out more energy than it has, whatever the network does."
+            ),
+        )
+    if session.label == "spring":
+        return ()
+    return (f"The answer is that of the bare spring, not of the study's session ({session.label}).",)
 
 
 def given_delay(delay: tuple[float, float]) -> str:
