@@ -26,9 +26,12 @@ from telespring._types import (
 
 __all__ = [
     "Agent",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "BurstFit",
+    "ComparisonPlan",
     "Condition",
     "Coupling",
     "Crossing",
@@ -43,6 +46,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "HandleMotion",
+    "JitterFit",
     "Laboratory",
     "LaboratorySettings",
     "Network",
@@ -51,6 +55,7 @@ __all__ = [
     "OperatorPoint",
     "OperatorRange",
     "PaperVerdict",
+    "PlayedTrace",
     "Recording",
     "Recordings",
     "Remedies",
@@ -63,6 +68,9 @@ __all__ = [
     "StiffnessMargin",
     "Study",
     "Task",
+    "Trace",
+    "TraceFit",
+    "TraceStatistics",
     "Uncertainty",
     "Verdict",
     "Verdicts",
@@ -299,7 +307,7 @@ class Network:
     def __new__(
         cls,
         delay: Delay,
-        jitter: float = 0.0,
+        jitter: Delay = 0.0,
         max_gap: float = 0.0,
         sample_period: float = 0.0,
         computing_time: float = 0.0,
@@ -308,6 +316,8 @@ class Network:
     def delay(self) -> tuple[float, float]: ...
     @property
     def jitter(self) -> float: ...
+    @property
+    def jitters(self) -> tuple[float, float]: ...
     @property
     def max_gap(self) -> float: ...
     @property
@@ -327,7 +337,9 @@ class Network:
     def to_dict(self) -> dict[str, Any]: ...
     def _repr_html_(self) -> str: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[tuple[float, float], float, float, float, float]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[tuple[float, float], tuple[float, float], float, float, float]: ...
 
 @final
 class OperatorRange:
@@ -387,6 +399,10 @@ class Study:
     def ground_stiffness(self) -> FloatArray: ...
     @property
     def experiment(self) -> Experiment | None: ...
+    @property
+    def session(self) -> Architecture: ...
+    @property
+    def comparison(self) -> ComparisonPlan: ...
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def _repr_html_(self) -> str: ...
@@ -514,6 +530,51 @@ class LaboratorySettings(_Record):
     encoder_resolution: Final[float]
     jitter: Final[float]
     loss: Final[float]
+
+@final
+class Architecture:
+    def __new__(cls, **keys: object) -> Architecture: ...
+    @property
+    def strategy(
+        self,
+    ) -> Literal[
+        "spring",
+        "guard",
+        "injected-damping",
+        "wave-variables",
+        "time-domain-passivity",
+        "two-layer",
+        "set-position-modulation",
+    ]: ...
+    @property
+    def predictor(self) -> Literal["hold", "linear", "kalman", "shared-target"]: ...
+    @property
+    def playout(self) -> Literal["fixed", "adaptive"]: ...
+    @property
+    def playout_delay(self) -> float | None: ...
+    @property
+    def label(self) -> str: ...
+    @property
+    def has_account(self) -> bool: ...
+    def settings(self) -> dict[str, Any]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class ComparisonPlan:
+    @property
+    def architectures(self) -> list[Architecture]: ...
+    @property
+    def labels(self) -> list[str]: ...
+    @property
+    def networks(self) -> list[tuple[str, dict[str, Any], list[float] | None]]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Callable[[str], ComparisonPlan], tuple[str]]: ...
 
 @final
 class Experiment:
@@ -907,6 +968,18 @@ class Recording(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: float,
+        passivity_minimum: float,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -918,6 +991,18 @@ class Recording(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[float]
+    passivity_minimum: Final[float]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -933,6 +1018,18 @@ class Recordings(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: FloatArray,
+        passivity_minimum: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -944,6 +1041,18 @@ class Recordings(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[FloatArray]
+    passivity_minimum: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 
@@ -964,6 +1073,125 @@ class HandleMotion(_Record):
     torque: Final[FloatArray | None]
     status: Final[Literal["completed", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
+
+@final
+class TraceStatistics(_Record):
+    def __new__(
+        cls,
+        sent: int,
+        interval: float,
+        longest_interval: float,
+        loss: float,
+        burst_length: float,
+        reordered: float,
+        minimum: float,
+        mean: float,
+        sd: float,
+        median: float,
+        quantile_99: float,
+        maximum: float,
+        autocorrelation: float,
+    ) -> TraceStatistics: ...
+    sent: Final[int]
+    interval: Final[float]
+    longest_interval: Final[float]
+    loss: Final[float]
+    burst_length: Final[float]
+    reordered: Final[float]
+    minimum: Final[float]
+    mean: Final[float]
+    sd: Final[float]
+    median: Final[float]
+    quantile_99: Final[float]
+    maximum: Final[float]
+    autocorrelation: Final[float]
+
+@final
+class JitterFit(_Record):
+    def __new__(
+        cls,
+        delay: float,
+        jitter: float,
+        kind: Literal["uniform", "normal", "gamma", "lognormal"],
+        mean: float | None,
+        sd: float | None,
+        log_likelihood: float,
+        distance: float,
+    ) -> JitterFit: ...
+    delay: Final[float]
+    jitter: Final[float]
+    kind: Final[Literal["uniform", "normal", "gamma", "lognormal"]]
+    mean: Final[float | None]
+    sd: Final[float | None]
+    log_likelihood: Final[float]
+    distance: Final[float]
+    def cumulative(self, delay: ArrayLike) -> FloatArray: ...
+
+@final
+class BurstFit(_Record):
+    def __new__(cls, to_bad: float, to_good: float, bursts: int, distance: float) -> BurstFit: ...
+    to_bad: Final[float]
+    to_good: Final[float]
+    bursts: Final[int]
+    distance: Final[float]
+
+@final
+class TraceFit(_Record):
+    def __new__(cls, jitter: Sequence[JitterFit], burst: BurstFit | None, minimum: float) -> TraceFit: ...
+    jitter: Final[tuple[JitterFit, ...]]
+    burst: Final[BurstFit | None]
+    minimum: Final[float]
+
+@final
+class PlayedTrace(_Record):
+    def __new__(
+        cls,
+        delay: float,
+        sample_period: float,
+        ticks: int,
+        held_ticks: int,
+        newest: FloatArray,
+        oldest: FloatArray,
+    ) -> PlayedTrace: ...
+    delay: Final[float]
+    sample_period: Final[float]
+    ticks: Final[int]
+    held_ticks: Final[int]
+    newest: Final[FloatArray]
+    oldest: Final[FloatArray]
+    @property
+    def in_time(self) -> float: ...
+    @property
+    def ages(self) -> tuple[float, float]: ...
+    def share_within(self, low: float, high: float) -> float: ...
+
+@final
+class Trace:
+    def __new__(cls, time: ArrayLike, delay: ArrayLike, losses_recorded: bool | None = None) -> Trace: ...
+    @staticmethod
+    def _read(text: str, name: str, round_trip: bool, is_forward: bool) -> Trace: ...
+    @property
+    def time(self) -> FloatArray: ...
+    @property
+    def delay(self) -> FloatArray: ...
+    @property
+    def lost(self) -> NDArray[np.bool_]: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def losses_recorded(self) -> bool: ...
+    def statistics(self) -> TraceStatistics: ...
+    def quantile(self, share: float) -> float: ...
+    def fit(self) -> TraceFit: ...
+    def halved(self) -> Trace: ...
+    def with_missing_rows(self, period: float, longest: float) -> Trace: ...
+    def play(self, delay: float, sample_period: float) -> PlayedTrace: ...
+    def to_csv(self) -> str: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def _repr_html_(self) -> str: ...
+    def __getnewargs__(self) -> tuple[FloatArray, FloatArray, bool]: ...
 
 # theory/criteria.pyi has their overloads
 def critical_stiffness(

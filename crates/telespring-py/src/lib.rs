@@ -3,6 +3,7 @@
 //! Everything public is documented, broadcast and typed in `python/telespring`; what is here
 //! takes flat contiguous arrays and releases the interpreter while it computes.
 
+mod architecture;
 mod arguments;
 mod arrays;
 mod axis;
@@ -29,6 +30,7 @@ mod simulation;
 mod spectrum;
 mod study;
 mod study_values;
+mod trace;
 mod usual;
 mod verdicts;
 
@@ -44,6 +46,8 @@ mod _core {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::architecture::{Architecture, ComparisonPlan};
     #[pymodule_export]
     use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]
@@ -90,6 +94,8 @@ mod _core {
     use crate::spectrum::Spectrum;
     #[pymodule_export]
     use crate::study::Study;
+    #[pymodule_export]
+    use crate::trace::{BurstFit, JitterFit, PlayedTrace, Trace, TraceFit, TraceStatistics};
     #[pymodule_export]
     use crate::usual::{check_usual, usual_range};
     #[pymodule_export]

@@ -113,10 +113,18 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
             Ok(network) if name == "network" => {
                 let network = network.get().0;
                 let (delay, computing) = (network.delay(), network.computing_time());
-                let mut keys = numbers(&[("jitter", network.jitter()), ("max_gap", network.max_gap())]);
-                let ways = [("forward", delay.forward()), ("backward", delay.backward())];
-                let ways = ways.map(|(way, delay)| (way.to_owned(), Value::Float(delay)));
-                keys.insert("delay".to_owned(), Some(Value::Table(ways.into_iter().collect())));
+                let mut keys = numbers(&[("max_gap", network.max_gap())]);
+                let each_way = |[forward, backward]: [f64; 2]| {
+                    let ways = [("forward", forward), ("backward", backward)];
+                    Value::Table(
+                        ways.map(|(way, value)| (way.to_owned(), Value::Float(value))).into_iter().collect(),
+                    )
+                };
+                keys.insert("delay".to_owned(), Some(each_way([delay.forward(), delay.backward()])));
+                let [forward, backward] = network.jitters();
+                let jitter =
+                    if forward == backward { Value::Float(forward) } else { each_way([forward, backward]) };
+                keys.insert("jitter".to_owned(), Some(jitter));
                 out.insert(name, Replacement::Keys(keys));
                 let controller =
                     numbers(&[("sample_period", network.sample_period()), ("computing_time", computing)]);
