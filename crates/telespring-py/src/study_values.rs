@@ -10,6 +10,7 @@ use telespring::study::{OptionValue, Replacement, Table, Value};
 use crate::arguments::written;
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
+use crate::experiment::LaboratorySettings;
 use crate::model::{Operator, Robot};
 use crate::network::Network;
 
@@ -104,6 +105,8 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
         Ok(Replacement::Keys(keys.collect::<Outcome<_>>()?))
     };
     let mut out = BTreeMap::new();
+    // What the settings of a laboratory say about its network, where the network itself is not told otherwise.
+    let mut of_the_network = BTreeMap::new();
     for (name, section) in sections.iter() {
         let name = name.str()?.to_string();
         match section.cast::<Network>() {
@@ -128,9 +131,21 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
                 out.entry("controller".to_owned()).or_insert(Replacement::Keys(controller));
             }
             _ => {
-                let replacement = replacement(&name, &section)?;
+                let mut replacement = replacement(&name, &section)?;
+                if let Replacement::Keys(keys) = &mut replacement
+                    && section.is_instance_of::<LaboratorySettings>()
+                {
+                    let moved = ["jitter", "loss"].into_iter().filter_map(|key| keys.remove_entry(key));
+                    of_the_network.extend(moved);
+                }
                 out.insert(name, replacement);
             }
+        }
+    }
+    if !of_the_network.is_empty() {
+        let network = out.entry("network".to_owned()).or_insert_with(|| Replacement::Keys(BTreeMap::new()));
+        if let Replacement::Keys(keys) = network {
+            of_the_network.into_iter().for_each(|(key, value)| drop(keys.entry(key).or_insert(value)));
         }
     }
     Ok(out)
