@@ -169,10 +169,10 @@ impl RunningStation {
     }
 }
 
-impl Trial<'_> {
-    /// What one side of the coupling knows in the trial.
+impl Laboratory {
+    /// What one side of the coupling, 0 or 1, knows in a trial of the laboratory.
     fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
-        let Laboratory { controller, session, .. } = self.laboratory;
+        let Self { controller, session, .. } = self;
         let ConnectedMode { stiffness, damping, delay } = *coupling;
         // Robot 2 receives in the forward direction.
         let [first, second] = [delay.backward(), delay.forward()];
@@ -190,6 +190,21 @@ impl Trial<'_> {
         }
     }
 
+    /// Checks that both sides can run the laboratory's architecture in a condition.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] with the setting that is refused.
+    pub fn check_session(&self, coupling: &ConnectedMode) -> Result<()> {
+        for side in 0..2 {
+            let facts = self.side_facts(side, coupling);
+            Endpoint::new(self.session.architecture.endpoint_settings(&facts)?)?;
+        }
+        Ok(())
+    }
+}
+
+impl Trial<'_> {
     /// Both stations at the start of the trial.
     fn start_stations(&self) -> Result<[RunningStation; 2]> {
         let Laboratory { stations: sides, target, controller, network, .. } = self.laboratory;
@@ -197,7 +212,7 @@ impl Trial<'_> {
         let start = target.at_tick(0, controller.sample_period).position;
         let station = |side: usize| -> Result<RunningStation> {
             let linked = self.coupling.map(|coupling| -> Result<_> {
-                let facts = self.side_facts(side, &coupling);
+                let facts = self.laboratory.side_facts(side, &coupling);
                 let settings = EndpointSettings {
                     // the laboratory asks what the coupling does, on however old a motion
                     watchdog: None,

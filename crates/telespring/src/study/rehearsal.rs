@@ -8,6 +8,8 @@ use super::laboratory::{AgentChoice, Setup, Task};
 use super::network::SAMPLE_PERIOD;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
+use crate::model::Delay;
+use crate::session::Architecture;
 use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
@@ -186,6 +188,19 @@ impl Study {
         ))
     }
 
+    /// Checks that the study's session can run in every condition; the bare spring always can.
+    fn check_session(&self, laboratory: &rig::Laboratory, protocol: &rig::Protocol) -> Result<()> {
+        if self.session == Architecture::default() {
+            return Ok(());
+        }
+        for (stiffness, delay) in &protocol.conditions {
+            let Some(stiffness) = *stiffness else { continue };
+            let coupling = rig::ConnectedMode { stiffness, damping: 0.0, delay: Delay::each_way(*delay)? };
+            laboratory.check_session(&coupling).map_err(|refusal| refusal.within("session"))?;
+        }
+        Ok(())
+    }
+
     /// Checks that the rehearsal is possible if the file has a section for it.
     pub(super) fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
         let Some(section) = reader.rehearsal_section() else { return Ok(()) };
@@ -206,7 +221,7 @@ impl Study {
             laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };
         }
         laboratory.check().map_err(|error| reader.with_line_of_field(error))?;
-        self.protocol().map_err(|error| reader.with_line_of_field(error))?;
-        Ok(())
+        let protocol = self.protocol().map_err(|error| reader.with_line_of_field(error))?;
+        self.check_session(&laboratory, &protocol).map_err(|error| reader.with_line_of_field(error))
     }
 }

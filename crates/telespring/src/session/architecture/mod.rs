@@ -101,6 +101,25 @@ impl Architecture {
         label
     }
 
+    /// The labels of several architectures; of equal ones the second and the following are numbered.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::session::Architecture;
+    /// assert_eq!(Architecture::labels(&[Architecture::default(); 2]), ["spring", "spring (2)"]);
+    /// ```
+    pub fn labels(architectures: &[Self]) -> Vec<String> {
+        let plain: Vec<String> = architectures.iter().map(Self::label).collect();
+        let numbered = plain.iter().enumerate().map(|(place, label)| {
+            match plain.iter().take(place).filter(|earlier| *earlier == label).count() {
+                0 => label.clone(),
+                before => format!("{label} ({})", before + 1),
+            }
+        });
+        numbered.collect()
+    }
+
     /// What a comparison runs if nobody chooses: the bare spring, the guard with every predictor, and the strategies of the
     /// literature, all with their usual settings.
     pub fn usual() -> Vec<Self> {
