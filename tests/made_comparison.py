@@ -40,7 +40,7 @@ def made_comparison(
     k, delay = np.array(conditions).T
     shape = (len(labels), len(networks), len(conditions), trials, 2)
     error = np.empty(shape)
-    diverged = np.zeros(shape[:-1], dtype=bool)
+    diverged, ended = np.zeros((2, *shape[:-1]), dtype=bool)
     for i, label in enumerate(labels):
         cost = _COST[LABELS.index(label)] if label in LABELS else 0.5
         growth = 1.0 + cost * 1.2 * (1.0 - np.exp(-k * delay / 12.0))
@@ -49,10 +49,11 @@ def made_comparison(
         if label.startswith("spring"):
             far = (k > 100.0) & (delay > 0.05) & (np.abs(delay - 0.167) > 0.02)
             growth = np.where(far, 9.0, growth)
-            diverged[i, :, :, : trials // 2] = (far & (delay > 0.3))[None, :, None]
+            diverged[i] = far[None, :, None]
+            ended[i, :, :, : trials // 2] = (far & (delay > 0.3))[None, :, None]
         error[i] = (0.022 * growth)[None, :, None, None] * np.array([1.0, 1.04])
     error *= 1.0 + 0.01 * random.normal(size=shape)
-    error[diverged] = np.nan
+    error[ended] = np.nan
     limited = np.zeros(shape)
     guarded = [i for i, label in enumerate(labels) if label.startswith("guard")]
     limited[guarded] = np.clip(0.004 * (k * delay - 6.0), 0.0, 0.6)[None, None, :, None, None]
@@ -66,7 +67,13 @@ def made_comparison(
         {
             "tracking_error": (_PLACE, error, {"units": "m"}),
             "diverged": (_PLACE[:-1], diverged),
-            "ended_at": (_PLACE[:-1], np.where(diverged, 14.0, np.nan), {"units": "s"}),
+            "ended_at": (_PLACE[:-1], np.where(ended, 14.0, np.nan), {"units": "s"}),
+            "status": (_PLACE[:-1], ended.astype(np.int8)),
+            "tracking_error_unconnected": (
+                ("trial", "robot"),
+                np.broadcast_to([0.0219, 0.0241], (trials, 2)).copy(),
+                {"units": "m"},
+            ),
             "limited_share": (_PLACE, limited),
             "withheld_share": (_PLACE, 0.3 * limited),
             "force_fidelity": (_PLACE, np.where(np.isnan(error), np.nan, 0.9)),

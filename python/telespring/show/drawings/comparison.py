@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 from telespring.show.quantities import format_number
@@ -19,12 +20,56 @@ if TYPE_CHECKING:
     from telespring.show.figures.comparison_account import AccountTrial
     from telespring.show.figures.comparison_plane import Boundary
 
-__all__ = ["draw_account", "draw_delays", "draw_plane", "spring_boundary"]
+__all__ = [
+    "COMPARISON_FIGURES",
+    "draw_account",
+    "draw_comparison",
+    "draw_delays",
+    "draw_plane",
+    "spring_boundary",
+]
+
+#: Files of the figures that `draw_comparison` draws, in its order.
+COMPARISON_FIGURES = ("delays.png", "plane.png", "account.png")
 
 #: Stiffnesses and delays at which the boundary of the bare spring is computed.
 _COLUMNS, _ROWS = 260, 401
 #: A force is limited where its energy is the whole account, but for what one tick changes.
 _WHOLE_ACCOUNT = 0.97
+
+
+def draw_comparison(
+    comparison: xr.Dataset, recommended: str | None, dyad: Dyad | None = None
+) -> Iterator[tuple[str, Figure]]:
+    """Draw all figures of a comparison, each with the name of its file.
+
+    `recommended` is the label of the best safe choice, if there is one: the plane shows it beside the bare
+    spring. The account is of the guarded architecture, network and condition in which most was limited. A
+    figure for which nothing was compared is left out.
+    """
+    alone = comparison.tracking_error_unconnected.transpose("trial", "robot").mean("trial").values.tolist()
+    yield COMPARISON_FIGURES[0], draw_delays(comparison, unconnected=(alone[0], alone[1]))
+    labels = _names(comparison, "architecture")
+    guarded = "guard + shared-target" if "guard + shared-target" in labels else "guard"
+    beside = guarded if recommended in (None, "spring") else recommended
+    strategies = [label for label in dict.fromkeys(("spring", beside)) if label in labels]
+    if strategies:
+        yield COMPARISON_FIGURES[1], draw_plane(comparison, strategies, dyad=dyad)
+    place = _most_limited(comparison)
+    if place is not None:
+        trial = comparison.sel(place)
+        bare = comparison.sel(place | {"architecture": "spring"}) if "spring" in labels else None
+        yield COMPARISON_FIGURES[2], draw_account(trial, without_guard=bare)
+
+
+def _most_limited(comparison: xr.Dataset) -> dict[str, str] | None:
+    """Find where a kept account limited most; None if no account was kept."""
+    limited = comparison.limited_share.mean(("trial", "robot"))
+    limited = limited.where(np.isfinite(comparison.account).any(("time", "robot")))
+    if not np.isfinite(limited).any():
+        return None
+    best = limited.fillna(-1.0).argmax(...)
+    return {str(name): str(comparison[name].values[int(place)]) for name, place in best.items()}
 
 
 def draw_delays(
@@ -53,7 +98,8 @@ def draw_delays(
             for label in labels:
                 one = here.sel(architecture=label)
                 error = one.tracking_error.transpose("condition", "trial", "robot").values
-                was_run = np.isfinite(error).any(axis=(1, 2)) | one.diverged.any("trial").values
+                trials, ran_away, ended_early = count_trials(one)
+                was_run = trials > 0
                 if not was_run.any():
                     continue
                 error = error[was_run]
@@ -64,8 +110,9 @@ def draw_delays(
                         delay=one.delay.values[was_run],
                         mean=_over_trials(np.mean, error),
                         spread=_over_trials(np.std, error),
-                        ran_away=one.diverged.sum("trial").values[was_run],
-                        trials=error.shape[1],
+                        ran_away=ran_away[was_run],
+                        ended_early=ended_early[was_run],
+                        trials=int(trials.max()),
                     )
                 )
             title = f"{format_number(stiffness)} N/m"
@@ -96,13 +143,13 @@ def draw_plane(
     panels = []
     for label in strategies:
         here = comparison.sel(architecture=label, network=name)
+        trials, ran_away, ended_early = count_trials(here)
         points = []
         for i, (k, delay) in enumerate(zip(here.stiffness.values, here.delay.values, strict=True)):
-            one = here.isel(condition=i)
-            ran_away = int(one.diverged.sum())
-            if ran_away or np.isfinite(one.tracking_error).any():
+            if trials[i]:
                 ratio = cost_of_delay(comparison.sel(network=name), label, i)
-                points.append(PlanePoint(float(k), float(delay), ratio, ran_away, one.sizes["trial"]))
+                failed = int(ran_away[i] + ended_early[i])
+                points.append(PlanePoint(float(k), float(delay), ratio, failed, int(trials[i])))
         panels.append(PlanePanel(name_strategy(label), points))
     k, delay = (float(comparison[key].max()) for key in ("stiffness", "delay"))
     extent = 1.12 * k, 1.12 * max(delay, 0.05)
@@ -135,6 +182,14 @@ def draw_account(
     if title is None:
         title = f"{format_number(float(trial.stiffness))} N/m, {1e3 * float(trial.delay):.0f} ms"
     return account_figure(_account_trial(trial, without_guard, axis, span), title, figure)
+
+
+def count_trials(one: xr.Dataset) -> tuple[NDArray[np.int_], NDArray[np.int_], NDArray[np.int_]]:
+    """Count per condition the trials that were run, those that ran away, and others that ended early."""
+    status = one.status.transpose("condition", "trial").values
+    ran_away = one.diverged.transpose("condition", "trial").values
+    ended_early = (status > 0) & ~ran_away
+    return (status >= 0).sum(axis=1), ran_away.sum(axis=1), ended_early.sum(axis=1)
 
 
 def undelayed_errors(comparison: xr.Dataset, stiffness: float) -> tuple[float, float] | None:

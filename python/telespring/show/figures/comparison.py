@@ -52,8 +52,8 @@ class DelayCurve:
         One way, s, ascending.
     mean, spread
         Mean and standard deviation over the trials that have an error, m, (delay, person); NaN without any.
-    ran_away
-        Number of trials that ran away, per delay.
+    ran_away, ended_early
+        Number of trials that ran away, and of others that ended early, per delay.
     trials
         Number of trials at every delay.
     """
@@ -64,6 +64,7 @@ class DelayCurve:
     mean: Floats
     spread: Floats
     ran_away: NDArray[np.int_]
+    ended_early: NDArray[np.int_]
     trials: int
 
 
@@ -96,7 +97,7 @@ def delay_figure(
 
     Lines are means, bars standard deviations over the trials. The horizontal line is the level without delay;
     `alone` (m) is that of the people without a coupling. All panels share one scale, which begins at 0. Above
-    it are written the errors that do not fit, in mm, and how many trials ran away.
+    it are written the errors that do not fit, in mm, and how many trials ran away or ended early.
     """
     columns = min(_COLUMNS, len(panels))
     blocks = math.ceil(len(panels) / columns)
@@ -205,18 +206,14 @@ def _far_points(panel: DelayPanel, person: int, limit: float) -> dict[float, lis
     """Collect what is written above the scale at each delay: strategy and note."""
     far: dict[float, list[tuple[str, str]]] = {}
     for curve in panel.curves:
-        for delay, mean, ran_away in zip(curve.delay, curve.mean[:, person], curve.ran_away, strict=True):
-            is_far = bool(np.isfinite(mean) and mean > limit)
-            if ran_away:
-                parts = [f"{1e3 * mean:.0f}"] if is_far else []
-                if ran_away < curve.trials or not is_far:
-                    parts.append(f"{ran_away}/{curve.trials}")
-                note = f"✕ {', '.join(parts)}"
-            elif is_far:
-                note = f"▲ {1e3 * mean:.0f}"
-            else:
-                continue
-            far.setdefault(float(delay), []).append((curve.label, note))
+        for i, mean in enumerate(curve.mean[:, person].tolist()):
+            ran_away, failed = int(curve.ran_away[i]), int(curve.ran_away[i] + curve.ended_early[i])
+            parts = [f"{1e3 * mean:.0f}"] if math.isfinite(mean) and mean > limit else []
+            if failed and (failed < curve.trials or not parts):
+                parts.append(f"{failed}/{curve.trials}")
+            if parts:
+                sign = "✕" if ran_away else "†" if failed else "▲"
+                far.setdefault(float(curve.delay[i]), []).append((curve.label, f"{sign} {', '.join(parts)}"))
     return far
 
 
@@ -279,6 +276,9 @@ def _legend(
         handles.append(legend_line("without a coupling", GREY, _ALONE, linewidth=0.9))
     if has_far:
         handles.append(legend_mark("above the scale: mm", _LEVEL, "^", markersize=3.5))
-    if any(curve.ran_away.any() for panel in panels for curve in panel.curves):
+    drawn = [curve for panel in panels for curve in panel.curves]
+    if any(curve.ran_away.any() for curve in drawn):
         handles.append(legend_mark("ran away: mm, trials", _LEVEL, "x", markersize=4.0))
+    if any((curve.ended_early[curve.ran_away == 0] > 0).any() for curve in drawn):
+        handles.append(legend_mark("ended early: trials", _LEVEL, "$†$", markersize=4.5))
     return handles

@@ -48,14 +48,14 @@ class PlanePoint:
     ratio
         The larger of both people's tracking errors, relative to that of the bare spring without delay; NaN if
         no trial has one.
-    ran_away, trials
-        How many of the trials ran away.
+    failed, trials
+        How many of the trials ran away or ended early.
     """
 
     stiffness: float
     delay: float
     ratio: float
-    ran_away: int
+    failed: int
     trials: int
 
 
@@ -98,7 +98,7 @@ def plane_figure(
     The first panel is that of the bare spring: `boundary` shades where it is stable. `held` is another
     boundary of it, drawn dashed, such as with the handles held. The other panels have both as lines. A mark
     shows by its shape and colour how much larger the tracking error is than without delay; the number beside
-    it is the ratio, and a cross is drawn through it where trials ran away.
+    it is the ratio, and a cross is drawn through it where trials ran away or ended early.
     """
     points = [point for panel in panels for point in panel.points]
     widest = 1.12 * max(point.stiffness for point in points)
@@ -172,13 +172,13 @@ def _draw_point(axes: Axes, point: PlanePoint) -> None:
             clip_on=False,
             zorder=5,
         )
-    if point.ran_away:
+    if point.failed:
         axes.plot(
             *at, "x", color=COLOURS["black"], markersize=8.0, markeredgewidth=1.4, clip_on=False, zorder=6
         )
     parts = [f"{point.ratio:.{2 if point.ratio < 1.995 else 1}f}"] if is_known else []
-    if 0 < point.ran_away < point.trials:
-        parts.append(f"{point.ran_away}/{point.trials}")
+    if 0 < point.failed < point.trials:
+        parts.append(f"{point.failed}/{point.trials}")
     axes.annotate(
         ", ".join(parts),
         at,
@@ -211,10 +211,14 @@ def _legend(
                 markeredgewidth=0.5,
             )
         )
-    if any(point.ran_away for point in points):
+    if any(point.failed for point in points):
         handles.append(
             legend_mark(
-                "ran away: all trials, or so many", COLOURS["black"], "x", markersize=7.0, markeredgewidth=1.4
+                "ran away or ended early: all, or so many",
+                COLOURS["black"],
+                "x",
+                markersize=7.0,
+                markeredgewidth=1.4,
             )
         )
     if boundary is not None:
