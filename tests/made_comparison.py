@@ -69,6 +69,7 @@ def made_comparison(
             "diverged": (_PLACE[:-1], diverged),
             "ended_at": (_PLACE[:-1], np.where(ended, 14.0, np.nan), {"units": "s"}),
             "status": (_PLACE[:-1], ended.astype(np.int8)),
+            "is_rehearsed": (("network", "condition"), np.ones(shape[1:3], dtype=bool)),
             "tracking_error_unconnected": (
                 ("trial", "robot"),
                 np.broadcast_to([0.0219, 0.0241], (trials, 2)).copy(),

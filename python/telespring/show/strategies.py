@@ -15,10 +15,8 @@ _WORDS = {
     "time-domain-passivity": "time-domain passivity",
     "two-layer": "two layers",
     "set-position-modulation": "set-position modulation",
-    "linear": "linear prediction",
     "kalman": "Kalman",
     "shared-target": "shared target",
-    "adaptive": "adaptive play-out",
 }
 
 
@@ -28,6 +26,6 @@ def name_strategy(label: str) -> str:
     Examples
     --------
     >>> name_strategy("guard + shared-target"), name_strategy("spring, adaptive"), name_strategy("guard (2)")
-    ('guard + shared target', 'bare spring, adaptive play-out', 'guard (2)')
+    ('guard + shared target', 'bare spring, adaptive', 'guard (2)')
     """
     return "".join(_WORDS.get(part, part) for part in re.split(r"( \+ |, | \(\d+\)$)", label))

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from telespring._quantities import format_count, format_number
-from telespring.show.quantities import format_error
+from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.strategies import name_strategy
 
 if TYPE_CHECKING:
@@ -30,39 +29,35 @@ __all__ = ["comparison_screen", "recommendation_sentences"]
 #: So many pairs of network and delay have a column each; of more the table shows the worst.
 _MOST_COLUMNS = 5
 #: So many lines say what ran away.
-_MOST_LINES = 6
+_MOST_LINES = 5
 
 
 def comparison_screen(console: Console, comparison: Comparison) -> None:
     """Print what a comparison found, in at most thirty lines at the usual width."""
     data, recommendation = comparison.dataset, comparison.recommendation
-    sizes = data.sizes
     console.print(Text(comparison.name, style="bold"))
-    for i, sentence in enumerate(recommendation_sentences(recommendation)):
+    for i, sentence in enumerate(recommendation_sentences(recommendation, data.sizes["network"])):
         if i:
             console.print(f"  {sentence}", markup=False)
         else:
             style = "bold red" if recommendation.candidate is None else "bold green"
             console.print(Text(sentence, style=style))
-    stiffness = _shown_stiffness(data, recommendation)
-    networks = "" if sizes["network"] == 1 else f"{format_count(sizes['network'], 'network')}, "
     console.print()
-    console.print(
-        Text(
-            f"Tracking error of person 1 and 2 at {format_number(stiffness)} N/m, mm "
-            f"({networks}{format_count(sizes['trial'], 'trial')} each)",
-            style="bold",
-        )
-    )
-    console.print(_strategy_table(data, recommendation, stiffness))
+    console.print(_strategy_table(data, recommendation))
     for line in _ran_away_lines(data):
         console.print(line, markup=False)
-    for left_out in comparison.left_out:
-        console.print(f"Left out: {name_strategy(left_out.architecture)}, {left_out.reason}.", markup=False)
+    if comparison.left_out:
+        reasons = "; ".join(
+            f"{name_strategy(left_out.architecture)} ({left_out.reason})" for left_out in comparison.left_out
+        )
+        console.print(f"Left out: {reasons}.", markup=False)
 
 
-def recommendation_sentences(recommendation: Recommendation) -> Iterator[str]:
+def recommendation_sentences(recommendation: Recommendation, networks: int = 1) -> Iterator[str]:
     """Say which choice is the best safe one, why it is safe, how good it is, and what comes next."""
+    what, plural = "delay", "delays"
+    if networks > 1:
+        what, plural = "pair of network and delay", "pairs of network and delay"
     best = recommendation.candidate
     if best is None:
         yield "NOTHING THAT WAS COMPARED IS SAFE at every delay and on every network."
@@ -72,10 +67,11 @@ def recommendation_sentences(recommendation: Recommendation) -> Iterator[str]:
         )
         return
     yield f"RECOMMENDED: {name_strategy(best.architecture)} at {format_number(best.stiffness)} N/m"
-    yield f"Safe: {_grounds(best)}, and none of its trials ran away."
+    yield f"Safe: {_grounds(best)}. None of its trials ran away."
     yield (
-        f"Tracking error {_pair(best.tracking_error)} over all {recommendation.conditions} pairs of network "
-        f"and delay, {_pair(best.worst_tracking_error)} at the worst."
+        f"Tracking errors of both people {_pair(best.tracking_error)}, and "
+        f"{_pair(best.worst_tracking_error)} at the worst of "
+        f"{format_count(recommendation.conditions, what, plural)}."
     )
     following = recommendation.next_best
     if following is not None and following.candidate is not None:
@@ -84,17 +80,17 @@ def recommendation_sentences(recommendation: Recommendation) -> Iterator[str]:
 
 def _grounds(candidate: Candidate) -> str:
     if candidate.grounds == "any network":
-        return "the guard gives out no more energy than it has, whatever the network does"
+        return "the guard gives out no more energy than it has, on any network"
     return "the spring is stable at every delay that was compared"
 
 
 def _next_sentence(following: Alternative, candidate: Candidate) -> str:
-    difference = f"{format_error(abs(following.difference))}"
+    difference = f"{1e3 * following.difference:.2f}"
     if np.isfinite(following.difference_error) and following.difference_error > 0.0:
-        difference += f" ± {format_error(following.difference_error)}"
+        difference += f" ± {1e3 * following.difference_error:.2f}"
     return (
         f"Next best: {name_strategy(candidate.architecture)} at {format_number(candidate.stiffness)} N/m, "
-        f"its mean is {difference} larger."
+        f"with {difference} mm more on average."
     )
 
 
@@ -109,31 +105,28 @@ def _shown_stiffness(data: xr.Dataset, recommendation: Recommendation) -> float:
     return float(data.stiffness.max()) if best is None else best.stiffness
 
 
-def _strategy_table(data: xr.Dataset, recommendation: Recommendation, stiffness: float) -> Table:
+def _strategy_table(data: xr.Dataset, recommendation: Recommendation) -> Fitting:
     """Lay out the errors of every strategy, a column per delay; with many of them, only the worst."""
+    stiffness = _shown_stiffness(data, recommendation)
     here = data.isel(condition=np.flatnonzero(data.stiffness.values == stiffness)).sortby("delay")
     pairs = [
-        (network, i)
-        for network in here.network.values
+        (str(network), i)
+        for n, network in enumerate(here.network.values)
         for i in range(here.sizes["condition"])
-        if _was_run(here.sel(network=network).isel(condition=i))
+        if here.is_rehearsed.transpose("network", "condition").values[n, i]
     ]
     several = here.sizes["network"] > 1
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("strategy", no_wrap=True)
     has_column_each = len(pairs) <= _MOST_COLUMNS
-    if has_column_each:
-        for network, i in pairs:
-            delay = f"{1e3 * float(here.delay[i]):.0f} ms"
-            table.add_column(f"{network}\n{delay}" if several else delay, justify="right", no_wrap=True)
+    delays = [f"{1e3 * float(here.delay[i]):.0f} ms" for _, i in pairs]
+    if not has_column_each:
+        columns = ["least", "worst", "at"]
+    elif several:
+        columns = [f"{network}\n{delay}" for (network, _), delay in zip(pairs, delays, strict=True)]
     else:
-        table.add_column("least", justify="right", no_wrap=True)
-        table.add_column("worst", justify="right", no_wrap=True)
-        table.add_column("at", no_wrap=True)
-    table.add_column("limited", justify="right", no_wrap=True)
-    table.add_column("safe choice", no_wrap=True)
+        columns = delays
     choices = _choices(recommendation)
     best = recommendation.candidate
+    rows = []
     for label in map(str, here.architecture.values):
         one = here.sel(architecture=label)
         cells: list[Text | str] = [
@@ -142,24 +135,24 @@ def _strategy_table(data: xr.Dataset, recommendation: Recommendation, stiffness:
         if not has_column_each:
             cells = _extreme_cells(one, pairs, cells, several=several)
         style = "bold" if best is not None and best.architecture == label else ""
-        table.add_row(
-            Text(name_strategy(label), style=style),
-            *cells,
-            _limited_cell(one),
-            choices.get(label, ""),
-        )
-    return table
-
-
-def _was_run(place: xr.Dataset) -> bool:
-    return bool(np.isfinite(place.tracking_error).any() or place.diverged.any())
+        rows.append([Text(name_strategy(label), style=style), *cells, _limited_cell(one), choices[label]])
+    networks = f"{format_count(here.sizes['network'], 'network')}, " if several else ""
+    last = len(columns) + 1
+    return fitting_table(
+        f"Mean tracking errors TE₁, TE₂ at {format_number(stiffness)} N/m, mm "
+        f"({networks}{format_count(here.sizes['trial'], 'trial')} each)",
+        ["strategy", *columns, "limited", "best safe"],
+        rows,
+        right=[*range(1, last - (not has_column_each)), last],
+        optional=(last,),
+    )
 
 
 def _error_cell(place: xr.Dataset) -> Text:
     """Write the errors of both, and how many trials ran away."""
     means = _mean_errors(place)
     ran_away, trials = int(place.diverged.sum()), place.sizes["trial"]
-    words = "–" if means is None else f"{1e3 * means[0]:.1f}, {1e3 * means[1]:.1f}"
+    words = "–" if means is None else f"{1e3 * means[0]:.1f} {1e3 * means[1]:.1f}"
     if ran_away:
         count = "" if ran_away == trials else f" {ran_away}/{trials}"
         words = f"ran away{count}"
@@ -205,7 +198,7 @@ def _choices(recommendation: Recommendation) -> dict[str, str]:
     words = {}
     best = recommendation.candidate
     if best is not None:
-        words[best.architecture] = f"{format_number(best.stiffness)} N/m, the best"
+        words[best.architecture] = f"{format_number(best.stiffness)} N/m"
     for each in recommendation.alternatives:
         candidate = each.candidate
         if candidate is not None:
