@@ -10,6 +10,7 @@ from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
+    Architecture,
     Arm,
     Condition,
     Coupling,
@@ -80,6 +81,7 @@ __all__ = [
     "Agent",
     "Answer",
     "ApproximationWarning",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",

@@ -26,9 +26,11 @@ from telespring._types import (
 
 __all__ = [
     "Agent",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "ComparisonPlan",
     "Condition",
     "Coupling",
     "Crossing",
@@ -387,6 +389,10 @@ class Study:
     def ground_stiffness(self) -> FloatArray: ...
     @property
     def experiment(self) -> Experiment | None: ...
+    @property
+    def session(self) -> Architecture: ...
+    @property
+    def comparison(self) -> ComparisonPlan: ...
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def _repr_html_(self) -> str: ...
@@ -514,6 +520,49 @@ class LaboratorySettings(_Record):
     encoder_resolution: Final[float]
     jitter: Final[float]
     loss: Final[float]
+
+@final
+class Architecture:
+    def __new__(cls, **keys: object) -> Architecture: ...
+    @property
+    def strategy(
+        self,
+    ) -> Literal[
+        "spring",
+        "guard",
+        "injected-damping",
+        "wave-variables",
+        "time-domain-passivity",
+        "two-layer",
+        "set-position-modulation",
+    ]: ...
+    @property
+    def predictor(self) -> Literal["hold", "linear", "kalman", "shared-target"]: ...
+    @property
+    def playout(self) -> Literal["fixed", "adaptive"]: ...
+    @property
+    def label(self) -> str: ...
+    @property
+    def has_account(self) -> bool: ...
+    def settings(self) -> dict[str, Any]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class ComparisonPlan:
+    @property
+    def architectures(self) -> list[Architecture]: ...
+    @property
+    def labels(self) -> list[str]: ...
+    @property
+    def networks(self) -> list[tuple[str, dict[str, Any], list[float] | None]]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Callable[[str], ComparisonPlan], tuple[str]]: ...
 
 @final
 class Experiment:
@@ -907,6 +956,18 @@ class Recording(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: float,
+        passivity_minimum: float,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -918,6 +979,18 @@ class Recording(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[float]
+    passivity_minimum: Final[float]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -933,6 +1006,18 @@ class Recordings(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: FloatArray,
+        passivity_minimum: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -944,6 +1029,18 @@ class Recordings(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[FloatArray]
+    passivity_minimum: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from telespring._core import Experiment, Laboratory, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.rehearsal.encoding import SIGNALS, compress_signal
+from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, Signal, compress_signal, stored_signals
 from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
 from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
 from telespring.rehearsal.store import RehearsalStore, lock_folder
@@ -87,7 +87,9 @@ def rehearse(
         ``position`` (m), ``velocity`` (m/s), ``coupling_force`` and ``agent_force`` (N) over (condition,
         trial, time, robot, axis), NaN after an early end; ``target`` (m) over (time, axis); ``seed``,
         ``status``, ``ended_at`` (s) and ``order`` over (condition, trial); ``stiffness`` (N/m, NaN:
-        unconnected) and ``delay`` (s) along condition. The study and all parameters are in its
+        unconnected) and ``delay`` (s) along condition; what the coupling reports of each trial, such as
+        ``limited_share`` over (condition, trial, robot), and ``account`` (J) over (condition, trial, time,
+        robot) where the strategy of the study's session keeps one. The study and all parameters are in its
         attributes. ``docs/rehearse.md`` describes everything.
 
     Raises
@@ -165,8 +167,9 @@ def run_protocol(
         if progress is not None:
             progress(done, len(trials))
         missing = [trial for trial in trials if trial not in finished]
+        signals = stored_signals(study.session)
         records = _run_trials(
-            experiment, laboratory, missing, user_code, target, identity.fingerprint, threads
+            experiment, laboratory, missing, user_code, target, signals, identity.fingerprint, threads
         )
         # Closed at once on an error here, so that no trial continues.
         with closing(records):
@@ -235,6 +238,7 @@ def _run_trials(
     trials: list[ScheduledTrial],
     user_code: UserCode,
     target: FloatArray | None,
+    signals: tuple[Signal, ...],
     fingerprint: str,
     threads: int,
 ) -> Generator[tuple[ScheduledTrial, TrialRecord]]:
@@ -279,9 +283,11 @@ def _run_trials(
             status=recording.status,
             ended_at=recording.ended_at,
             rows=rows,
+            reports={report.name: getattr(recording, report.name) for report in REPORTS}
+            | {report.name: getattr(recording, report.name).tolist() for report in SIDE_REPORTS},
             chunks={
                 signal.name: compress_signal(signal, getattr(recording, signal.name), count)
-                for signal in SIGNALS
+                for signal in signals
             },
         )
 
