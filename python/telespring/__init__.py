@@ -86,6 +86,7 @@ __all__ = [
     "AxisTier",
     "AxisVerdict",
     "CertificateWarning",
+    "Comparison",
     "Condition",
     "Coupling",
     "Crossing",
@@ -126,6 +127,7 @@ __all__ = [
     "__version__",
     "certified_roots",
     "characteristic_roots",
+    "compare",
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
@@ -160,11 +162,20 @@ if TYPE_CHECKING:
     from telespring import plot as plot
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.comparison import Comparison as Comparison
+    from telespring.comparison import compare as compare
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until it is used; an answer waits, too.
+    # Importing matplotlib takes long, so `plot` waits until it is used; an answer and a comparison wait, too.
     __getattr__ = old_names(
-        __name__, submodules=("plot",), late={"Answer": "telespring.answer", "decide": "telespring.answer"}
+        __name__,
+        submodules=("plot",),
+        late={
+            "Answer": "telespring.answer",
+            "Comparison": "telespring.comparison",
+            "compare": "telespring.comparison",
+            "decide": "telespring.answer",
+        },
     )
 
 
