@@ -62,7 +62,7 @@ def test_law_a_screen_shows_the_means_of_both_at_each_delay() -> None:
     text = "\n".join(screen(data))
     for label in LABELS:
         row = next(
-            line for line in text.splitlines() if re.match(rf"{re.escape(name_strategy(label))}  +\d", line)
+            line for line in text.splitlines() if re.match(rf"{re.escape(name_strategy(label))} +\d", line)
         )
         means = 1e3 * here.tracking_error.sel(architecture=label).mean("trial").values
         assert [float(number) for number in re.findall(r"\d+\.\d", row)[: means.size]] == pytest.approx(
