@@ -16,7 +16,7 @@ from telespring.show.strategies import name_strategy
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring.comparison.results import (
+    from telespring.comparison import (
         Alternative,
         Candidate,
         Comparison,
