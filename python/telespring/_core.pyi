@@ -969,6 +969,7 @@ class Recording(_Record):
         handle_force: FloatArray,
         aim: FloatArray,
         account: FloatArray,
+        age: FloatArray,
         limited_share: FloatArray,
         withheld_share: FloatArray,
         given_out: FloatArray,
@@ -992,6 +993,7 @@ class Recording(_Record):
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
     account: Final[FloatArray]
+    age: Final[FloatArray]
     limited_share: Final[FloatArray]
     withheld_share: Final[FloatArray]
     given_out: Final[FloatArray]
@@ -1019,6 +1021,7 @@ class Recordings(_Record):
         handle_force: FloatArray,
         aim: FloatArray,
         account: FloatArray,
+        age: FloatArray,
         limited_share: FloatArray,
         withheld_share: FloatArray,
         given_out: FloatArray,
@@ -1042,6 +1045,7 @@ class Recordings(_Record):
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
     account: Final[FloatArray]
+    age: Final[FloatArray]
     limited_share: Final[FloatArray]
     withheld_share: Final[FloatArray]
     given_out: Final[FloatArray]
