@@ -76,6 +76,20 @@ from telespring.theory.verdicts import (
     is_stable_over_stiffnesses,
     verdicts,
 )
+from telespring.traces import (
+    BurstFit,
+    JitterFit,
+    MissingRows,
+    PlayedTrace,
+    PlayoutChoice,
+    RecordedWay,
+    Trace,
+    TraceAssessment,
+    TraceFit,
+    TraceStatistics,
+    assess_trace,
+    read_trace,
+)
 
 __all__ = [
     "Agent",
@@ -85,7 +99,9 @@ __all__ = [
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "BurstFit",
     "CertificateWarning",
+    "Comparison",
     "Condition",
     "Coupling",
     "Crossing",
@@ -100,13 +116,18 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "InvalidInput",
+    "JitterFit",
     "LaboratorySettings",
+    "MissingRows",
     "Network",
     "Nyquist",
     "Operator",
     "OperatorPoint",
     "OperatorRange",
     "PaperVerdict",
+    "PlayedTrace",
+    "PlayoutChoice",
+    "RecordedWay",
     "Remedies",
     "ResponseCurve",
     "Robot",
@@ -119,13 +140,19 @@ __all__ = [
     "StiffnessMargin",
     "Study",
     "Task",
+    "Trace",
+    "TraceAssessment",
+    "TraceFit",
+    "TraceStatistics",
     "Trajectory",
     "Uncertainty",
     "Verdict",
     "Verdicts",
     "__version__",
+    "assess_trace",
     "certified_roots",
     "characteristic_roots",
+    "compare",
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
@@ -143,6 +170,7 @@ __all__ = [
     "nyquist",
     "open_loop",
     "partner_response",
+    "read_trace",
     "rehearse",
     "simulate",
     "simulate_array",
@@ -160,11 +188,20 @@ if TYPE_CHECKING:
     from telespring import plot as plot
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.comparison import Comparison as Comparison
+    from telespring.comparison import compare as compare
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until it is used; an answer waits, too.
+    # Importing matplotlib takes long, so `plot` waits until it is used; an answer and a comparison wait, too.
     __getattr__ = old_names(
-        __name__, submodules=("plot",), late={"Answer": "telespring.answer", "decide": "telespring.answer"}
+        __name__,
+        submodules=("plot",),
+        late={
+            "Answer": "telespring.answer",
+            "Comparison": "telespring.comparison",
+            "compare": "telespring.comparison",
+            "decide": "telespring.answer",
+        },
     )
 
 

@@ -29,6 +29,8 @@ record! {
         aim: Array<f64, Ix3>,
         /// Energy in the account of each side's strategy, J, (n, 2 robots); NaN if it keeps none, or unconnected.
         account: Array<f64, Ix2>,
+        /// Age of the partner's motion that each side uses, as played, s, (n, 2 robots); NaN while there is none.
+        age: Array<f64, Ix2>,
         /// Share of the instants with a partner at which the strategy changed the force of the spring, (2 robots,); this and
         /// the following are NaN where nothing can be said, as in the unconnected mode.
         limited_share: Array<f64, Ix1>,
@@ -85,6 +87,8 @@ record! {
         aim: Array<f64, Ix4>,
         /// Energy in the account of each side's strategy, J, (trials, n, 2 robots); NaN if it keeps none, or unconnected.
         account: Array<f64, Ix3>,
+        /// Age of the partner's motion that each side uses, as played, s, (trials, n, 2 robots); NaN while there is none.
+        age: Array<f64, Ix3>,
         /// Share of the instants with a partner at which the strategy changed the force of the spring, (trials, 2 robots); this and
         /// the following are NaN where nothing can be said, as in the unconnected mode.
         limited_share: Array<f64, Ix2>,

@@ -213,7 +213,8 @@ impl Laboratory {
             agent_force,
             handle_force,
             aim,
-            account,
+            mut account,
+            age,
         } = recording;
         let rows = outcome.rows;
         let signal = |values: Vec<Row>| -> PyResult<_> {
@@ -221,8 +222,10 @@ impl Laboratory {
             Ok(flat.into_pyarray(py).reshape([rows, 2, 2])?.into())
         };
         let (status, ended_at) = ended(&outcome);
-        let mut accounts = account.into_flattened();
-        accounts.resize(2 * rows, f64::NAN);
+        account.resize(rows, [f64::NAN; 2]);
+        let per_side = |values: Vec<[f64; 2]>| -> PyResult<_> {
+            Ok(values.into_flattened().into_pyarray(py).reshape([rows, 2])?.into())
+        };
         let told = told_by_sides(&outcome).map(|values| values.to_vec().into_pyarray(py).into());
         let [
             limited_share,
@@ -244,7 +247,8 @@ impl Laboratory {
             agent_force: signal(agent_force)?,
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
-            account: accounts.into_pyarray(py).reshape([rows, 2])?.into(),
+            account: per_side(account)?,
+            age: per_side(age)?,
             limited_share,
             withheld_share,
             given_out,
@@ -333,17 +337,18 @@ impl Laboratory {
             .collect::<Outcome<Vec<_>>>()?;
         let rows = schedule.rows();
         check_rows(rows, trials)?;
-        let (targets, blocks, accounts, outcomes) = in_parallel(py, |stop| -> telespring::Result<_> {
+        let (targets, blocks, sides, outcomes) = in_parallel(py, |stop| -> telespring::Result<_> {
             laboratory.check()?;
             let mut targets = vec![[f64::NAN; 2]; trials * rows];
             let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
-            let mut accounts = vec![[f64::NAN; 2]; trials * rows];
+            let mut sides = [(); 2].map(|()| vec![[f64::NAN; 2]; trials * rows]);
             let looked = || match stop.is_set() {
                 // never seen: the exception of the signal is raised instead
                 true => Err(InvalidInput::new("run_many", "a signal", "it was interrupted", "Run it again.")),
                 false => Ok(()),
             };
             let [position, velocity, coupling_force, agent_force, handle_force, aim] = &mut blocks;
+            let [account, age] = &mut sides;
             let outcomes: Vec<_> = (
                 jobs.par_iter(),
                 targets.par_chunks_mut(rows),
@@ -353,7 +358,8 @@ impl Laboratory {
                 agent_force.par_chunks_mut(rows),
                 handle_force.par_chunks_mut(rows),
                 aim.par_chunks_mut(rows),
-                accounts.par_chunks_mut(rows),
+                account.par_chunks_mut(rows),
+                age.par_chunks_mut(rows),
             )
                 .into_par_iter()
                 .map(
@@ -367,6 +373,7 @@ impl Laboratory {
                         handle_force,
                         aim,
                         account,
+                        age,
                     )| {
                         let mut record = Record {
                             target,
@@ -377,6 +384,7 @@ impl Laboratory {
                             handle_force,
                             aim,
                             account,
+                            age,
                         };
                         job.run_interruptible::<InvalidInput>([None, None], &mut record, &mut { looked })
                     },
@@ -392,13 +400,17 @@ impl Laboratory {
                     })
                 })
                 .collect::<telespring::Result<Vec<TrialOutcome>>>()?;
-            Ok((targets, blocks, accounts, outcomes))
+            Ok((targets, blocks, sides, outcomes))
         })??;
         let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
             Ok(flat.into_pyarray(py).reshape([trials, rows, 2, 2])?.into())
         };
+        let per_side = |values: Vec<[f64; 2]>| -> PyResult<_> {
+            Ok(values.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.into())
+        };
         let [position, velocity, coupling_force, agent_force, handle_force, aim] = blocks;
+        let [account, age] = sides;
         let (status, ended_at): (Vec<_>, Vec<_>) = outcomes.iter().map(ended).unzip();
         let status = status.into_iter().map(str::to_owned).collect();
         let told: Vec<_> = outcomes.iter().map(told_by_sides).collect();
@@ -421,7 +433,8 @@ impl Laboratory {
             agent_force: signal(agent_force)?,
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
-            account: accounts.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.into(),
+            account: per_side(account)?,
+            age: per_side(age)?,
             limited_share: next()?,
             withheld_share: next()?,
             given_out: next()?,

@@ -26,7 +26,7 @@ from telespring.study.conditions import condition_labels
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "run_protocol"]
+__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "require_experiment", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -137,7 +137,7 @@ def run_protocol(
     if not isinstance(study, Study):
         modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
-    experiment = _require_rehearsal_experiment(study)
+    experiment = require_experiment(study)
     threads = _rehearsal_thread_count(workers)
     user_code = load_user_code(experiment, modules)
     traces = read_traces(experiment, modules)
@@ -195,7 +195,8 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
             store.remove_rehearsal()
 
 
-def _require_rehearsal_experiment(study: Study) -> Experiment:
+def require_experiment(study: Study) -> Experiment:
+    """Return the experiment of a study; InvalidInput if its robots cannot be rehearsed."""
     experiment = study.experiment
     if experiment is None:
         raise InvalidInput(

@@ -25,6 +25,8 @@ pub struct Record<'a> {
     pub aim: &'a mut [Row],
     /// The energy in the account of each side's strategy, J; NaN if it keeps none, or unconnected.
     pub account: &'a mut [[f64; 2]],
+    /// The age of the partner's motion that each side uses, s; NaN while there is none.
+    pub age: &'a mut [[f64; 2]],
 }
 
 impl Record<'_> {
@@ -39,6 +41,7 @@ impl Record<'_> {
             self.handle_force.len(),
             self.aim.len(),
             self.account.len(),
+            self.age.len(),
         ]
         .into_iter()
         .min()
@@ -103,6 +106,8 @@ pub struct Recording {
     pub aim: Vec<Row>,
     /// As in [`Record`]; empty if the strategy keeps no account, or unconnected.
     pub account: Vec<[f64; 2]>,
+    /// As in [`Record`].
+    pub age: Vec<[f64; 2]>,
 }
 
 impl Recording {
@@ -124,6 +129,7 @@ impl Recording {
             handle_force: empty(),
             aim: empty(),
             account: vec![[f64::NAN; 2]; rows],
+            age: vec![[f64::NAN; 2]; rows],
         }
     }
 
@@ -138,6 +144,7 @@ impl Recording {
             handle_force: &mut self.handle_force,
             aim: &mut self.aim,
             account: &mut self.account,
+            age: &mut self.age,
         }
     }
 
@@ -145,6 +152,7 @@ impl Recording {
     pub(super) fn truncate(&mut self, outcome: TrialOutcome) {
         self.outcome = outcome;
         self.target.truncate(outcome.rows);
+        self.age.truncate(outcome.rows);
         let has_account = outcome.sessions.is_some_and(|[first, _]| first.strategy.balance.is_some());
         self.account.truncate(if has_account { outcome.rows } else { 0 });
         for rows in [

@@ -116,6 +116,11 @@ impl RunningStation {
         report.and_then(|report| report.balance).unwrap_or(f64::NAN)
     }
 
+    /// The age of the partner's motion in use, s; NaN if there is none.
+    fn partner_age(&self) -> f64 {
+        self.endpoint.as_ref().and_then(Endpoint::partner_age).unwrap_or(f64::NAN)
+    }
+
     /// Receives all packets that have arrived and returns the force of the spring, N.
     fn spring_force(&mut self, now: LocalTime, measured: Motion) -> [f64; 2] {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
@@ -367,6 +372,7 @@ impl Trial<'_> {
                     record.velocity[rows][side] = station.plant.velocity();
                     record.handle_force[rows][side] = station.plant.handle_force(robot, hand);
                     record.account[rows][side] = station.balance();
+                    record.age[rows][side] = station.partner_age();
                 }
                 rows += 1;
             }

@@ -533,6 +533,12 @@ impl Endpoint {
         self.begin(now);
     }
 
+    /// The age of the partner's motion that the latest force used, s, as played and before any prediction; `None` if it
+    /// used none.
+    pub fn partner_age(&self) -> Option<f64> {
+        self.view.map(|view| view.age)
+    }
+
     /// All energy that the partner says it has sent to this side, J: the largest total of each of its sessions.
     pub fn partner_energy(&self) -> f64 {
         self.partner.energy_sent()
