@@ -8,7 +8,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+import telespring as ts
+from made_comparison import LABELS, made_account_trial, made_comparison
 from telespring.show import figures
+from telespring.show.drawings.comparison import draw_account, draw_delays, draw_plane
 
 
 def nyquist() -> Figure:
@@ -118,6 +121,32 @@ def laboratory_of_circles() -> Figure:
     )
 
 
+def delays() -> Figure:
+    return draw_delays(made_comparison(), unconnected=(0.0219, 0.0241))
+
+
+def delays_of_networks() -> Figure:
+    comparison = made_comparison(LABELS[:3], (142.5,), (0.0, 0.084, 0.334), networks=("5G", "fixed line"))
+    return draw_delays(comparison)
+
+
+def plane() -> Figure:
+    held = ts.Dyad(*ts.hman().robots, (ts.Operator(stiffness=120.0), ts.Operator(stiffness=120.0)))
+    return draw_plane(made_comparison(), dyad=ts.hman(), held=held)
+
+
+def plane_of_three() -> Figure:
+    return draw_plane(made_comparison(), ("spring", "guard", "guard + shared-target"))
+
+
+def account() -> Figure:
+    return draw_account(made_account_trial(), without_guard=made_account_trial(3.0))
+
+
+def account_alone() -> Figure:
+    return draw_account(made_comparison().sel(architecture="guard", network="study", condition="CM-142-84"))
+
+
 DRAWINGS = {
     "nyquist": nyquist,
     "frequency": frequency,
@@ -131,6 +160,12 @@ DRAWINGS = {
     "laboratory of circles": laboratory_of_circles,
     "trajectories": trajectories,
     "errors": errors,
+    "delays": delays,
+    "delays of networks": delays_of_networks,
+    "plane": plane,
+    "plane of three": plane_of_three,
+    "account": account,
+    "account alone": account_alone,
 }
 SCHEMATICS = ("dyad", "loop", "laboratory", "laboratory of the paper", "laboratory of circles")
 
@@ -163,7 +198,7 @@ def test_law_every_outer_axis_has_a_label_with_a_unit(drawing: tuple[str, Figure
     labels += [figure.get_supxlabel(), figure.get_supylabel()]
     used = [label for label in labels if label]
     assert len(used) >= 2
-    assert all(re.search(r", (1|m/m|mm|ms|s|N/m|rad/s|degree)$", label) for label in used)
+    assert all(re.search(r", (1|m/m|mm|mJ|ms|s|N|N/m|rad/s|degree)$", label) for label in used)
 
 
 def test_law_svg_is_well_formed_alone_and_names_itself(drawing: tuple[str, Figure]) -> None:

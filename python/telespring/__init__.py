@@ -10,6 +10,7 @@ from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
     Agent,
+    Architecture,
     Arm,
     Condition,
     Coupling,
@@ -94,11 +95,13 @@ __all__ = [
     "Agent",
     "Answer",
     "ApproximationWarning",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",
     "BurstFit",
     "CertificateWarning",
+    "Comparison",
     "Condition",
     "Coupling",
     "Crossing",
@@ -149,6 +152,7 @@ __all__ = [
     "assess_trace",
     "certified_roots",
     "characteristic_roots",
+    "compare",
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
@@ -184,11 +188,20 @@ if TYPE_CHECKING:
     from telespring import plot as plot
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.comparison import Comparison as Comparison
+    from telespring.comparison import compare as compare
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until it is used; an answer waits, too.
+    # Importing matplotlib takes long, so `plot` waits until it is used; an answer and a comparison wait, too.
     __getattr__ = old_names(
-        __name__, submodules=("plot",), late={"Answer": "telespring.answer", "decide": "telespring.answer"}
+        __name__,
+        submodules=("plot",),
+        late={
+            "Answer": "telespring.answer",
+            "Comparison": "telespring.comparison",
+            "compare": "telespring.comparison",
+            "decide": "telespring.answer",
+        },
     )
 
 

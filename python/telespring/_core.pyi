@@ -26,10 +26,12 @@ from telespring._types import (
 
 __all__ = [
     "Agent",
+    "Architecture",
     "Arm",
     "AxisTier",
     "AxisVerdict",
     "BurstFit",
+    "ComparisonPlan",
     "Condition",
     "Coupling",
     "Crossing",
@@ -305,7 +307,7 @@ class Network:
     def __new__(
         cls,
         delay: Delay,
-        jitter: float = 0.0,
+        jitter: Delay = 0.0,
         max_gap: float = 0.0,
         sample_period: float = 0.0,
         computing_time: float = 0.0,
@@ -314,6 +316,8 @@ class Network:
     def delay(self) -> tuple[float, float]: ...
     @property
     def jitter(self) -> float: ...
+    @property
+    def jitters(self) -> tuple[float, float]: ...
     @property
     def max_gap(self) -> float: ...
     @property
@@ -333,7 +337,9 @@ class Network:
     def to_dict(self) -> dict[str, Any]: ...
     def _repr_html_(self) -> str: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[tuple[float, float], float, float, float, float]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[tuple[float, float], tuple[float, float], float, float, float]: ...
 
 @final
 class OperatorRange:
@@ -393,6 +399,10 @@ class Study:
     def ground_stiffness(self) -> FloatArray: ...
     @property
     def experiment(self) -> Experiment | None: ...
+    @property
+    def session(self) -> Architecture: ...
+    @property
+    def comparison(self) -> ComparisonPlan: ...
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def _repr_html_(self) -> str: ...
@@ -520,6 +530,51 @@ class LaboratorySettings(_Record):
     encoder_resolution: Final[float]
     jitter: Final[float]
     loss: Final[float]
+
+@final
+class Architecture:
+    def __new__(cls, **keys: object) -> Architecture: ...
+    @property
+    def strategy(
+        self,
+    ) -> Literal[
+        "spring",
+        "guard",
+        "injected-damping",
+        "wave-variables",
+        "time-domain-passivity",
+        "two-layer",
+        "set-position-modulation",
+    ]: ...
+    @property
+    def predictor(self) -> Literal["hold", "linear", "kalman", "shared-target"]: ...
+    @property
+    def playout(self) -> Literal["fixed", "adaptive"]: ...
+    @property
+    def playout_delay(self) -> float | None: ...
+    @property
+    def label(self) -> str: ...
+    @property
+    def has_account(self) -> bool: ...
+    def settings(self) -> dict[str, Any]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class ComparisonPlan:
+    @property
+    def architectures(self) -> list[Architecture]: ...
+    @property
+    def labels(self) -> list[str]: ...
+    @property
+    def networks(self) -> list[tuple[str, dict[str, Any], list[float] | None]]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Callable[[str], ComparisonPlan], tuple[str]]: ...
 
 @final
 class Experiment:
@@ -913,6 +968,19 @@ class Recording(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        age: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: float,
+        passivity_minimum: float,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -924,6 +992,19 @@ class Recording(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    age: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[float]
+    passivity_minimum: Final[float]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -939,6 +1020,19 @@ class Recordings(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        age: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: FloatArray,
+        passivity_minimum: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -950,6 +1044,19 @@ class Recordings(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    age: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[FloatArray]
+    passivity_minimum: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 

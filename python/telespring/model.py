@@ -2,6 +2,7 @@
 
 from telespring._core import (
     Agent,
+    Architecture,
     Arm,
     Condition,
     Coupling,
@@ -22,6 +23,7 @@ from telespring._core import (
 
 __all__ = [
     "Agent",
+    "Architecture",
     "Arm",
     "Condition",
     "Coupling",

@@ -494,7 +494,7 @@ impl Task {
 }
 
 /// The keywords of an agent, arm or task as a section of a study file.
-fn keywords(name: &str, keys: Option<&Bound<'_, PyDict>>) -> Outcome<Table> {
+pub fn keywords(name: &str, keys: Option<&Bound<'_, PyDict>>) -> Outcome<Table> {
     keys.map_or_else(|| Ok(Table::new()), |keys| to_table(name, keys.as_mapping()))
 }
 
@@ -533,7 +533,7 @@ fn deprecated_item<'py>(class: &str, dict: &Bound<'py, PyDict>, key: &str) -> Py
 }
 
 /// An agent, arm or task as its constructor's call is written.
-fn written_out(class: &str, dict: &Bound<'_, PyDict>) -> PyResult<String> {
+pub fn written_out(class: &str, dict: &Bound<'_, PyDict>) -> PyResult<String> {
     let keys = dict.iter().map(|(key, value)| Ok(format!("{key}={}", value.repr()?)));
     Ok(format!("{class}({})", keys.collect::<PyResult<Vec<_>>>()?.join(", ")))
 }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
 
+use crate::architecture::{Architecture, ComparisonPlan};
 use crate::arguments::{Argument, hash, holds_truth_value, written};
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
@@ -171,9 +172,9 @@ impl Study {
     ///     mappings or numpy arrays. None removes a key, which restores its default; None instead of a section
     ///     removes the section. Keys that are not named keep their values, with two exceptions: a new `kind`
     ///     restarts its section, and the `conditions` of a protocol exclude its lists of `stiffness` and
-    ///     `delay`. An `Agent`, `Arm`, `Task`, `LaboratorySettings`, `Coupling`, `Operator` or `Robot` may
+    ///     `delay`. An `Agent`, `Arm`, `Task`, `LaboratorySettings`, `Architecture`, `Coupling`, `Operator` or `Robot` may
     ///     replace its section, a robot with all that was known of the old one, such as its friction; a
-    ///     `Network` replaces network and controller; `name` is the study's name, and
+    ///     `Network` replaces network and controller, `LaboratorySettings` also `jitter` and `loss` of the network; `name` is the study's name, and
     ///     `allow_unusual=True` accepts values that no laboratory has.
     ///
     /// Returns
@@ -380,6 +381,20 @@ impl Study {
     #[getter]
     fn experiment(&self) -> Outcome<Option<Experiment>> {
         if self.0.is_planar() { Experiment::of(&self.0).map(Some) } else { Ok(None) }
+    }
+
+    /// What both sides do with the partner's motion, in the rehearsal and live: strategy, predictor and play-out.
+    ///
+    /// The verdicts judge the bare spring, whatever the session does.
+    #[getter]
+    fn session(&self) -> Architecture {
+        Architecture(*self.0.session())
+    }
+
+    /// What a comparison of the study runs: architectures and networks.
+    #[getter]
+    fn comparison(&self) -> ComparisonPlan {
+        ComparisonPlan::of(&self.0)
     }
 
     fn __repr__(&self) -> String {

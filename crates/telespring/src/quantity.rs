@@ -97,6 +97,23 @@ pub const BIT_RATE: Quantity = Quantity::new("a rate", "bit/s", 1.0, 1e15, Some(
 pub const MASS_SD: Quantity = Quantity::new("a standard deviation of a mass", "kg", 0.0, 1e4, None);
 /// The standard deviation of a damping in N·s/m.
 pub const DAMPING_SD: Quantity = Quantity::new("a standard deviation of a damping", "N·s/m", 0.0, 1e6, None);
+/// A share of something.
+pub const SHARE: Quantity = Quantity::new("a share", "", 0.0, 1.0, Some(("%", 1e-2)));
+/// A ratio of two stiffnesses.
+pub const RATIO: Quantity = Quantity::new("a ratio", "", 1e-3, 1e3, None);
+/// A damping per energy that is missing, N·s/m for each J.
+pub const FILLING: Quantity = Quantity::new("a damping per energy", "N·s/m per J", 0.0, 1e9, None);
+/// The spectral density of the noise of a motion: m²/s³ of the acceleration, m²/s⁵ of the jerk.
+pub const PROCESS_NOISE: Quantity = Quantity::new(
+    "a process noise",
+    "m²/s³ (of a velocity) or m²/s⁵ (of an acceleration)",
+    1e-12,
+    1e12,
+    None,
+);
+/// The standard deviation of a measured position in m.
+pub const POSITION_NOISE: Quantity =
+    Quantity::new("a standard deviation of a position", "m", 1e-12, 1e3, None);
 /// The correlation of two estimates.
 pub const CORRELATION: Quantity = Quantity::new("a correlation", "", -1.0, 1.0, None);
 /// A part of a trial in s; 0 for none.

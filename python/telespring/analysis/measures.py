@@ -13,7 +13,7 @@ from telespring.analysis.trials import Trials
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MEASURES", "measure", "measure_trials"]
+__all__ = ["MEASURES", "measure", "measure_trials", "tracking_errors"]
 
 #: Longest lag that is searched for, s; no person tracks a visible target with more.
 _LONGEST_LAG = 1.0
@@ -92,22 +92,17 @@ def measure_trials(trials: Trials) -> xr.Dataset:
     count = window.sum(axis=2)
 
     def mean(values: FloatArray) -> FloatArray:
-        # 0/0 if a trial was not completed: that trial has no mean.
-        with np.errstate(invalid="ignore"):
-            return np.asarray(np.where(window, values, 0.0).sum(axis=2) / count)
+        return _mean_over_window(values, trials)
 
-    def length(values: FloatArray) -> FloatArray:
-        return np.asarray(np.hypot(values[..., 0], values[..., 1]))
-
-    measures = {"tracking_error": mean(length(trials.position - trials.target[..., None, :]))}
+    measures = {"tracking_error": tracking_errors(trials)}
     if trials.coupling_force is not None:
-        force = length(trials.coupling_force)
+        force = _vector_length(trials.coupling_force)
         measures["interaction_force_rms"] = np.sqrt(mean(force**2))
         peak = np.where(window, force, 0.0).max(axis=2)
         measures["interaction_force_peak"] = np.where(count > 0, peak, np.nan)
     measures["lag"], measures["lag_correlation"] = _lag_behind_target(trials)
     if trials.agent_force is not None:
-        measures["effort_rms"] = np.sqrt(mean(length(trials.agent_force) ** 2))
+        measures["effort_rms"] = np.sqrt(mean(_vector_length(trials.agent_force) ** 2))
         if trials.velocity is not None:
             measures["power"] = mean((trials.agent_force * trials.velocity).sum(axis=-1))
     dimensions = ("condition", "trial", "robot")
@@ -135,6 +130,23 @@ def measure_trials(trials: Trials) -> xr.Dataset:
         },
         attrs={"discard": trials.discard},
     )
+
+
+def tracking_errors(trials: Trials) -> FloatArray:
+    """Return the tracking errors (Eq. 15) over (condition, trial, robot), m; NaN if not completed."""
+    return _mean_over_window(_vector_length(trials.position - trials.target[..., None, :]), trials)
+
+
+def _mean_over_window(values: FloatArray, trials: Trials) -> FloatArray:
+    """Average values (condition, trial, time, robot) over the analysed samples."""
+    window = trials.window[..., None]
+    # 0/0 if a trial was not completed: that trial has no mean.
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(window, values, 0.0).sum(axis=2) / window.sum(axis=2))
+
+
+def _vector_length(values: FloatArray) -> FloatArray:
+    return np.asarray(np.hypot(values[..., 0], values[..., 1]))
 
 
 def _lag_behind_target(trials: Trials) -> tuple[FloatArray, FloatArray]:

@@ -105,6 +105,11 @@ class Trials:
         """Median time between samples, s."""
         return float(np.median(np.diff(self.time)))
 
+    @property
+    def analysed(self) -> NDArray[np.bool_]:
+        """The samples of a completed trial of full length that are analysed, (time)."""
+        return _after_discard(self.time, self.discard)
+
     def trial_target(self, condition: int, trial: int) -> FloatArray:
         """Return the target of one trial, (time, axis), m."""
         shared = self.target.shape[:2]
@@ -265,12 +270,15 @@ def _analysed_trial_samples(
             "discard", str(discard), "a time of 0 s or more is required", "Omit it to discard nothing."
         )
     samples = _sample_counts(dataset, status, len(time))
-    rounding = _ROUNDING * float(np.median(np.diff(time)))
-    if dtype == np.float32:
-        rounding += discard * float(np.finfo(np.float32).eps)
-    kept = time >= discard - rounding
+    kept = _after_discard(time, discard, discard * float(np.finfo(np.float32).eps) * (dtype == np.float32))
     completed = status == "completed"
     return np.asarray(kept & (np.arange(len(time)) < samples[..., None]) & completed[..., None])
+
+
+def _after_discard(time: FloatArray, discard: float, inexactness: float = 0.0) -> NDArray[np.bool_]:
+    """Select the samples after the discarded part; `inexactness` is the rounding of the times, s."""
+    rounding = _ROUNDING * float(np.median(np.diff(time))) + inexactness
+    return np.asarray(time >= discard - rounding)
 
 
 def _sample_counts(dataset: xr.Dataset, status: NDArray[np.str_], longest: int) -> NDArray[np.int_]:

@@ -8,22 +8,19 @@ from typing import Annotated
 
 import typer
 
-from telespring._errors import InvalidInput
 from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
 from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.question import StudyOptions
+from telespring.cli.resuming import resuming
 from telespring.cli.terminal import screen_console
 from telespring.decision.arm_stability import arm_stability
 from telespring.model import Study
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
 from telespring.rehearsal.store import REHEARSAL_FILES
-from telespring.show.screens.refusal import refusal_screen
 from telespring.show.screens.rehearsal import (
     preflight_screen,
     rehearsal_outcome_screen,
-    rehearsal_progress_bar,
-    rehearsal_resume_sentence,
     rehearsed_conditions_screen,
 )
 
@@ -64,36 +61,15 @@ def rehearse(
     rehearsed = asked.read(Study.paper())
     modules = None if study is None else study.parent
     preflight_screen(console, preflight_warnings(rehearsed, modules))
-    finished, trials = 0, 0
     start = time.perf_counter()
-    try:
-        with rehearsal_progress_bar(console) as show_progress:
-
-            def progress(done: int, total: int) -> None:
-                nonlocal finished, trials
-                finished, trials = done, total
-                show_progress(done, total)
-
-            outcome = run_protocol(rehearsed, out, progress, workers, fresh=fresh, modules=modules)
-    except KeyboardInterrupt:
-        console.print(f"Stopped. {rehearsal_resume_sentence(finished, trials)}", markup=False)
-        raise typer.Exit(130) from None
-    except OSError as error:
-        if not trials:  # before the first trial: a file to read, or the folder itself
-            raise
-        refused = InvalidInput(
-            "out",
-            str(error.filename or out),
-            f"a writable folder with enough space is required ({error.strerror or error})",
-            f"Provide one. {rehearsal_resume_sentence(finished, trials)}",
-        )
-        refusal_screen(screen_console(stderr=True), refused)
-        raise typer.Exit(2) from None
+    with resuming(console, out) as progress:
+        outcome = run_protocol(rehearsed, out, progress, workers, fresh=fresh, modules=modules)
     seconds = time.perf_counter() - start
     experiment = rehearsed.experiment
     assert experiment is not None  # it has been rehearsed
     summary = summarise_dataset(outcome.dataset, experiment)
     rehearsal_outcome_screen(console, outcome, summary, seconds)
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    rehearsed_conditions_screen(console, summary, arm_stability(rehearsed, connected, modules))
+    stability = arm_stability(rehearsed, connected, modules)
+    rehearsed_conditions_screen(console, summary, stability, rehearsed.session)
     console.print(f"Dataset: {outcome.dataset}", markup=False)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from telespring._files import replacing
@@ -90,10 +91,12 @@ def analyse(
     OSError
         If the rehearsal cannot be written.
     """
-    scene = Scene.of(study, None if rehearsal is None else Path(rehearsal), modules)
     findings: dict[str, Findings] = {}
     computed = [section for section in (PARTS if parts is None else parts) if section.find is not None]
     with ExitStack() as begun:
+        if rehearsal is None:
+            rehearsal = begun.enter_context(TemporaryDirectory(prefix="telespring-"))
+        scene = Scene.of(study, Path(rehearsal), modules)
         wait_for = {
             section.name: begun.enter_context(section.start(scene)) for section in computed if section.start
         }

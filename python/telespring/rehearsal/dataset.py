@@ -18,7 +18,15 @@ import xarray as xr
 from telespring._core import Experiment, Study
 from telespring._files import replacing
 from telespring._types import FloatArray
-from telespring.rehearsal.encoding import SIGNALS, STATUSES, TARGET, round_signal
+from telespring.rehearsal.encoding import (
+    REPORTS,
+    SIDE_REPORTS,
+    STATUSES,
+    TARGET,
+    Signal,
+    round_signal,
+    stored_signals,
+)
 from telespring.rehearsal.identity import RehearsalIdentity
 from telespring.rehearsal.schedule import ScheduledTrial
 from telespring.rehearsal.store import RehearsalStore
@@ -45,12 +53,13 @@ def write_dataset(
         labels = _dataset_without_signals(identity, study, experiment, records, target)
         no_fill_value = {name: {"_FillValue": None} for name in ("time", "delay", TARGET.name)}
         labels.to_netcdf(temporary, engine="h5netcdf", encoding=no_fill_value)
-        _declare_dataset_signals(temporary, len(experiment.sample_times))
+        signals = stored_signals(study.session)
+        _declare_dataset_signals(temporary, signals, len(experiment.sample_times))
         # Every thread compressed its own trials; here only their bytes are copied.
         with h5py.File(temporary, "r+") as file:
             for trial, record in records:
-                for signal in SIGNALS:
-                    place = (trial.condition, trial.trial, 0, 0, 0)
+                for signal in signals:
+                    place = (trial.condition, trial.trial, *(0 for _ in _signal_dimensions(signal)[2:]))
                     file[signal.name].id.write_direct_chunk(place, record.chunks[signal.name])
 
 
@@ -97,8 +106,12 @@ def _dataset_without_signals(
     shape = (len(conditions), experiment.trials)
     seed, order = np.zeros(shape, np.uint64), np.zeros(shape, np.int64)
     status, ended_at = np.zeros(shape, np.int8), np.full(shape, np.nan)
+    reports = {report.name: np.full(shape, np.nan) for report in REPORTS}
+    reports |= {report.name: np.full((*shape, 2), np.nan) for report in SIDE_REPORTS}
     for trial, record in records:
         place = (trial.condition, trial.trial)
+        for name, value in record.reports.items():
+            reports[name][place] = value
         seed[place], order[place] = trial.seed, trial.order
         status[place] = STATUSES.index(record.status)
         ended_at[place] = np.nan if record.ended_at is None else record.ended_at
@@ -127,6 +140,15 @@ def _dataset_without_signals(
                 _variable_attributes("s", "time at which the trial ended early; NaN if it was completed"),
             ),
             "order": (_PLACE, order, _variable_attributes("1", "place in the order of running, from 0")),
+        }
+        | {
+            report.name: (
+                dimensions,
+                reports[report.name],
+                _variable_attributes(report.units, report.long_name),
+            )
+            for kind, dimensions in ((SIDE_REPORTS, (*_PLACE, "robot")), (REPORTS, _PLACE))
+            for report in kind
         },
         coords={
             "condition": (
@@ -178,6 +200,7 @@ def _dataset_attributes(identity: RehearsalIdentity, study: Study, experiment: E
         "task": _attribute_json(experiment.task.to_dict()),
         "robots": _attribute_json([_robot_keys(study, index) for index in range(2)]),
         "coupling_damping": experiment.coupling_damping,
+        "session": _attribute_json(study.session.to_dict()),
         "laboratory": _attribute_json(
             experiment.settings.to_dict() | {"sample_period": experiment.sample_period}
         ),
@@ -203,15 +226,20 @@ def _attribute_json(value: Any) -> str:
     return json.dumps(value, sort_keys=True, ensure_ascii=False)
 
 
-def _declare_dataset_signals(path: Path, count: int) -> None:
+def _signal_dimensions(signal: Signal) -> tuple[str, ...]:
+    return _DIMENSIONS if signal.has_axes else _DIMENSIONS[:-1]
+
+
+def _declare_dataset_signals(path: Path, signals: tuple[Signal, ...], count: int) -> None:
     """Add the variables of the signals to the file, a chunk per trial, without values."""
     with h5netcdf.File(path, "a") as file:
-        for signal in SIGNALS:
+        for signal in signals:
+            dimensions = _signal_dimensions(signal)
             variable = file.create_variable(
                 signal.name,
-                _DIMENSIONS,
+                dimensions,
                 np.dtype("<f8"),
-                chunks=(1, 1, count, 2, 2),
+                chunks=(1, 1, count, 2, 2)[: len(dimensions)],
                 compression="gzip",
                 compression_opts=1,
                 shuffle=True,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from telespring._core import Experiment, Laboratory, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
-from telespring.rehearsal.encoding import SIGNALS, compress_signal
+from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, Signal, compress_signal, stored_signals
 from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
 from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
 from telespring.rehearsal.store import RehearsalStore, lock_folder
@@ -26,7 +26,7 @@ from telespring.study.conditions import condition_labels
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "run_protocol"]
+__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "require_experiment", "run_protocol"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -87,7 +87,9 @@ def rehearse(
         ``position`` (m), ``velocity`` (m/s), ``coupling_force`` and ``agent_force`` (N) over (condition,
         trial, time, robot, axis), NaN after an early end; ``target`` (m) over (time, axis); ``seed``,
         ``status``, ``ended_at`` (s) and ``order`` over (condition, trial); ``stiffness`` (N/m, NaN:
-        unconnected) and ``delay`` (s) along condition. The study and all parameters are in its
+        unconnected) and ``delay`` (s) along condition; what the coupling reports of each trial, such as
+        ``limited_share`` over (condition, trial, robot), and ``account`` (J) over (condition, trial, time,
+        robot) where the strategy of the study's session keeps one. The study and all parameters are in its
         attributes. ``docs/rehearse.md`` describes everything.
 
     Raises
@@ -135,7 +137,7 @@ def run_protocol(
     if not isinstance(study, Study):
         modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
-    experiment = _require_rehearsal_experiment(study)
+    experiment = require_experiment(study)
     threads = _rehearsal_thread_count(workers)
     user_code = load_user_code(experiment, modules)
     traces = read_traces(experiment, modules)
@@ -165,8 +167,9 @@ def run_protocol(
         if progress is not None:
             progress(done, len(trials))
         missing = [trial for trial in trials if trial not in finished]
+        signals = stored_signals(study.session)
         records = _run_trials(
-            experiment, laboratory, missing, user_code, target, identity.fingerprint, threads
+            experiment, laboratory, missing, user_code, target, signals, identity.fingerprint, threads
         )
         # Closed at once on an error here, so that no trial continues.
         with closing(records):
@@ -192,7 +195,8 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
             store.remove_rehearsal()
 
 
-def _require_rehearsal_experiment(study: Study) -> Experiment:
+def require_experiment(study: Study) -> Experiment:
+    """Return the experiment of a study; InvalidInput if its robots cannot be rehearsed."""
     experiment = study.experiment
     if experiment is None:
         raise InvalidInput(
@@ -235,6 +239,7 @@ def _run_trials(
     trials: list[ScheduledTrial],
     user_code: UserCode,
     target: FloatArray | None,
+    signals: tuple[Signal, ...],
     fingerprint: str,
     threads: int,
 ) -> Generator[tuple[ScheduledTrial, TrialRecord]]:
@@ -279,9 +284,11 @@ def _run_trials(
             status=recording.status,
             ended_at=recording.ended_at,
             rows=rows,
+            reports={report.name: getattr(recording, report.name) for report in REPORTS}
+            | {report.name: getattr(recording, report.name).tolist() for report in SIDE_REPORTS},
             chunks={
                 signal.name: compress_signal(signal, getattr(recording, signal.name), count)
-                for signal in SIGNALS
+                for signal in signals
             },
         )
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 __all__ = ["TrialRecord", "read_trial_file", "write_trial_file"]
 
-_MAGIC = b"telespring trial 1\n"
+_MAGIC = b"telespring trial 2\n"
 _DIGEST = 32
 
 
@@ -30,6 +30,9 @@ class TrialRecord:
         Time of an early end, s; None if it was completed.
     rows
         Rows of its signals that hold values.
+    reports
+        What its coupling reports at the end, by the names of `telespring.rehearsal.encoding`: a number,
+        or one for each robot.
     chunks
         Its signals, compressed by `telespring.rehearsal.encoding.compress_signal`.
     """
@@ -41,6 +44,7 @@ class TrialRecord:
     status: str
     ended_at: float | None
     rows: int
+    reports: dict[str, float | list[float]]
     chunks: dict[str, bytes]
 
 

@@ -164,6 +164,21 @@ impl<'r, 'a> Entry<'r, 'a> {
         items.iter().enumerate().map(|(i, item)| self.child(format!("[{i}]"), item).text()).collect()
     }
 
+    /// The kind that an entry names: a word, or that of a table under the key kind.
+    pub fn kind<'w>(&self, kinds: &[&'w str]) -> Result<&'w str> {
+        let Some(table) = self.value.get_ref().as_table() else { return self.choice(kinds) };
+        match table.get("kind") {
+            Some(kind) => self.child(".kind".to_owned(), kind).choice(kinds),
+            None => {
+                let first = kinds.first().unwrap_or(&"");
+                let missing = InvalidInput::missing(format!("{}.kind", self.field), "", "");
+                let listed = kinds.iter().map(|kind| format!("\"{kind}\"")).collect::<Vec<_>>().join(", ");
+                let remedy = format!("Add, for example, kind = \"{first}\"; the kinds are {listed}.");
+                Err(self.place(InvalidInput { remedy, ..missing }))
+            }
+        }
+    }
+
     /// An item or member of this entry of the study file, with its own field.
     fn child(&self, suffix: String, value: &'r Spanned<DeValue<'a>>) -> Self {
         Entry { source: self.source, field: format!("{}{suffix}", self.field), value }
@@ -188,9 +203,9 @@ impl<'r, 'a> Entry<'r, 'a> {
         Ok(Some([part(keys[0], one)?, part(keys[1], other)?]))
     }
 
-    /// The parts of an entry that is a table with some of these keys, in their order; `None` if it is not a table.
-    pub fn parts<const N: usize>(&self, keys: [&str; N]) -> Result<Option<[Option<Self>; N]>> {
-        let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
+    /// Checks that an entry of the study file that is a table has none but these keys.
+    pub fn check_keys(&self, keys: &[&str]) -> Result<()> {
+        let Some(table) = self.value.get_ref().as_table() else { return Ok(()) };
         for (key, value) in table {
             let word = key.get_ref().as_ref();
             if !keys.contains(&word) {
@@ -200,12 +215,22 @@ impl<'r, 'a> Entry<'r, 'a> {
                     key: word,
                     position: key.span().start,
                     section: Some(""),
-                    allowed: format!("its keys are {} and {last}", others.join(", ")),
-                    keys: &keys,
+                    allowed: match others {
+                        [] => format!("its only key is {last}"),
+                        _ => format!("its keys are {} and {last}", others.join(", ")),
+                    },
+                    keys,
                 };
                 return Err(self.source.reject_unknown_key(unknown, value));
             }
         }
+        Ok(())
+    }
+
+    /// The parts of an entry that is a table with some of these keys, in their order; `None` if it is not a table.
+    pub fn parts<const N: usize>(&self, keys: [&str; N]) -> Result<Option<[Option<Self>; N]>> {
+        let Some(table) = self.value.get_ref().as_table() else { return Ok(None) };
+        self.check_keys(&keys)?;
         Ok(Some(keys.map(|key| table.get(key).map(|value| self.child(format!(".{key}"), value)))))
     }
 

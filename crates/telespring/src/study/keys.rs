@@ -46,7 +46,7 @@ const BLURRED: (&str, &[&str]) =
 const PYTHON_AGENT: (&str, &[&str]) = ("python", &["kind", "class", "options"]);
 
 /// Every section with its keys. Unknown keys are rejected, so that no setting is silently ignored.
-pub(super) const SECTIONS: [(&str, Keys); 14] = [
+pub(super) const SECTIONS: [(&str, Keys); 16] = [
     ("robot1", ROBOT),
     ("robot2", ROBOT),
     ("operator1", OPERATOR),
@@ -107,14 +107,16 @@ pub(super) const SECTIONS: [(&str, Keys); 14] = [
             "order",
         ]),
     ),
+    ("session", Keys::Fixed(&["strategy", "predictor", "playout"])),
+    ("comparison", Keys::Fixed(&["architectures", "networks"])),
 ];
 
 /// The keys outside the sections.
 pub(super) const TOP: [&str; 2] = ["name", "allow_unusual"];
 
 /// The sections that only a rehearsal needs.
-pub(super) const REHEARSAL: [&str; 7] =
-    ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol"];
+pub(super) const REHEARSAL: [&str; 9] =
+    ["arm1", "arm2", "agent1", "agent2", "task", "laboratory", "protocol", "session", "comparison"];
 
 impl Keys {
     /// The kinds of a section, which decide its keys; empty if it has none.

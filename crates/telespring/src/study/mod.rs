@@ -32,10 +32,11 @@
 //!
 //! All other keys describe the rehearsal and default to the paper's experiment: `[robot1]` and `[robot2]` may
 //! add `coulomb`, `mass_sd`, `damping_sd` and `mass_damping_correlation`, and there are the sections
-//! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]` and `[protocol]`. `docs/study-file.md` lists
+//! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]`, `[protocol]`, `[session]` and `[comparison]`. `docs/study-file.md` lists
 //! every key with its meaning, unit, range and default.
 
 mod changes;
+mod comparison;
 mod emulated_network;
 mod entry;
 mod keys;
@@ -51,6 +52,7 @@ mod replace;
 mod robot;
 mod robot_file;
 mod section;
+mod session;
 mod source;
 mod writer;
 
@@ -58,6 +60,7 @@ use crate::criteria::paper_critical_stiffness;
 use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
+use crate::session::Architecture;
 use crate::verdicts::{Network, OperatorRange};
 use changes::Changes;
 use emulated_network::{MovedKeys, read_emulated_network};
@@ -67,6 +70,7 @@ use reader::Reader;
 use robot::{RobotSection, read_robots};
 use source::Source;
 
+pub use comparison::{ComparedNetwork, ComparisonChoice};
 pub use emulated_network::{EmulatedNetwork, TraceFile};
 pub use laboratory::{AgentChoice, Setup, Task};
 pub use protocol::{Conditions, ProtocolChoice};
@@ -119,6 +123,8 @@ pub struct Study {
     emulated_network: EmulatedNetwork,
     setup: Setup,
     protocol: ProtocolChoice,
+    session: Architecture,
+    comparison: ComparisonChoice,
     allows_unusual: bool,
     holders: NamedHolders,
     moved_keys: MovedKeys,
@@ -162,6 +168,8 @@ impl Study {
             emulated_network: EmulatedNetwork::ideal(),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
+            session: Architecture::default(),
+            comparison: ComparisonChoice::default(),
             allows_unusual: false,
             holders: NamedHolders(false),
             moved_keys: MovedKeys::default(),
@@ -216,18 +224,22 @@ impl Study {
             operator_ranges: (!single).then_some(ranges),
             stiffness,
             has_delay: reader.get("network", "delay").is_some(),
-            network: read_network(&reader, emulated_network.jitter())?,
+            network: read_network(&reader, emulated_network.model.jitters())?,
             has_playout_buffer: reader
                 .get("network", "playout_buffer")
                 .map_or(Ok(false), |entry| entry.boolean())?,
             emulated_network,
             setup: laboratory::read_setup(&reader)?,
             protocol: protocol::read_protocol(&reader)?,
+            session: session::read_session(&reader)?,
+            comparison: comparison::read_comparison(&reader)?,
             allows_unusual: reader.allows_unusual(),
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
             moved_keys: MovedKeys::of(&reader),
         };
         study.check_rehearsal(&reader)?;
+        study.check_dampers(&reader)?;
+        study.check_comparison(&reader)?;
         Ok(study)
     }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::entry::Entry;
 use super::laboratory::Task;
 use super::reader::Reader;
 use crate::criteria::{critical_stiffness, maximum_delay};
@@ -276,12 +277,22 @@ fn read_number_list(
     quantity: quantity::Quantity,
 ) -> Result<Option<Vec<f64>>> {
     let Some(entry) = reader.get("protocol", key) else { return Ok(None) };
-    let items = entry.items("numbers")?;
-    if items.is_empty() {
+    if entry.items("numbers")?.is_empty() {
         return Err(entry.reject(
             "a list of at least one number is required",
             "Write conditions = [] to run the unconnected condition only.",
         ));
+    }
+    read_numbers(&entry, quantity).map(Some)
+}
+
+/// Reads a list of distinct numbers for conditions, at least one.
+pub(super) fn read_numbers(entry: &Entry<'_, '_>, quantity: quantity::Quantity) -> Result<Vec<f64>> {
+    let items = entry.items("numbers")?;
+    if items.is_empty() {
+        return Err(
+            entry.reject("a list of at least one number is required", "Leave the key out, or give a number.")
+        );
     }
     let mut values = Vec::with_capacity(items.len());
     for item in items {
@@ -292,5 +303,5 @@ fn read_number_list(
         values.push(value);
         check_condition_count(values.len())?;
     }
-    Ok(Some(values))
+    Ok(values)
 }

@@ -8,10 +8,14 @@ use super::laboratory::{AgentChoice, Setup, Task};
 use super::network::SAMPLE_PERIOD;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
+use crate::model::Delay;
+use crate::session::Architecture;
 use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
+/// The quantile of the normal distribution at 97.5 %: the ends of a 95 % interval are this many standard deviations away.
+const QUANTILE: f64 = 1.959_963_984_540_054;
 
 impl Study {
     /// Each robot's Coulomb friction per axis in the rehearsal, N.
@@ -132,7 +136,25 @@ impl Study {
                 encoder_resolution: self.setup.encoder_resolution,
             },
             network: self.emulated_network.model.clone(),
+            session: self.session_plan(),
         })
+    }
+
+    /// What the controllers of the laboratory do, and what they may count on.
+    fn session_plan(&self) -> rig::SessionPlan {
+        let least_damping = [0, 1].map(|robot| {
+            let damping = self.dyad.robots()[robot].damping();
+            let sd = self.robots[robot].uncertainty.as_ref().map(|known| &known.damping_sd);
+            [0, 1].map(|axis| (damping[axis] - sd.map_or(0.0, |sd| QUANTILE * sd[axis])).max(0.0))
+        });
+        let rig::Network { forward, backward } = &self.emulated_network.model;
+        let jitters = [forward.jitter, backward.jitter];
+        rig::SessionPlan {
+            architecture: self.session,
+            least_damping,
+            lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
+            has_playout_buffer: self.has_playout_buffer,
+        }
     }
 
     /// The complete protocol of the rehearsal; missing values follow from robots, task and controllers.
@@ -168,6 +190,19 @@ impl Study {
         ))
     }
 
+    /// Checks that the study's session can run in every condition; the bare spring always can.
+    fn check_session(&self, laboratory: &rig::Laboratory, protocol: &rig::Protocol) -> Result<()> {
+        if self.session == Architecture::default() {
+            return Ok(());
+        }
+        for (stiffness, delay) in &protocol.conditions {
+            let Some(stiffness) = *stiffness else { continue };
+            let coupling = rig::ConnectedMode { stiffness, damping: 0.0, delay: Delay::each_way(*delay)? };
+            laboratory.check_session(&coupling).map_err(|refusal| refusal.within("session"))?;
+        }
+        Ok(())
+    }
+
     /// Checks that the rehearsal is possible if the file has a section for it.
     pub(super) fn check_rehearsal(&self, reader: &Reader<'_>) -> Result<()> {
         let Some(section) = reader.rehearsal_section() else { return Ok(()) };
@@ -188,7 +223,7 @@ impl Study {
             laboratory.target = rig::Target::FigureEight { amplitude: [0.0; 2], angular_frequency: 0.0 };
         }
         laboratory.check().map_err(|error| reader.with_line_of_field(error))?;
-        self.protocol().map_err(|error| reader.with_line_of_field(error))?;
-        Ok(())
+        let protocol = self.protocol().map_err(|error| reader.with_line_of_field(error))?;
+        self.check_session(&laboratory, &protocol).map_err(|error| reader.with_line_of_field(error))
     }
 }

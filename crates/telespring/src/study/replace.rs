@@ -114,12 +114,12 @@ impl Study {
     }
 
     /// The study as tables, one per section, whose values can be replaced.
-    fn tables(&self) -> Table {
+    pub(super) fn tables(&self) -> Table {
         self.to_toml().parse().expect("a study writes TOML")
     }
 
     /// The study from its tables after values were replaced.
-    fn from_tables(tables: &Table) -> Result<Self> {
+    pub(super) fn from_tables(tables: &Table) -> Result<Self> {
         let text = toml::to_string(tables).map_err(|error| unwritable(&error))?;
         Self::read(Source::generated(&text), None)
     }

@@ -6,9 +6,11 @@ use super::laboratory::{self, AgentChoice, Setup, Task};
 use super::reader::Reader;
 use super::replace::unwritable;
 use super::robot::read_robot;
+use super::session::read_session;
 use super::source::Source;
 use crate::error::Result;
 use crate::rig::{Arm, Handle};
+use crate::session::Architecture;
 
 impl AgentChoice {
     /// Reads an agent from a table with the keys of the section [agent1]; without a kind it is a skilled one.
@@ -53,6 +55,17 @@ impl Task {
     /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `task.amplitude`.
     pub fn from_table(table: &Table) -> Result<Self> {
         read_section("task", "task", table, |reader| laboratory::read_task(reader, Setup::paper().task))
+    }
+}
+
+impl Architecture {
+    /// Reads an architecture from a table with the keys of the section [session]; without keys it is the bare spring.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `session.strategy.share`.
+    pub fn from_table(table: &Table) -> Result<Self> {
+        read_section("session", "session", table, read_session)
     }
 }
 

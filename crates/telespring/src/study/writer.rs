@@ -3,12 +3,15 @@
 use std::fmt::Write;
 
 use super::Study;
+use super::comparison::{ComparedNetwork, ComparisonChoice};
 use super::emulated_network::{EmulatedNetwork, TraceFile};
+use super::keys::toml_key;
 use super::laboratory::{AgentChoice, MASSLESS, Setup, Task};
 use super::protocol::{Conditions, ProtocolChoice};
 use super::python::{OptionValue, PythonObject};
 use crate::model::Operator;
 use crate::rig::{Arm, Blackout, Elbow, GilbertElliott, JitterDistribution, PacketOrder, RateLimit};
+use crate::session::Architecture;
 
 /// The text of a study file, with units as comments.
 pub(super) fn to_toml(study: &Study) -> String {
@@ -75,6 +78,8 @@ pub(super) fn to_toml(study: &Study) -> String {
     text.write_line("computing_time", float_text(study.network.computing_time()), "s");
     text.write_setup(&study.setup);
     text.write_protocol(&study.protocol);
+    text.write_session(&study.session);
+    text.write_comparison(&study.comparison);
     text.0
 }
 
@@ -262,6 +267,41 @@ impl TomlText {
         self.write_line("seed", protocol.seed.to_string(), "");
         self.write_line("order", quoted_text(if protocol.shuffled { "shuffled" } else { "blocks" }), "");
     }
+
+    /// Writes the section `[session]` to a study file if it differs from the bare spring.
+    fn write_session(&mut self, architecture: &Architecture) {
+        if *architecture != Architecture::default() {
+            self.write_section("session");
+            let table = architecture.to_table();
+            for key in ["strategy", "predictor", "playout"] {
+                self.write_line(key, value_text(&table[key]), "");
+            }
+        }
+    }
+
+    /// Writes the section `[comparison]` to a study file if the study has it.
+    fn write_comparison(&mut self, comparison: &ComparisonChoice) {
+        let ComparisonChoice { architectures, networks } = comparison;
+        if architectures.is_some() || networks.is_some() {
+            self.write_section("comparison");
+        }
+        if let Some(architectures) = architectures {
+            let items = architectures.iter().map(|architecture| table_text(&architecture.to_table()));
+            self.write_line("architectures", format!("[{}]", items.collect::<Vec<_>>().join(", ")), "");
+        }
+        if let Some(networks) = networks {
+            let items = networks.iter().map(|ComparedNetwork { name, keys, delays }| {
+                let mut table = keys.clone();
+                table.insert("name".to_owned(), toml::Value::String(name.clone()));
+                if let Some(delays) = delays {
+                    let delays = delays.iter().copied().map(toml::Value::Float).collect();
+                    table.insert("delay".to_owned(), toml::Value::Array(delays));
+                }
+                table_text(&table)
+            });
+            self.write_line("networks", format!("[{}]", items.collect::<Vec<_>>().join(", ")), "s");
+        }
+    }
 }
 
 /// The distribution of a network's jitter as written to a study file; `None` if it is uniform.
@@ -308,6 +348,26 @@ fn float_text(value: f64) -> String {
 /// A string as written to a study file, in TOML syntax.
 fn quoted_text(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A value as written to a study file on one line, in TOML syntax.
+fn value_text(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Table(table) => table_text(table),
+        toml::Value::Array(items) => {
+            format!("[{}]", items.iter().map(value_text).collect::<Vec<_>>().join(", "))
+        }
+        toml::Value::Float(value) => float_text(*value),
+        _ => value.to_string(),
+    }
+}
+
+/// A table as written to a study file on one line, its name or kind first.
+fn table_text(table: &toml::Table) -> String {
+    let is_first = |key: &str| ["name", "kind", "strategy"].contains(&key);
+    let (first, others): (Vec<_>, Vec<_>) = table.iter().partition(|(key, _)| is_first(key));
+    let pair = |(key, value): (&String, &toml::Value)| format!("{} = {}", toml_key(key), value_text(value));
+    format!("{{{}}}", first.into_iter().chain(others).map(pair).collect::<Vec<_>>().join(", "))
 }
 
 /// The value of an option as written to a study file, in TOML syntax.

@@ -3,6 +3,7 @@
 from telespring.paper.section import Section
 from telespring.paper.sections.arms.section import SECTION as ARMS
 from telespring.paper.sections.calibration.section import SECTION as CALIBRATION
+from telespring.paper.sections.comparison.section import SECTION as COMPARISON
 from telespring.paper.sections.examples.section import SECTION as EXAMPLES
 from telespring.paper.sections.experiment.section import SECTION as EXPERIMENT
 from telespring.paper.sections.frequency.section import SECTION as FREQUENCY
@@ -33,6 +34,7 @@ SECTIONS = (
     EXPERIMENT,
     CALIBRATION,
     ARMS,
+    COMPARISON,
     NUMBER_SETS,
     IDENTIFICATION,
     EXAMPLES,

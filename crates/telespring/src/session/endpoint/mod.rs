@@ -259,7 +259,8 @@ impl Endpoint {
         let now = self.begin(now);
         match target.impossible_value() {
             Some(value) => self.note_impossible(now, value),
-            None => self.targets.show(now, target),
+            None if self.predictor.uses_target() => self.targets.show(now, target),
+            None => {}
         }
     }
 
@@ -532,9 +533,20 @@ impl Endpoint {
         self.begin(now);
     }
 
+    /// The age of the partner's motion that the latest force used, s, as played and before any prediction; `None` if it
+    /// used none.
+    pub fn partner_age(&self) -> Option<f64> {
+        self.view.map(|view| view.age)
+    }
+
     /// All energy that the partner says it has sent to this side, J: the largest total of each of its sessions.
     pub fn partner_energy(&self) -> f64 {
         self.partner.energy_sent()
+    }
+
+    /// The strategy's account so far: a part of the report that costs little.
+    pub fn strategy_report(&self) -> StrategyReport {
+        self.strategy.report()
     }
 
     /// What the session has done so far.

@@ -99,7 +99,12 @@ impl PlayoutSettings {
 }
 
 impl AdaptiveDelay {
-    fn check(&self) -> Result<()> {
+    /// Checks that every value is in range.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] for the first value that is not.
+    pub fn check(&self) -> Result<()> {
         let Self { quantile, margin, smallest, largest, window, slew } = *self;
         if !(0.0..=1.0).contains(&quantile) {
             let remedy = "Give 0.99 for 99 of 100 samples.";

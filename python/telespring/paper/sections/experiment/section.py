@@ -5,24 +5,22 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from telespring.paper.published import BASELINE_MEDIAN, TABLE_I, PublishedRow
+from telespring.paper.rehearsed import rehearsed_study
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections.experiment.reported import compare_reported_tests
 from telespring.show import figures
-
-if TYPE_CHECKING:
-    import xarray
 
 __all__ = ["SECTION", "find_experiment"]
 
 
 def find_experiment(scene: Scene) -> Findings:
     """Rehearse the study's protocol; for the paper's own experiment, compare the results with Table I."""
+    import xarray
+
     from telespring.analysis.results import compare_conditions
     from telespring.analysis.statistics import LEVEL
     from telespring.analysis.trials import Trials
@@ -35,7 +33,8 @@ def find_experiment(scene: Scene) -> Findings:
             # otherwise the page would be next to another study's trials
             remove_rehearsal(scene.rehearsal)
         return Findings()
-    trials = Trials.from_dataset(_rehearse_experiment(scene))
+    with rehearsed_study(scene) as dataset:
+        trials = Trials.from_dataset(xarray.load_dataset(dataset, engine="h5netcdf"))
     analysed = compare_conditions(trials)
     rows = analysed["table1"]
     published = (
@@ -99,18 +98,6 @@ SECTION = Section(
     ),
     mentions=("calibration",),
 )
-
-
-def _rehearse_experiment(scene: Scene) -> xarray.Dataset:
-    """Run the protocol, or resume it, in the scene's folder."""
-    import xarray
-
-    from telespring.rehearsal.run import run_protocol
-
-    with TemporaryDirectory(prefix="telespring-") as temporary:
-        folder = scene.rehearsal or Path(temporary)
-        outcome = run_protocol(scene.study, folder, modules=scene.modules, replace_others=True)
-        return xarray.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
 def _printed_table_1_row(row: PublishedRow) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""The section `comparison` of the report."""
