@@ -12,10 +12,10 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 from rich.console import Console
-from telespring.comparison.recommendation import recommend
-from telespring.comparison.results import Comparison
 
 from made_comparison import LABELS, made_account_trial, made_comparison
+from telespring.comparison.recommendation import recommend
+from telespring.comparison.results import Comparison
 from telespring.paper import Analysis
 from telespring.show.drawings.comparison import (
     COMPARISON_FIGURES,
