@@ -28,11 +28,8 @@ def quarters_of(distance: FloatArray) -> FloatArray:
 
 def exponential(rate: float, start: float = 0.03) -> FloatArray:
     time = np.arange(0.0, DURATION + 0.005, 0.01)
-    return (
-        np.broadcast_to(start * np.exp(rate * (time - DISCARD)), (1, len(time)))
-        .copy()[..., None]
-        .repeat(2, -1)
-    )
+    distance: FloatArray = np.exp(rate * (time - DISCARD)) * start
+    return np.stack([distance[None], distance[None]], axis=-1)
 
 
 @pytest.mark.parametrize("rate", [-0.1, 0.0, 0.03, 0.06, 0.3])

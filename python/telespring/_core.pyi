@@ -957,6 +957,7 @@ class Recording(_Record):
         handle_force: FloatArray,
         aim: FloatArray,
         account: FloatArray,
+        age: FloatArray,
         limited_share: FloatArray,
         withheld_share: FloatArray,
         given_out: FloatArray,
@@ -980,6 +981,7 @@ class Recording(_Record):
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
     account: Final[FloatArray]
+    age: Final[FloatArray]
     limited_share: Final[FloatArray]
     withheld_share: Final[FloatArray]
     given_out: Final[FloatArray]
@@ -1007,6 +1009,7 @@ class Recordings(_Record):
         handle_force: FloatArray,
         aim: FloatArray,
         account: FloatArray,
+        age: FloatArray,
         limited_share: FloatArray,
         withheld_share: FloatArray,
         given_out: FloatArray,
@@ -1030,6 +1033,7 @@ class Recordings(_Record):
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
     account: Final[FloatArray]
+    age: Final[FloatArray]
     limited_share: Final[FloatArray]
     withheld_share: Final[FloatArray]
     given_out: Final[FloatArray]

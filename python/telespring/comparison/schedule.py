@@ -187,7 +187,7 @@ def _without_repetitions(study: Study) -> Study:
 
 def _quick_architectures(study: Study) -> list[Architecture]:
     """List the bare spring and the guard, as the study describes them or with their usual settings."""
-    described = {
+    described: dict[tuple[str, str], Architecture] = {
         (each.strategy, each.predictor): each
         for each in reversed(study.comparison.architectures)
         if each.playout == "fixed"

@@ -12,6 +12,7 @@ from telespring._types import FloatArray
 
 __all__ = [
     "ACCOUNT",
+    "AGE",
     "REPORTS",
     "SIDE_REPORTS",
     "SIGNALS",
@@ -64,6 +65,9 @@ SIGNALS = (
 #: Kept only where the strategy has an account; the step is about 1 nJ.
 ACCOUNT = Signal("account", "J", "energy in the account of the side's strategy", 30, has_axes=False)
 
+#: Of what was played, before any prediction; NaN while there is nothing. The step is about 1 ns.
+AGE = Signal("age", "s", "age of the partner's motion that a robot uses, as played", 30, has_axes=False)
+
 #: The target of both agents, over (time, axis): the same in every trial.
 TARGET = Signal("target", "m", "position of the target", 30)
 
@@ -105,7 +109,7 @@ STATUSES = ("completed", "diverged", "out of reach", "too stiff")
 
 def stored_signals(session: Architecture) -> tuple[Signal, ...]:
     """Return the signals that a rehearsal with this session keeps of every trial."""
-    return (*SIGNALS, ACCOUNT) if session.has_account else SIGNALS
+    return (*SIGNALS, AGE, ACCOUNT) if session.has_account else (*SIGNALS, AGE)
 
 
 def compress_signal(signal: Signal, values: FloatArray, count: int) -> bytes:

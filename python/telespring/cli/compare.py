@@ -1,0 +1,88 @@
+"""The command `telespring compare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
+from telespring.cli.figure_file import check_folder_keeps_inputs, save_figure
+from telespring.cli.question import StudyOptions
+from telespring.cli.resuming import resuming
+from telespring.cli.terminal import screen_console
+from telespring.comparison import run_comparison
+from telespring.comparison.store import COMPARISON_FILES
+from telespring.model import Study
+from telespring.rehearsal.preflight import preflight_warnings
+from telespring.show.drawings.comparison import COMPARISON_FIGURES, draw_comparison
+from telespring.show.screens.comparison import comparison_screen
+from telespring.show.screens.rehearsal import preflight_screen
+
+__all__ = ["compare_command"]
+
+
+def compare_command(
+    study: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[STUDY.toml]", help="Laboratory, protocol and what to compare. Default: the paper's."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for comparison.nc, compare.json, recommended.toml and the figures.",
+            show_default="out/comparison, or out/comparison-quick with --quick",
+        ),
+    ] = None,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="Compare only the bare spring, the guard, and the guard with a shared target. Few trials.",
+        ),
+    ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
+    ] = None,
+    robot: Robots = None,
+    robot1: Robot1 = None,
+    robot2: Robot2 = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Remove the comparison in the folder and start over.")
+    ] = False,
+    allow_unusual: AllowUnusual = False,
+) -> None:
+    """Rehearse a study with different control architectures, and say which is the best safe choice.
+
+    [comparison] of a study lists the architectures and the networks. Without it eleven are compared: the bare
+    spring, the guard with every predictor, and those of the literature.
+
+    If interrupted, by Ctrl-C or by a crash, run the same command again to resume.
+
+    Example: telespring compare --quick
+    """
+    console = screen_console()
+    asked = StudyOptions(study)
+    asked.take_robots(robot, robot1, robot2)
+    folder = out or Path("out/comparison-quick" if quick else "out/comparison")
+    check_folder_keeps_inputs("--out", folder, (*COMPARISON_FILES, *COMPARISON_FIGURES), asked.inputs)
+    asked.allow_unusual(is_allowed=allow_unusual)
+    compared = asked.read(Study.paper())
+    modules = None if study is None else study.parent
+    preflight_screen(console, preflight_warnings(compared, modules))
+    with resuming(console, folder) as progress:
+        comparison = run_comparison(
+            compared, folder, progress, workers, quick=quick, fresh=fresh, modules=modules
+        )
+    best = comparison.recommended
+    label = None if best is None else best.architecture
+    for name, figure in draw_comparison(comparison.dataset, label, compared.dyad):
+        save_figure(figure, folder / name)
+    comparison_screen(console, comparison)
+    if best is not None:
+        console.print(f"Rehearse it: telespring rehearse {folder / 'recommended.toml'}", markup=False)
+    console.print(f"Folder: {folder}", markup=False)
