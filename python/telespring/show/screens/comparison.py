@@ -16,13 +16,8 @@ from telespring.show.strategies import name_strategy
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring.comparison.results import (
-        Alternative,
-        Candidate,
-        Comparison,
-        Recommendation,
-        Rejection,
-    )
+    from telespring.comparison.choices import Alternative, Candidate, Recommendation, Rejection
+    from telespring.comparison.results import Comparison
 
 __all__ = ["comparison_screen", "recommendation_sentences"]
 

@@ -26,7 +26,7 @@ _GUARDED = {
     "shared_target": Architecture(strategy="guard", predictor="shared-target"),
 }
 #: Trials of each condition that are run beside the study's own.
-_TRIALS = 4
+_TRIALS = 3
 
 _Condition = tuple[float, float]
 
