@@ -23,7 +23,8 @@ def trials_with(distance: FloatArray) -> xr.Dataset:
 
 
 def quarters_of(distance: FloatArray) -> FloatArray:
-    return quarter_errors(Trials.from_dataset(trials_with(distance)))[0]
+    quarters: FloatArray = quarter_errors(Trials.from_dataset(trials_with(distance)))[0]
+    return quarters
 
 
 def exponential(rate: float, start: float = 0.03) -> FloatArray:

@@ -14,6 +14,7 @@ import typer
 
 from telespring.cli.analyse import analyse_command
 from telespring.cli.common import refusals
+from telespring.cli.compare import compare_command
 from telespring.cli.decide import decide_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
@@ -36,6 +37,7 @@ app.command("decide", cls=Command)(decide_command)
 app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
+app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
 app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)

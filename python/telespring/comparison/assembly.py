@@ -202,7 +202,7 @@ def _coordinates(schedule: ComparisonSchedule, first: xr.Dataset) -> dict[str, A
     for name in ("strategy", "predictor", "playout"):
         part = words([getattr(each, name) for each in schedule.architectures])
         parts[name] = along("architecture", part, "1", name)
-    stiffness, delay = np.array(schedule.conditions, dtype=np.float64).T
+    stiffness, delay = np.array([tuple(each) for each in schedule.conditions], dtype=np.float64).T
     return {
         "architecture": along("architecture", words(list(schedule.labels)), "1", "what both sides do"),
         **parts,

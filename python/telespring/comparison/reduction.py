@@ -86,7 +86,7 @@ def _conditions(dataset: Path) -> Iterator[xr.Dataset]:
     """Load the conditions of a rehearsal one after the other."""
     import xarray as xr
 
-    with xr.open_dataset(dataset, engine="h5netcdf") as rehearsal:
+    with xr.open_dataset(dataset, engine="h5netcdf", drop_variables="agent_force") as rehearsal:
         for condition in range(rehearsal.sizes["condition"]):
             yield rehearsal.isel(condition=[condition]).load()
 

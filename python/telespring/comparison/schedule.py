@@ -199,9 +199,8 @@ def _possible_architectures(
     study: Study, chosen: Sequence[Architecture] | None, networks: Sequence[Study], modules: Path | None
 ) -> tuple[list[Architecture], list[LeftOut]]:
     """Tell apart which architectures the study can have; refuse one that it names itself."""
-    bare = Architecture()
     for network in networks:
-        if (refused := refusal_of(network, bare, modules)) is not None:
+        if (refused := refusal_of(network.replace(session=None), modules)) is not None:
             raise refused
     listed = study.comparison.architectures
     is_usual = listed == study.replace(comparison={"architectures": None}).comparison.architectures
@@ -209,7 +208,7 @@ def _possible_architectures(
     asked = chosen or (Study.paper().comparison.architectures if is_usual else listed)
     possible, left_out = [], []
     for place, architecture in enumerate(asked):
-        refusals = (refusal_of(network, architecture, modules) for network in networks)
+        refusals = (_refusal_of_architecture(network, architecture, modules) for network in networks)
         refused = next((each for each in refusals if each is not None), None)
         if refused is None:
             possible.append(architecture)
@@ -223,6 +222,16 @@ def _possible_architectures(
                 f"{refused.remedy} Or leave it out of the list.",
             )
     return possible, left_out
+
+
+def _refusal_of_architecture(
+    study: Study, architecture: Architecture, modules: Path | None
+) -> InvalidInput | None:
+    try:
+        changed = study.replace(session=architecture)
+    except InvalidInput as refused:
+        return refused
+    return refusal_of(changed, modules)
 
 
 def _all_conditions(networks: Sequence[Study]) -> tuple[Condition, ...]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from telespring._core import Architecture, Experiment, Study
+from telespring._core import Experiment, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.rehearsal.run import require_experiment
@@ -18,15 +18,12 @@ __all__ = ["refusal_of"]
 _TICKS = 2
 
 
-def refusal_of(study: Study, architecture: Architecture, modules: Path | None) -> InvalidInput | None:
-    """Return why the study, or the laboratory in one of its conditions, refuses an architecture; or None.
+def refusal_of(study: Study, modules: Path | None) -> InvalidInput | None:
+    """Return why the laboratory refuses a study in one of its conditions; None if it runs them all.
 
     Agents and a target written in Python are replaced by still ones: they are not what is tried.
     """
-    try:
-        experiment = require_experiment(study.replace(session=architecture))
-    except InvalidInput as refused:
-        return refused
+    experiment = require_experiment(study)
     laboratory = read_traces(experiment, modules).laboratory(experiment)
     period = experiment.sample_period
     still = [_no_force if agent.class_ is not None else None for agent in experiment.agents]

@@ -16,8 +16,13 @@ from telespring.show.strategies import name_strategy
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring.comparison.choices import Alternative, Candidate, Recommendation, Rejection
-    from telespring.comparison.results import Comparison
+    from telespring.comparison import (
+        Alternative,
+        Candidate,
+        Comparison,
+        Recommendation,
+        Rejection,
+    )
 
 __all__ = ["comparison_screen", "recommendation_sentences"]
 
