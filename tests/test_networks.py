@@ -26,7 +26,7 @@ def test_law_a_key_at_its_old_place_warns_and_says_the_same() -> None:
     assert old == plain.replace(network={"loss": 0.1})
     with pytest.warns(FutureWarning, match=r"laboratory\.jitter is now network\.jitter"):
         read = ts.Study.from_toml(
-            plain.to_toml().replace("jitter = 0.0  # s\n", "") + "laboratory.jitter = 0.01"
+            "laboratory.jitter = 0.01\n" + plain.to_toml().replace("jitter = 0.0  # s\n", "")
         )
     assert read == plain.replace(network={"jitter": 0.01})
     assert read.experiment is not None

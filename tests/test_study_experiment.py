@@ -184,7 +184,19 @@ def test_law_parts_of_an_experiment_are_values_and_stand_for_their_sections(root
     assert experiment.arms == (other.arms[0], experiment_of(paper).arms[1])
     assert experiment.agents == (experiment_of(paper).agents[0], other.agents[1])
     assert experiment.settings == other.settings
-    assert changed.replace(arm1=None, agent2=None, laboratory=None) == paper
+    # the settings carry what the network does; what is said of the network itself comes first
+    assert changed == paper.replace(
+        arm1=other.arms[0],
+        agent2=other.agents[1],
+        laboratory={
+            key: value for key, value in other.settings.to_dict().items() if key not in ("jitter", "loss")
+        },
+        network={"jitter": 0.005, "loss": 0.02},
+    )
+    plain = {"jitter": None, "loss": None}
+    assert changed.replace(arm1=None, agent2=None, laboratory=None, network=plain) == paper
+    kept = experiment_of(paper.replace(network={"loss": 0.5}, laboratory=other.settings)).settings
+    assert (kept.jitter, kept.loss) == (0.005, 0.5)
 
 
 def test_law_a_condition_is_a_pair() -> None:

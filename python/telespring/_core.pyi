@@ -30,6 +30,7 @@ __all__ = [
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "BurstFit",
     "ComparisonPlan",
     "Condition",
     "Coupling",
@@ -45,6 +46,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "HandleMotion",
+    "JitterFit",
     "Laboratory",
     "LaboratorySettings",
     "Network",
@@ -53,6 +55,7 @@ __all__ = [
     "OperatorPoint",
     "OperatorRange",
     "PaperVerdict",
+    "PlayedTrace",
     "Recording",
     "Recordings",
     "Remedies",
@@ -65,6 +68,9 @@ __all__ = [
     "StiffnessMargin",
     "Study",
     "Task",
+    "Trace",
+    "TraceFit",
+    "TraceStatistics",
     "Uncertainty",
     "Verdict",
     "Verdicts",
@@ -301,7 +307,7 @@ class Network:
     def __new__(
         cls,
         delay: Delay,
-        jitter: float = 0.0,
+        jitter: Delay = 0.0,
         max_gap: float = 0.0,
         sample_period: float = 0.0,
         computing_time: float = 0.0,
@@ -310,6 +316,8 @@ class Network:
     def delay(self) -> tuple[float, float]: ...
     @property
     def jitter(self) -> float: ...
+    @property
+    def jitters(self) -> tuple[float, float]: ...
     @property
     def max_gap(self) -> float: ...
     @property
@@ -329,7 +337,9 @@ class Network:
     def to_dict(self) -> dict[str, Any]: ...
     def _repr_html_(self) -> str: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[tuple[float, float], float, float, float, float]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[tuple[float, float], tuple[float, float], float, float, float]: ...
 
 @final
 class OperatorRange:
@@ -540,6 +550,8 @@ class Architecture:
     def predictor(self) -> Literal["hold", "linear", "kalman", "shared-target"]: ...
     @property
     def playout(self) -> Literal["fixed", "adaptive"]: ...
+    @property
+    def playout_delay(self) -> float | None: ...
     @property
     def label(self) -> str: ...
     @property
@@ -1065,6 +1077,125 @@ class HandleMotion(_Record):
     torque: Final[FloatArray | None]
     status: Final[Literal["completed", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
+
+@final
+class TraceStatistics(_Record):
+    def __new__(
+        cls,
+        sent: int,
+        interval: float,
+        longest_interval: float,
+        loss: float,
+        burst_length: float,
+        reordered: float,
+        minimum: float,
+        mean: float,
+        sd: float,
+        median: float,
+        quantile_99: float,
+        maximum: float,
+        autocorrelation: float,
+    ) -> TraceStatistics: ...
+    sent: Final[int]
+    interval: Final[float]
+    longest_interval: Final[float]
+    loss: Final[float]
+    burst_length: Final[float]
+    reordered: Final[float]
+    minimum: Final[float]
+    mean: Final[float]
+    sd: Final[float]
+    median: Final[float]
+    quantile_99: Final[float]
+    maximum: Final[float]
+    autocorrelation: Final[float]
+
+@final
+class JitterFit(_Record):
+    def __new__(
+        cls,
+        delay: float,
+        jitter: float,
+        kind: Literal["uniform", "normal", "gamma", "lognormal"],
+        mean: float | None,
+        sd: float | None,
+        log_likelihood: float,
+        distance: float,
+    ) -> JitterFit: ...
+    delay: Final[float]
+    jitter: Final[float]
+    kind: Final[Literal["uniform", "normal", "gamma", "lognormal"]]
+    mean: Final[float | None]
+    sd: Final[float | None]
+    log_likelihood: Final[float]
+    distance: Final[float]
+    def cumulative(self, delay: ArrayLike) -> FloatArray: ...
+
+@final
+class BurstFit(_Record):
+    def __new__(cls, to_bad: float, to_good: float, bursts: int, distance: float) -> BurstFit: ...
+    to_bad: Final[float]
+    to_good: Final[float]
+    bursts: Final[int]
+    distance: Final[float]
+
+@final
+class TraceFit(_Record):
+    def __new__(cls, jitter: Sequence[JitterFit], burst: BurstFit | None, minimum: float) -> TraceFit: ...
+    jitter: Final[tuple[JitterFit, ...]]
+    burst: Final[BurstFit | None]
+    minimum: Final[float]
+
+@final
+class PlayedTrace(_Record):
+    def __new__(
+        cls,
+        delay: float,
+        sample_period: float,
+        ticks: int,
+        held_ticks: int,
+        newest: FloatArray,
+        oldest: FloatArray,
+    ) -> PlayedTrace: ...
+    delay: Final[float]
+    sample_period: Final[float]
+    ticks: Final[int]
+    held_ticks: Final[int]
+    newest: Final[FloatArray]
+    oldest: Final[FloatArray]
+    @property
+    def in_time(self) -> float: ...
+    @property
+    def ages(self) -> tuple[float, float]: ...
+    def share_within(self, low: float, high: float) -> float: ...
+
+@final
+class Trace:
+    def __new__(cls, time: ArrayLike, delay: ArrayLike, losses_recorded: bool | None = None) -> Trace: ...
+    @staticmethod
+    def _read(text: str, name: str, round_trip: bool, is_forward: bool) -> Trace: ...
+    @property
+    def time(self) -> FloatArray: ...
+    @property
+    def delay(self) -> FloatArray: ...
+    @property
+    def lost(self) -> NDArray[np.bool_]: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def losses_recorded(self) -> bool: ...
+    def statistics(self) -> TraceStatistics: ...
+    def quantile(self, share: float) -> float: ...
+    def fit(self) -> TraceFit: ...
+    def halved(self) -> Trace: ...
+    def with_missing_rows(self, period: float, longest: float) -> Trace: ...
+    def play(self, delay: float, sample_period: float) -> PlayedTrace: ...
+    def to_csv(self) -> str: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def _repr_html_(self) -> str: ...
+    def __getnewargs__(self) -> tuple[FloatArray, FloatArray, bool]: ...
 
 # theory/criteria.pyi has their overloads
 def critical_stiffness(

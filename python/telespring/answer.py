@@ -29,7 +29,7 @@ from telespring.show.quantities import format_number, format_time
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
-from telespring.show.screens.questions import delay_clause, describe_robots
+from telespring.show.screens.questions import delay_clause, describe_robots, session_notes
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -192,6 +192,7 @@ def decide(
     decay_rate: float | None = None,
     modules: Path | None = None,
     allow_unusual: bool = False,
+    attack_seed: int | None = None,
 ) -> Answer:
     """Decide whether a dyad is stable, by what margin, and what to change; or what may be used.
 
@@ -221,6 +222,10 @@ def decide(
         Where a target in Python that the study names is looked up first: the folder of its file.
     allow_unusual : bool
         Whether to accept values that no laboratory has, such as a delay of 80 s.
+    attack_seed : int, optional
+        Also search, from seeded starts, from which stiffness on a delay that varies by the network's jitter
+        and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second, and
+        several where the ages are spread wide.
 
     Returns
     -------
@@ -300,6 +305,7 @@ def decide(
         decay_rate=decay_rate,
         modules=modules,
         notes=_sampling_notes(delay),
+        attack_seed=attack_seed,
     )
 
 
@@ -313,6 +319,7 @@ def answer_study(
     horizon: float | None = None,
     decay_rate: float | None = None,
     modules: Path | None = None,
+    attack_seed: int | None = None,
 ) -> Answer:
     """Answer the question of a study, whose values were checked as it was read.
 
@@ -332,6 +339,7 @@ def answer_study(
         robot_names=robot_names,
         records=records,
         notes=notes,
+        attack_seed=attack_seed,
     )
 
 
@@ -348,14 +356,25 @@ def _answer(
     robot_names: tuple[str | None, str | None] | None = None,
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     notes: tuple[str, ...] = (),
+    attack_seed: int | None = None,
 ) -> Answer:
     names = robot_names or ((None, None) if study is None else study.robot_names)
     title = (study.name if study is not None else "") if name is None else name
     springs = question.robot_springs
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
+    if study is not None:
+        notes = (*notes, *session_notes(study.session))
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
+    if attack_seed is not None and question.network.is_constant:
+        raise InvalidInput(
+            "attack_seed",
+            f"{attack_seed}",
+            "an attack varies the delay, and this delay is constant",
+            "Give the network a jitter or a longest gap, or leave it out.",
+        )
     if stiffness is None or not is_delay_given:
-        for field, value in (("horizon", horizon), ("decay_rate", decay_rate)):
+        asked = ("horizon", horizon), ("decay_rate", decay_rate), ("attack_seed", attack_seed)
+        for field, value in asked:
             if value is not None:
                 raise InvalidInput(
                     field,
@@ -390,6 +409,7 @@ def _answer(
         uncertainty=(None, None) if study is None else study.uncertainty,
         records=records,
         compare_free=True,
+        attack_seed=attack_seed,
     )
     if study is not None and study.names_arms_or_agents and study.experiment is not None:
         condition = (decision.stiffness, decision.constant_delay)

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use telespring::session;
+use telespring::session::architecture::PlayoutDesign;
 use telespring::study::{Study, Table, Value, keys};
 
 use crate::arguments::hash;
@@ -61,6 +62,15 @@ impl Architecture {
     #[getter]
     fn playout(&self) -> &'static str {
         self.0.playout.kind()
+    }
+
+    /// The delay of a fixed play-out of its own, s; None where it follows the condition or the network.
+    #[getter]
+    fn playout_delay(&self) -> Option<f64> {
+        match self.0.playout {
+            PlayoutDesign::Fixed { delay } => delay,
+            PlayoutDesign::Adaptive(_) => None,
+        }
     }
 
     /// The architecture in a few words: its strategy, its predictor unless it holds, its play-out unless it is fixed.

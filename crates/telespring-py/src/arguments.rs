@@ -338,7 +338,7 @@ impl AxisChoice {
     }
 }
 
-/// One delay each way, or (forward, backward), s.
+/// One delay (or jitter) each way, or (forward, backward), s.
 pub enum DelayChoice {
     /// The same each way.
     EachWay(f64),
@@ -366,18 +366,27 @@ impl FromPyObject<'_, '_> for DelayChoice {
 impl DelayChoice {
     /// The argument as a delay, checked.
     pub fn check(&self) -> telespring::Result<Delay> {
+        if let Self::EachWay(delay) = self {
+            return Delay::each_way(*delay);
+        }
+        let [forward, backward] = self.both_ways("delay")?;
+        Delay::new(forward, backward)
+    }
+
+    /// The numbers of both ways, or a refusal with this field.
+    pub fn both_ways(&self, field: &str) -> telespring::Result<[f64; 2]> {
         let text = match self {
-            Self::EachWay(delay) => return Delay::each_way(*delay),
+            Self::EachWay(value) => return Ok([*value; 2]),
             Self::Row(row, text) => match row[..] {
-                [forward, backward] => return Delay::new(forward, backward),
+                [forward, backward] => return Ok([forward, backward]),
                 _ => text,
             },
             Self::Other(text) => text,
         };
         Err(InvalidInput::new(
-            "delay",
+            field,
             text,
-            "a delay is one number for both ways, s, or the two numbers (forward, backward)",
+            format!("a {field} is one number for both ways, s, or the two numbers (forward, backward)"),
             "Give a float or a pair of floats.",
         ))
     }

@@ -30,6 +30,7 @@ mod simulation;
 mod spectrum;
 mod study;
 mod study_values;
+mod trace;
 mod usual;
 mod verdicts;
 
@@ -93,6 +94,8 @@ mod _core {
     use crate::spectrum::Spectrum;
     #[pymodule_export]
     use crate::study::Study;
+    #[pymodule_export]
+    use crate::trace::{BurstFit, JitterFit, PlayedTrace, Trace, TraceFit, TraceStatistics};
     #[pymodule_export]
     use crate::usual::{check_usual, usual_range};
     #[pymodule_export]

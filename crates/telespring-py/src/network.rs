@@ -14,8 +14,8 @@ use crate::records::html_table;
 /// ----------
 /// delay : float or (float, float)
 ///     The constant part of the one-way delay, s, or the pair (forward, backward).
-/// jitter : float
-///     Largest delay of a packet beyond that, s.
+/// jitter : float or (float, float)
+///     Largest delay of a packet beyond that, s, or the pair (forward, backward).
 /// max_gap : float
 ///     Longest wait for a newer partner sample, s, losses included; 0 is a stream without gaps.
 /// sample_period : float
@@ -43,22 +43,22 @@ pub struct Network(pub verdicts::Network);
 impl Network {
     #[new]
     #[pyo3(
-        signature = (delay, jitter=Number::Given(0.0), max_gap=Number::Given(0.0),
+        signature = (delay, jitter=DelayChoice::EachWay(0.0), max_gap=Number::Given(0.0),
                      sample_period=Number::Given(0.0), computing_time=Number::Given(0.0)),
         text_signature = "(delay, jitter=0.0, max_gap=0.0, sample_period=0.0, computing_time=0.0)"
     )]
     fn new(
         delay: DelayChoice,
-        jitter: Number,
+        jitter: DelayChoice,
         max_gap: Number,
         sample_period: Number,
         computing_time: Number,
     ) -> Outcome<Self> {
         let delay = delay.check()?;
-        let (jitter, max_gap) = (jitter.named("jitter")?, max_gap.named("max_gap")?);
+        let (jitters, max_gap) = (jitter.both_ways("jitter")?, max_gap.named("max_gap")?);
         let sample_period = sample_period.named("sample_period")?;
         let computing_time = computing_time.named("computing_time")?;
-        Ok(Self(verdicts::Network::new(delay, jitter, max_gap, sample_period, computing_time)?))
+        Ok(Self(verdicts::Network::with_jitters(delay, jitters, max_gap, sample_period, computing_time)?))
     }
 
     /// The constant part of the study network's one-way delays, s: forward and backward.
@@ -67,10 +67,16 @@ impl Network {
         (self.0.delay().forward(), self.0.delay().backward())
     }
 
-    /// Largest delay of a packet beyond the constant part, s.
+    /// Largest delay of a packet beyond the constant part, s: the larger of both ways.
     #[getter]
     fn jitter(&self) -> f64 {
         self.0.jitter()
+    }
+
+    /// Largest delay of a packet beyond the constant part, s: forward and backward.
+    #[getter]
+    fn jitters(&self) -> (f64, f64) {
+        self.0.jitters().into()
     }
 
     /// Longest wait for a newer partner sample, s.
@@ -115,11 +121,14 @@ impl Network {
         self.0.buffered().into()
     }
 
-    /// The network's numbers as a dict that `json.dumps` takes.
+    /// The network's numbers as a dict that `json.dumps` takes; the jitter is a list if the ways differ.
     pub fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let out = PyDict::new(py);
         out.set_item("delay", vec![self.0.delay().forward(), self.0.delay().backward()])?;
-        out.set_item("jitter", self.jitter())?;
+        match self.jitters() {
+            (forward, backward) if forward == backward => out.set_item("jitter", forward)?,
+            (forward, backward) => out.set_item("jitter", vec![forward, backward])?,
+        }
         out.set_item("max_gap", self.max_gap())?;
         out.set_item("sample_period", self.sample_period())?;
         out.set_item("computing_time", self.computing_time())?;
@@ -132,9 +141,9 @@ impl Network {
 
     fn __repr__(&self) -> String {
         format!(
-            "Network({:?}, jitter={:?}, max_gap={:?}, sample_period={:?}, computing_time={:?})",
+            "Network({:?}, jitter={}, max_gap={:?}, sample_period={:?}, computing_time={:?})",
             self.delay(),
-            self.jitter(),
+            self.written_jitter(),
             self.max_gap(),
             self.sample_period(),
             self.computing_time()
@@ -145,7 +154,17 @@ impl Network {
         hash(self.__getnewargs__().into_pyobject(py)?.as_any())
     }
 
-    fn __getnewargs__(&self) -> ((f64, f64), f64, f64, f64, f64) {
-        (self.delay(), self.jitter(), self.max_gap(), self.sample_period(), self.computing_time())
+    fn __getnewargs__(&self) -> ((f64, f64), (f64, f64), f64, f64, f64) {
+        (self.delay(), self.jitters(), self.max_gap(), self.sample_period(), self.computing_time())
+    }
+}
+
+impl Network {
+    /// The jitter as Python writes it: one number, or the pair of both ways.
+    fn written_jitter(&self) -> String {
+        match self.jitters() {
+            (forward, backward) if forward == backward => format!("{forward:?}"),
+            both => format!("{both:?}"),
+        }
     }
 }

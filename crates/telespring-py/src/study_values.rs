@@ -10,6 +10,7 @@ use telespring::study::{OptionValue, Replacement, Table, Value};
 use crate::arguments::written;
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
+use crate::experiment::LaboratorySettings;
 use crate::model::{Operator, Robot};
 use crate::network::Network;
 
@@ -104,25 +105,47 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
         Ok(Replacement::Keys(keys.collect::<Outcome<_>>()?))
     };
     let mut out = BTreeMap::new();
+    // What the settings of a laboratory say about its network, where the network itself is not told otherwise.
+    let mut of_the_network = BTreeMap::new();
     for (name, section) in sections.iter() {
         let name = name.str()?.to_string();
         match section.cast::<Network>() {
             Ok(network) if name == "network" => {
                 let network = network.get().0;
                 let (delay, computing) = (network.delay(), network.computing_time());
-                let mut keys = numbers(&[("jitter", network.jitter()), ("max_gap", network.max_gap())]);
-                let ways = [("forward", delay.forward()), ("backward", delay.backward())];
-                let ways = ways.map(|(way, delay)| (way.to_owned(), Value::Float(delay)));
-                keys.insert("delay".to_owned(), Some(Value::Table(ways.into_iter().collect())));
+                let mut keys = numbers(&[("max_gap", network.max_gap())]);
+                let each_way = |[forward, backward]: [f64; 2]| {
+                    let ways = [("forward", forward), ("backward", backward)];
+                    Value::Table(
+                        ways.map(|(way, value)| (way.to_owned(), Value::Float(value))).into_iter().collect(),
+                    )
+                };
+                keys.insert("delay".to_owned(), Some(each_way([delay.forward(), delay.backward()])));
+                let [forward, backward] = network.jitters();
+                let jitter =
+                    if forward == backward { Value::Float(forward) } else { each_way([forward, backward]) };
+                keys.insert("jitter".to_owned(), Some(jitter));
                 out.insert(name, Replacement::Keys(keys));
                 let controller =
                     numbers(&[("sample_period", network.sample_period()), ("computing_time", computing)]);
                 out.entry("controller".to_owned()).or_insert(Replacement::Keys(controller));
             }
             _ => {
-                let replacement = replacement(&name, &section)?;
+                let mut replacement = replacement(&name, &section)?;
+                if let Replacement::Keys(keys) = &mut replacement
+                    && section.is_instance_of::<LaboratorySettings>()
+                {
+                    let moved = ["jitter", "loss"].into_iter().filter_map(|key| keys.remove_entry(key));
+                    of_the_network.extend(moved);
+                }
                 out.insert(name, replacement);
             }
+        }
+    }
+    if !of_the_network.is_empty() {
+        let network = out.entry("network".to_owned()).or_insert_with(|| Replacement::Keys(BTreeMap::new()));
+        if let Replacement::Keys(keys) = network {
+            of_the_network.into_iter().for_each(|(key, value)| drop(keys.entry(key).or_insert(value)));
         }
     }
     Ok(out)

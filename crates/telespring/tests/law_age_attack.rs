@@ -224,7 +224,7 @@ fn greedy_windows(k: f64, seconds: f64) -> Vec<f64> {
     let (free, forced) = step_of(m, b, k, step);
     let steps = (seconds / step) as usize;
     let mut past = [vec![1.0; steps + oldest + 1], vec![-1.0; steps + oldest + 1]];
-    let mut state = [[1.0, 0.0], [-1.0, 0.0]];
+    let mut state: [[f64; 2]; 2] = [[1.0, 0.0], [-1.0, 0.0]];
     let mut played = [0; 2];
     let mut windows = Vec::new();
     for n in 0..steps {

@@ -22,6 +22,7 @@ from telespring.cli.rehearse import rehearse
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
 from telespring.cli.terminal import close_output, output_trouble, prepare_streams
+from telespring.cli.trace import trace_command
 
 __all__ = ["app", "main"]
 
@@ -37,6 +38,7 @@ app.command("decide", cls=Command)(decide_command)
 app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
+app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
 app.command("reproduce", cls=Command)(reproduce_command)

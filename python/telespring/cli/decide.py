@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 __all__ = ["decide_command"]
 
 _TIME = number(TIME)
+#: The starts of an attack, so that the command answers the same each time.
+_ATTACK_SEED = 1
 
 
 def decide_command(
@@ -107,6 +109,14 @@ def decide_command(
             help="Also list the stiffnesses at which every motion decays at this rate or faster.",
         ),
     ] = None,
+    attack: Annotated[
+        bool,
+        typer.Option(
+            "--attack",
+            help="Also search from which stiffness on a delay that varies by the jitter and the gaps can "
+            "make the motion grow: about a second, several where they are long.",
+        ),
+    ] = False,
     check: Annotated[
         bool,
         typer.Option(
@@ -165,7 +175,7 @@ def decide_command(
             asked.take("controller", "computing_time", 0.0, "--continuous")
         _take_grips(asked, grip, grip1, grip2, allow_unusual=allow_unusual)
         read = asked.read()
-        answer = _answer(asked, read, horizon, decay_rate, check=check)
+        answer = _answer(asked, read, horizon, decay_rate, is_attacked=attack, check=check)
         if as_json:
             print_json(answer.to_dict())
         else:
@@ -230,7 +240,13 @@ def _take_grips(
 
 
 def _answer(
-    asked: StudyOptions, read: Study, horizon: float | None, decay_rate: float | None, *, check: bool
+    asked: StudyOptions,
+    read: Study,
+    horizon: float | None,
+    decay_rate: float | None,
+    *,
+    is_attacked: bool,
+    check: bool,
 ) -> Answer:
     """Answer the question, which --check needs whole."""
     from telespring.answer import answer_study
@@ -242,7 +258,7 @@ def _answer(
             "it concerns one stiffness and one delay",
             "Give --stiffness and --delay (or --ping), or leave it out.",
         )
-    asked.options |= {"horizon": "--horizon", "decay_rate": "--decay-rate"}
+    asked.options |= {"horizon": "--horizon", "decay_rate": "--decay-rate", "attack_seed": "--attack"}
     asked.note_robots(read)
     return answer_study(
         read,
@@ -253,4 +269,5 @@ def _answer(
         horizon=horizon,
         decay_rate=decay_rate,
         modules=None if asked.file is None else asked.file.parent,
+        attack_seed=_ATTACK_SEED if is_attacked else None,
     )

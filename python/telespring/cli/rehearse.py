@@ -70,5 +70,6 @@ def rehearse(
     summary = summarise_dataset(outcome.dataset, experiment)
     rehearsal_outcome_screen(console, outcome, summary, seconds)
     connected = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    rehearsed_conditions_screen(console, summary, arm_stability(rehearsed, connected, modules))
+    stability = arm_stability(rehearsed, connected, modules)
+    rehearsed_conditions_screen(console, summary, stability, rehearsed.session)
     console.print(f"Dataset: {outcome.dataset}", markup=False)

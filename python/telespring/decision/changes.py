@@ -144,27 +144,23 @@ def _softer(cases: Sequence[Question], errors: RobotErrors) -> float | None:
 
 
 def _varying_stiffness(cases: Sequence[Question], stiffness: float, errors: RobotErrors) -> float | None:
+    found = round_limit(min(_usable_while_varying(cases, stiffness, errors), STIFFEST_USUAL))
+    return found if found >= SOFTEST_USUAL else None
+
+
+def _usable_while_varying(cases: Sequence[Question], stiffness: float, errors: RobotErrors) -> float:
+    """Return the stiffness up to which all cases are stable while the delay varies, N/m."""
     found = [varying_delay(each, each.judge(stiffness), errors.robots) for each in cases]
-    most = min(each.usable_stiffness for each in found if each is not None)
-
-    def is_good(k: float) -> bool:
-        return all(_is_stable_while_varying(each, k, errors) for each in cases)
-
-    return _largest_rounded(is_good, min(most, STIFFEST_USUAL), least=SOFTEST_USUAL)
-
-
-def _is_stable_while_varying(question: Question, stiffness: float, errors: RobotErrors) -> bool:
-    found = varying_delay(question, question.judge(stiffness), errors.robots)
-    return found is not None and found.status == "stable"
+    return min(0.0 if each is None else each.usable_stiffness for each in found)
 
 
 def _nearer(cases: Sequence[Question], stiffness: float, errors: RobotErrors) -> tuple[float, float] | None:
     network = cases[0].network
-    extra, mean = network.jitter + network.max_gap, 0.5 * sum(network.delay)
+    extra, mean = 0.5 * sum(network.jitters) + network.max_gap, 0.5 * sum(network.delay)
     if mean == 0.0:
         return None
     longest = min(_longest(each, stiffness) for each in cases)
-    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
 
     def rounded(share: float) -> tuple[float, float]:
         forward, backward = (round_limit(share * delay) if share > 0.0 else 0.0 for delay in network.delay)
@@ -250,7 +246,7 @@ def _sampled_faster(cases: Sequence[Question], stiffness: float, errors: RobotEr
         period = round_limit(share * network.sample_period)
         if period < max(network.computing_time, 1e-5):
             break
-        timing = network.delay, network.jitter, network.max_gap, period, network.computing_time
+        timing = network.delay, network.jitters, network.max_gap, period, network.computing_time
         if _are_usable([replace(each, network=Network(*timing)) for each in cases], stiffness, errors):
             return period
     return None
@@ -282,6 +278,8 @@ def find_guarantees(
         assumption_met = all(each.assumption_met for each in verdicts)
         if (
             tier == "constant delay"
+            # Without jitter and gaps only the hold of a sample varies its age: the network is the same.
+            or (tier == "age in a range" and network.is_constant)
             or (tier == "any constant delay" and network.sample_period > 0.0)
             or len(bounds) < len(cases)
             or (is_satisfied and assumption_met)
@@ -296,7 +294,7 @@ def find_guarantees(
         if k < SOFTEST_USUAL:
             continue
         if is_varying and not needs_buffer:
-            is_good = all(_is_stable_while_varying(each, k, errors) for each in cases)
+            is_good = k <= _usable_while_varying(cases, stiffness, errors)
         else:
             is_good = _are_usable(cases, k, errors)
         if is_good:

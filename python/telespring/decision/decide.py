@@ -351,6 +351,7 @@ def decide(
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     compare_free: bool = False,
+    attack_seed: int | None = None,
 ) -> Decision:
     """Judge a stiffness in a question, and compute the margins.
 
@@ -371,6 +372,9 @@ def decide(
         What identification recorded, as `robot_record` reads it.
     compare_free
         Whether to answer the question for free handles too, if they are held.
+    attack_seed
+        Also search, from seeded starts, from which stiffness on a delay that varies as the network's may make
+        the motion grow; about a second, and more where the ages are spread wide.
 
     Returns
     -------
@@ -390,11 +394,11 @@ def decide(
     >>> [decide(question, k).status for k in (71.2, 97.0, 110.0)]
     ['stable', 'marginal', 'unstable']
     """
-    decision = _judge(question, stiffness, horizon, decay_rate, uncertainty, records)
+    decision = _judge(question, stiffness, horizon, decay_rate, uncertainty, records, attack_seed)
     cases = [question]
     if compare_free and question.is_held:
         cases.append(question.released())
-        free = _judge(cases[1], stiffness, decision.horizon, None, uncertainty, records)
+        free = _judge(cases[1], stiffness, decision.horizon, None, uncertainty, records, attack_seed)
         decision = replace(decision, free=free)
     errors = RobotErrors.of(uncertainty, records)
     answers = [each for each in (decision, decision.free) if each is not None]
@@ -412,10 +416,13 @@ def _judge(
     decay_rate: float | None,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
     records: tuple[RobotRecord | None, RobotRecord | None],
+    attack_seed: int | None,
 ) -> Decision:
     """Judge a stiffness for one way of holding the handles."""
+    # Without jitter and gaps nothing varies that could attack.
+    seed = None if question.network.is_constant else attack_seed
     # Checks every value before anything is derived from it.
-    judged = question.judge(stiffness)
+    judged = question.judge(stiffness, seed)
     forward, backward = constant_delay(judged)
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
@@ -440,7 +447,7 @@ def _judge(
         added_damping=0.0 if is_stable(judged) else judged.remedies.damping or math.inf,
         over_operator_ranges=question.operator_ranges is not None,
         has_playout_buffer=question.has_playout_buffer,
-        varying=varying_delay(question, judged, uncertainty),
+        varying=varying_delay(question, judged, uncertainty, is_attacked=seed is not None),
         decay_rate=decay_rate,
         decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(worst, mean, decay_rate)),
         uncertainty=None

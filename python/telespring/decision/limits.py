@@ -239,7 +239,7 @@ def limits(
     'stable'
     """
     network = question.network
-    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
     asked: Sequence[float | tuple[float, float]] = (network.delay,) if delays is None else delays
     questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
     free = None

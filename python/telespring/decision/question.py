@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -157,9 +158,9 @@ class Question:
         dyad = Dyad(*self.dyad.robots, operators, self.dyad.coupling_damping)
         return replace(self, dyad=dyad, operator_ranges=None)
 
-    def judge(self, stiffness: float) -> Verdicts:
-        """Return the verdicts at this stiffness, N/m."""
-        return verdicts(self.dyad, stiffness, self.network, operator_range=self.operator_ranges)
+    def judge(self, stiffness: float, attack_seed: int | None = None) -> Verdicts:
+        """Return the verdicts at this stiffness, N/m; with a seed an attack is searched, too."""
+        return _judged(self.dyad, stiffness, self.network, self.operator_ranges, attack_seed)
 
     def at_delay(self, delay: float | tuple[float, float]) -> Question:
         """Return the question at this constant delay, s."""
@@ -211,6 +212,18 @@ class Question:
         Both ways grow in the proportion that they have in the network.
         """
         return delay_limit(self.dyad, judged.stiffness, self.network, self.operator_ranges)
+
+
+@lru_cache(maxsize=64, typed=True)
+def _judged(
+    dyad: Dyad,
+    stiffness: float,
+    network: Network,
+    ranges: tuple[OperatorRange, OperatorRange] | None,
+    attack_seed: int | None,
+) -> Verdicts:
+    """Return the verdicts; one answer asks for the same ones several times."""
+    return verdicts(dyad, stiffness, network, operator_range=ranges, attack_seed=attack_seed)
 
 
 def _with_spring(hand: OperatorRange, spring: Operator) -> OperatorRange:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["VaryingDelay", "usable_delay_while_varying", "varying_delay"]
 
 _LIGHTEST = 1e-4
+#: A stiffness to ask the verdicts for their bounds, which do not depend on it, N/m.
+_PROBE = 1.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,12 @@ class VaryingDelay:
         The largest stiffness with the reserve and, where the robots have errors, with the least probability,
         N/m: it is called stable.
     tier
-        The tier that proves it; None if none has a rule.
+        The tier that proves it; None if none has a rule. That of an age in a range holds where no sample is
+        played after a newer one, as telespring's play-out does.
+    attack
+        From this stiffness, N/m, on, a network is known that varies the delay so and makes the motion grow;
+        infinite if the search found none, None if none was searched. It is simulated with the operators that
+        allow the least. Between the limit and it nothing is known.
     """
 
     status: Status
@@ -52,6 +59,7 @@ class VaryingDelay:
     is_attained: bool
     usable_stiffness: float
     tier: Tier | None
+    attack: float | None = None
 
     @property
     def recommended_stiffness(self) -> float:
@@ -63,8 +71,12 @@ def varying_delay(
     question: Question,
     judged: Verdicts,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+    *,
+    is_attacked: bool = False,
 ) -> VaryingDelay | None:
     """Judge a question without a playout buffer; None if its delay does not vary.
+
+    `is_attacked` says that the verdicts were asked to search for an attack.
 
     In tiers 1 and 2 more delay needs no judgement of its own: the stiffness that a tier allows falls with it
     no faster than in proportion, so that the reserve of stiffness is one of delay, too. Where the age in a
@@ -83,20 +95,28 @@ def varying_delay(
     limit, attained, tier = _allowed(judged)
     worst_limit = _limit_with_errors(question, uncertainty, judged)
     if tier == "age in a range":
-        nearby = [_limit_at(question, factor, judged.stiffness) for factor in (1.0 - RESERVE, 1.0 + RESERVE)]
+        nearby = [_limit_at(question, factor) for factor in (1.0 - RESERVE, 1.0 + RESERVE)]
     else:
         nearby = []
     usable = min(limit / (1.0 + RESERVE), worst_limit, *nearby)
-    return VaryingDelay(_status(question, judged, usable), limit, attained, WITHIN * usable, tier)
+    attack = judged.tier("age in a range").attack if is_attacked else None
+    return VaryingDelay(
+        _status(question, judged, usable),
+        limit,
+        attained,
+        WITHIN * usable,
+        tier,
+        attack=math.inf if is_attacked and attack is None else attack,
+    )
 
 
-def _limit_at(question: Question, factor: float, stiffness: float) -> float:
+def _limit_at(question: Question, factor: float) -> float:
     """Return what is proven with this multiple of the delay, N/m, jitter and gaps unchanged."""
     network = question.network
     forward, backward = network.delay
-    timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
     longer = Network((factor * forward, factor * backward), *timing)
-    return _allowed(replace(question, network=longer).judge(stiffness))[0]
+    return _allowed(replace(question, network=longer).judge(_PROBE))[0]
 
 
 def _limit_with_errors(
@@ -111,31 +131,49 @@ def _limit_with_errors(
     if worse is None:
         return 0.0
     # The worst robots of tiers 1 and 2 are known; for the age in a range all of them are judged at once.
-    known = [worse.judge(judged.stiffness).tier(name) for name in ("any network", "bounded varying delay")]
-    every = _every_robot(question, worse).judge(judged.stiffness).tier("age in a range")
-    return max((tier.stiffness_bound or 0.0 for tier in (*known, every)), default=0.0)
+    found = worse.judge(_PROBE)
+    every = _every_robot(question, uncertainty).judge(_PROBE)
+    tiers = found.tier("any network"), found.tier("bounded varying delay"), every.tier("age in a range")
+    return max(tier.stiffness_bound or 0.0 for tier in tiers)
 
 
-def _every_robot(question: Question, worse: Question) -> Question:
-    """Return the question for all robots as far from the given ones as the worse ones, to either side."""
+def _every_robot(
+    question: Question, uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None]
+) -> Question:
+    """Return the question for all robots but a few, at most 5 %: masses and dampings from low to high.
+
+    The robots are the lightest and least damped ones, and the operators have what others have more.
+    """
+    deviations = _deviations(question, sides=2)
     robots, ranges = [], []
-    for i, (robot, worst) in enumerate(zip(question.dyad.robots, worse.dyad.robots, strict=True)):
-        more = np.asarray(worst.mass) - np.asarray(robot.mass)
-        less = np.asarray(robot.damping) - np.asarray(worst.damping)
-        mass = np.maximum(np.asarray(robot.mass) - more, _LIGHTEST)
-        robots.append(Robot(mass, worst.damping, axes=robot.axes))
+    for i, (robot, known) in enumerate(zip(question.dyad.robots, uncertainty, strict=True)):
+        mass, damping = np.asarray(robot.mass), np.asarray(robot.damping)
+        more_mass, more_damping = np.zeros_like(mass), np.zeros_like(damping)
+        if known is not None:
+            more_mass = deviations * np.asarray(known.mass_sd)
+            more_damping = deviations * np.asarray(known.damping_sd)
+        lightest = np.maximum(mass - more_mass, np.minimum(mass, _LIGHTEST))
+        least = np.maximum(damping - more_damping, 0.0)
+        robots.append(Robot(lightest, least, axes=robot.axes))
         held = question.operator_ranges
         low, high = (question.dyad.operators[i],) * 2 if held is None else (held[i].low, held[i].high)
-        wider = Operator(
-            np.asarray(high.mass) + np.asarray(worst.mass) - mass,
-            np.asarray(high.damping) + 2.0 * less,
-            np.asarray(high.stiffness) + np.zeros_like(mass),
+        narrow = Operator(
+            *(np.broadcast_to(each, mass.shape) for each in (low.mass, low.damping, low.stiffness))
         )
-        zero = np.zeros_like(mass)
-        narrow = Operator(*(np.asarray(each) + zero for each in (low.mass, low.damping, low.stiffness)))
+        wider = Operator(
+            high.mass + (mass + more_mass - lightest),
+            high.damping + (damping + more_damping - least),
+            np.broadcast_to(high.stiffness, mass.shape),
+        )
         ranges.append(OperatorRange(narrow, wider))
     dyad = Dyad(robots[0], robots[1], None, question.dyad.coupling_damping)
     return replace(question, dyad=dyad, operator_ranges=(ranges[0], ranges[1]))
+
+
+def _deviations(question: Question, sides: int) -> float:
+    """Return within how many standard errors all parameters are but in 5 % of cases, on one or both sides."""
+    parameters = 2 * sum(len(robot.axes) for robot in question.dyad.robots)
+    return NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / (sides * parameters))
 
 
 def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
@@ -148,9 +186,9 @@ def _status(question: Question, judged: Verdicts, usable: float) -> Status:
     if _is_proven(judged):
         return "stable" if k <= usable else "marginal"
     # A constant delay is one of the ways in which the delay may vary.
-    jitter = question.network.jitter
     forward, backward = question.network.delay
-    for delay in ((forward, backward), (forward + jitter, backward + jitter)):
+    more, more_backward = question.network.jitters
+    for delay in ((forward, backward), (forward + more, backward + more_backward)):
         if is_instability_proven(question.at_delay(delay).judge(k)):
             return "unstable"
     return "not proven"
@@ -173,8 +211,7 @@ def _worse_robots(
         return question
     if question.network.sample_period > 0.0 and np.any(question.dyad.coupling_damping):
         return None
-    parameters = 2 * sum(len(robot.axes) for robot in question.dyad.robots)
-    deviations = NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / parameters)
+    deviations = _deviations(question, sides=1)
     robots = []
     for robot, known in zip(question.dyad.robots, uncertainty, strict=True):
         mass, damping = robot.mass, robot.damping
@@ -205,7 +242,7 @@ def usable_delay_while_varying(
     cases = [((1.0 + RESERVE) * stiffness, question), (stiffness, worse)]
 
     def with_delay(delay: float, tier: Tier) -> bool:
-        timing = network.jitter, network.max_gap, network.sample_period, network.computing_time
+        timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
         for k, asked in cases:
             # In the tier that the delay decides the worst operators are those with the least damping.
             if ranges is not None and tier == "bounded varying delay":
@@ -216,7 +253,7 @@ def usable_delay_while_varying(
                 return False
         return True
 
-    longest -= network.jitter + network.max_gap
+    longest -= network.jitter + network.max_gap  # the later way counts
     if with_delay(longest, "any network"):
         return math.inf
     return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest, resolution=1e-9)

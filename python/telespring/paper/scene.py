@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from telespring.model import Dyad, DyadAxis, Robot, Study, hman
+from telespring.model import Architecture, Dyad, DyadAxis, Robot, Study, hman
 from telespring.paper.reference import Reference, check_figure_ranges, reference_of
 from telespring.show.figures import StudyMark
 
@@ -84,12 +84,13 @@ class Scene:
 
     @property
     def of_the_papers_experiment(self) -> bool:
-        """Whether the paper's robots also do its task with its two kinds of agents, as in its Table I."""
+        """Whether the paper's robots do its task with its kinds of agents and its spring, as in Table I."""
         experiment, printed = self.study.experiment, Study.paper().experiment
         if experiment is None or printed is None or not self.of_the_paper:
             return False
         kinds, printed_kinds = ([agent.kind for agent in e.agents] for e in (experiment, printed))
-        return experiment.task == printed.task and kinds == printed_kinds
+        is_bare_spring = self.study.session == Architecture()
+        return experiment.task == printed.task and kinds == printed_kinds and is_bare_spring
 
     @property
     def mark(self) -> StudyMark | None:

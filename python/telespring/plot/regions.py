@@ -53,7 +53,7 @@ class MapQuestion:
     @property
     def extra(self) -> float:
         """By how much a delay may be longer, s: jitter and gaps."""
-        return self.network.jitter + self.network.max_gap
+        return 0.5 * sum(self.network.jitters) + self.network.max_gap
 
     @property
     def is_varying(self) -> bool:
@@ -71,7 +71,7 @@ class MapQuestion:
         mean = 0.5 * (forward + backward)
         shares = (1.0, 1.0) if mean == 0.0 else (forward / mean, backward / mean)
         own = self.network
-        timing = own.jitter, own.max_gap, own.sample_period, own.computing_time
+        timing = own.jitters, own.max_gap, own.sample_period, own.computing_time
         return Network((shares[0] * delay, shares[1] * delay), *timing)
 
     def grid(

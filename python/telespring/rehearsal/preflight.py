@@ -12,7 +12,14 @@ from telespring._core import Arm, Study
 from telespring._types import FloatArray
 from telespring.rehearsal.target import target_path
 
-__all__ = ["JitterWarning", "LossWarning", "PreflightWarning", "ReachWarning", "preflight_warnings"]
+__all__ = [
+    "JitterWarning",
+    "LateWarning",
+    "LossWarning",
+    "PreflightWarning",
+    "ReachWarning",
+    "preflight_warnings",
+]
 
 #: m; an arm that comes closer than this to a limit of its reach gets a warning.
 _MARGIN = 0.03
@@ -24,6 +31,14 @@ class JitterWarning:
 
     jitter: float
     duration: float
+
+
+@dataclass(frozen=True)
+class LateWarning:
+    """A play-out delay (s) shorter than the longest delay (s) of a condition: no motion comes in time."""
+
+    playout: float
+    delay: float
 
 
 @dataclass(frozen=True)
@@ -56,7 +71,7 @@ class ReachWarning:
     position: tuple[float, float]
 
 
-PreflightWarning: TypeAlias = JitterWarning | LossWarning | ReachWarning
+PreflightWarning: TypeAlias = JitterWarning | LateWarning | LossWarning | ReachWarning
 
 
 def preflight_warnings(study: Study, modules: Path | None = None) -> list[PreflightWarning]:
@@ -84,6 +99,12 @@ def preflight_warnings(study: Study, modules: Path | None = None) -> list[Prefli
         warnings.append(JitterWarning(settings.jitter, experiment.duration))
     if settings.loss >= 1.0:
         warnings.append(LossWarning())
+    playout = study.session.playout_delay
+    # a recorded trace has its own delays
+    if playout is not None and experiment.trace_files == (None, None):
+        longest = max((delay for stiffness, delay in experiment.conditions if stiffness), default=0.0)
+        if playout < longest:
+            warnings.append(LateWarning(playout, longest))
     if any(arm.kind == "two-link" for arm in experiment.arms):
         path = target_path(experiment, modules)
         for number, arm in enumerate(experiment.arms, start=1):

@@ -39,12 +39,26 @@ class EarlyEnds:
 
 @dataclass(frozen=True)
 class ConditionSummary:
-    """How the trials of one condition ended."""
+    """How the trials of one condition ended.
+
+    Attributes
+    ----------
+    label, condition
+        Which condition it is.
+    completed
+        Number of trials that were completed.
+    early_ends
+        Those that were not, by reason.
+    limited_share
+        Mean share of the ticks, over trials and robots, at which the strategy changed the spring's force;
+        None in the unconnected mode, or if no motion of a partner was ever in use.
+    """
 
     label: str
     condition: Condition
     completed: int
     early_ends: tuple[EarlyEnds, ...]
+    limited_share: float | None
 
 
 @dataclass(frozen=True)
@@ -77,6 +91,7 @@ def summarise_dataset(dataset: Path, experiment: Experiment) -> RehearsalSummary
             status[...],
             file.variables["ended_at"][...],
             file.variables["position"],
+            file.variables["limited_share"][...],
             strict=True,
         )
         return RehearsalSummary(
@@ -94,8 +109,9 @@ def summarise_dataset(dataset: Path, experiment: Experiment) -> RehearsalSummary
                         for value in range(1, len(meanings))
                         if (ended == value).any()
                     ),
+                    limited_share=float(np.mean(limited)) if np.isfinite(limited).all() else None,
                 )
-                for label, condition, ended, ended_at, position in outcomes
+                for label, condition, ended, ended_at, position, limited in outcomes
             ),
         )
 

@@ -117,6 +117,7 @@ def varying_json(varying: VaryingDelay | None) -> dict[str, Any] | None:
         "usable_stiffness": finite_or_none(varying.usable_stiffness),
         "recommended_stiffness": varying.recommended_stiffness,
         "verdict": varying.tier,
+        "attack": None if varying.attack is None else {"stiffness": finite_or_none(varying.attack)},
     }
 
 

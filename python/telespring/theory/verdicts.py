@@ -62,7 +62,7 @@ def verdicts(
     dyad: Dyad,
     stiffness: float,
     delay: Delay | Network,
-    jitter: float = 0.0,
+    jitter: Delay = 0.0,
     max_gap: float = 0.0,
     sample_period: float = 0.0,
     computing_time: float = 0.0,
@@ -87,8 +87,8 @@ def verdicts(
     delay : float, (float, float) or Network
         The constant part of the one-way delay, s, or the pair (forward, backward); or a network, which has
         all that follows up to the computing time.
-    jitter : float
-        The largest additional delay of a packet, s.
+    jitter : float or (float, float)
+        The largest additional delay of a packet, s, or the pair (forward, backward).
     max_gap : float
         The longest wait for a newer partner sample, s, losses included.
     sample_period : float
@@ -305,7 +305,7 @@ def is_stable_over_stiffnesses(
     return core.is_stable_over_stiffnesses(dyad, stiffnesses, network, operator_range)
 
 
-def _refuse_beside_a_network(**given: float) -> None:
+def _refuse_beside_a_network(**given: Delay) -> None:
     for name, value in given.items():
         if value != 0.0:
             raise InvalidInput(

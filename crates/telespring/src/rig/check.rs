@@ -103,8 +103,7 @@ impl SessionPlan {
         for (index, damping) in self.least_damping.into_iter().enumerate() {
             check_per_axis(quantity::DAMPING, &format!("least_damping[{index}]"), damping)?;
         }
-        quantity::SPAN.check("lateness", self.lateness)?;
-        Ok(())
+        check_per_axis(quantity::SPAN, "lateness", self.lateness)
     }
 }
 

@@ -175,13 +175,14 @@ impl Laboratory {
         let Self { controller, session, .. } = self;
         let ConnectedMode { stiffness, damping, delay } = *coupling;
         // Robot 2 receives in the forward direction.
-        let [first, second] = [delay.backward(), delay.forward()];
-        let delays = if side == 0 { [first, second] } else { [second, first] };
+        let seen = |[forward, backward]: [f64; 2]| {
+            if side == 0 { [backward, forward] } else { [forward, backward] }
+        };
         SideFacts {
             session: side as u64 + 1,
             law: Law { stiffness, damping },
-            delays,
-            lateness: session.lateness,
+            delays: seen([delay.forward(), delay.backward()]),
+            lateness: seen(session.lateness),
             has_playout_buffer: session.has_playout_buffer,
             sample_period: controller.sample_period,
             computing_tick: controller.computing_tick,

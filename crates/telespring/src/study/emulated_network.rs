@@ -7,7 +7,7 @@ use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
-use crate::rig::trace::{IrttDelay, TraceUnits};
+use crate::rig::trace::{IrttDelay, TraceUnits, names_round_trips};
 use crate::rig::{
     Blackout, GilbertElliott, JitterDistribution, Network, NetworkModel, PacketOrder, RateLimit, Trace,
 };
@@ -29,7 +29,8 @@ impl TraceFile {
     ///
     /// # Errors
     ///
-    /// As [`Trace::from_csv`] and [`Trace::from_irtt`], with the name of the file.
+    /// As [`Trace::from_csv`] and [`Trace::from_irtt`], with the name of the file; or if a column is named `rtt` and the
+    /// file is not said to have round trips.
     pub fn trace(&self, text: &str, is_forward: bool) -> Result<Trace> {
         let read = if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
             let taken = match (self.is_round_trip, is_forward) {
@@ -38,6 +39,14 @@ impl TraceFile {
                 (false, false) => IrttDelay::Receive,
             };
             Trace::from_irtt(text, taken)
+        } else if names_round_trips(text) && !self.is_round_trip {
+            Err(InvalidInput::new(
+                "trace, column delay",
+                "\"rtt\"",
+                "a round trip is not the delay of one way",
+                "Say that it is a round trip (round_trip = true in a study, --round-trip on the command line), \
+                 which takes half of it for each way.",
+            ))
         } else {
             Trace::from_csv(text, TraceUnits::default())
         };

@@ -224,7 +224,7 @@ impl Study {
             operator_ranges: (!single).then_some(ranges),
             stiffness,
             has_delay: reader.get("network", "delay").is_some(),
-            network: read_network(&reader, emulated_network.jitter())?,
+            network: read_network(&reader, emulated_network.model.jitters())?,
             has_playout_buffer: reader
                 .get("network", "playout_buffer")
                 .map_or(Ok(false), |entry| entry.boolean())?,

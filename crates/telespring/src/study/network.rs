@@ -11,8 +11,8 @@ use crate::verdicts::Network;
 /// The default sample period of both controllers, s.
 pub(super) const SAMPLE_PERIOD: f64 = 0.001;
 
-/// Reads the network's delays and the timing of both controllers; the jitter, s, is read already.
-pub(super) fn read_network(reader: &Reader<'_>, jitter: f64) -> Result<Network> {
+/// Reads the network's delays and the timing of both controllers; the jitter of each way, s, is read already.
+pub(super) fn read_network(reader: &Reader<'_>, jitters: [f64; 2]) -> Result<Network> {
     let delay = match reader.get("network", "delay") {
         None => Delay::each_way(0.0),
         Some(entry) => read_delay(&entry)?,
@@ -22,9 +22,9 @@ pub(super) fn read_network(reader: &Reader<'_>, jitter: f64) -> Result<Network> 
         // The laboratory has the same controllers.
         None => laboratory_period(reader)?.unwrap_or(SAMPLE_PERIOD),
     };
-    Network::new(
+    Network::with_jitters(
         delay.map_err(|error| reader.place("network", error))?,
-        jitter,
+        jitters,
         reader.number_or_zero("network", "max_gap", quantity::SPAN)?,
         period,
         reader.number_or_zero("controller", "computing_time", quantity::SPAN)?,

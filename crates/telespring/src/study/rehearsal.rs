@@ -147,10 +147,12 @@ impl Study {
             let sd = self.robots[robot].uncertainty.as_ref().map(|known| &known.damping_sd);
             [0, 1].map(|axis| (damping[axis] - sd.map_or(0.0, |sd| QUANTILE * sd[axis])).max(0.0))
         });
+        let rig::Network { forward, backward } = &self.emulated_network.model;
+        let jitters = [forward.jitter, backward.jitter];
         rig::SessionPlan {
             architecture: self.session,
             least_damping,
-            lateness: self.network.jitter() + self.network.max_gap(),
+            lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
             has_playout_buffer: self.has_playout_buffer,
         }
     }

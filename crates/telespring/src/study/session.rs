@@ -113,7 +113,7 @@ fn read_share(entry: Option<Entry<'_, '_>>, usual: f64) -> Result<f64> {
     }
     Err(entry.reject(
         "the share of the loss that may be spent must be below 1",
-        "With a share of 1 a motion never dies out: 0.8 leaves a fifth of the loss.",
+        "With a share of 1 a motion never dies out: 0.7 leaves three tenths of the loss.",
     ))
 }
 

@@ -17,7 +17,7 @@ use crate::quantity;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network {
     delay: Delay,
-    jitter: f64,
+    jitters: [f64; 2],
     max_gap: f64,
     sample_period: f64,
     computing_time: f64,
@@ -79,11 +79,43 @@ impl Network {
         sample_period: f64,
         computing_time: f64,
     ) -> Result<Self> {
-        quantity::SPAN.check("jitter", jitter)?;
+        Self::with_jitters(delay, [jitter; 2], max_gap, sample_period, computing_time)
+    }
+
+    /// The same with a jitter of each way, forward and backward.
+    ///
+    /// # Errors
+    ///
+    /// As [`Network::new`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::{Delay, verdicts::Network};
+    /// let network = Network::with_jitters(Delay::each_way(0.05)?, [0.01, 0.03], 0.0, 0.0, 0.0)?;
+    /// assert_eq!(network.jitter(), 0.03);
+    /// assert!((network.oldest_partner_sample()[0] - 0.06).abs() < 1e-15);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn with_jitters(
+        delay: Delay,
+        jitters: [f64; 2],
+        max_gap: f64,
+        sample_period: f64,
+        computing_time: f64,
+    ) -> Result<Self> {
+        for jitter in jitters {
+            quantity::SPAN.check("jitter", jitter)?;
+        }
         quantity::SPAN.check("max_gap", max_gap)?;
         quantity::SPAN.check("sample_period", sample_period)?;
         quantity::SPAN.check("computing_time", computing_time)?;
-        let longest = delay.forward().max(delay.backward()) + jitter + max_gap;
+        let [forward, backward] = jitters;
+        let (longest, jitter) = if delay.forward() + forward >= delay.backward() + backward {
+            (delay.forward() + forward + max_gap, forward)
+        } else {
+            (delay.backward() + backward + max_gap, backward)
+        };
         if longest > LONGEST_DELAY {
             return Err(InvalidInput::new(
                 if jitter > max_gap { "jitter" } else { "max_gap" },
@@ -112,12 +144,12 @@ impl Network {
                 "Shorten it, or give the actual sample period of the controller.",
             ));
         }
-        Ok(Self { delay, jitter, max_gap, sample_period, computing_time })
+        Ok(Self { delay, jitters, max_gap, sample_period, computing_time })
     }
 
     /// Creates a network with a constant delay only: continuous controllers, no jitter, no gaps.
     pub fn constant(delay: Delay) -> Self {
-        Self { delay, jitter: 0.0, max_gap: 0.0, sample_period: 0.0, computing_time: 0.0 }
+        Self { delay, jitters: [0.0; 2], max_gap: 0.0, sample_period: 0.0, computing_time: 0.0 }
     }
 
     /// The constant part of the network's one-way delays.
@@ -125,9 +157,19 @@ impl Network {
         self.delay
     }
 
-    /// The maximum additional delay of a packet, s.
+    /// The constant part of both delays, forward and backward, s.
+    fn delays(&self) -> [f64; 2] {
+        [self.delay.forward(), self.delay.backward()]
+    }
+
+    /// The maximum additional delay of a packet, s: the larger of both ways.
     pub fn jitter(&self) -> f64 {
-        self.jitter
+        self.jitters[0].max(self.jitters[1])
+    }
+
+    /// The maximum additional delay of a packet, forward and backward, s.
+    pub fn jitters(&self) -> [f64; 2] {
+        self.jitters
     }
 
     /// The longest wait for a newer partner sample, s.
@@ -147,7 +189,7 @@ impl Network {
 
     /// True if every packet has the same delay: neither jitter nor gaps.
     pub fn is_constant(&self) -> bool {
-        self.jitter == 0.0 && self.max_gap == 0.0
+        self.jitter() == 0.0 && self.max_gap == 0.0
     }
 
     /// The maximum age of a robot's own position sample on this network, s: one period plus computing time.
@@ -157,9 +199,9 @@ impl Network {
 
     /// The contributions of both directions: from robot 1 to robot 2, and back.
     pub fn budget(&self) -> [DelayBudget; 2] {
-        [self.delay.forward(), self.delay.backward()].map(|network| DelayBudget {
-            network,
-            jitter: self.jitter,
+        [0, 1].map(|way| DelayBudget {
+            network: self.delays()[way],
+            jitter: self.jitters[way],
             gap: self.max_gap,
             sampling: self.sample_period,
             computing: self.computing_time,
@@ -190,7 +232,7 @@ impl Network {
     /// The constant delays behind a playout buffer that waits for the latest packet and the longest gap, s;
     /// without jitter and gaps the network's own delays.
     pub fn buffered(&self) -> [f64; 2] {
-        [self.delay.forward(), self.delay.backward()].map(|delay| delay + self.jitter + self.max_gap)
+        [0, 1].map(|way| self.delays()[way] + self.jitters[way] + self.max_gap)
     }
 
     /// The mean of [`Network::buffered`], s: the only constant delay that affects the stability of continuous
@@ -215,7 +257,7 @@ impl Network {
 
     /// The same controllers over a constant delay, without jitter and gaps.
     pub(super) fn with_delay(&self, delay: Delay) -> Self {
-        Self { delay, jitter: 0.0, max_gap: 0.0, ..*self }
+        Self { delay, jitters: [0.0; 2], max_gap: 0.0, ..*self }
     }
 }
 

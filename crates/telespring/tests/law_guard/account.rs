@@ -145,6 +145,20 @@ fn law_claims_count_once_and_no_faster_than_the_set_power() {
 }
 
 #[test]
+fn law_what_cannot_be_taken_in_within_five_seconds_is_lost() {
+    let mut account = account(100.0, 0.0, 0.0, false);
+    for tick in 1..=10_000 {
+        // 50 J at once, nothing after; 0.3 W
+        account.settle(1e-3, [0.0; 2], [0.0; 2], 50.0);
+        let expected = 0.3 * 1e-3 * f64::from(tick.min(5001));
+        assert!((account.received() - expected).abs() < 1e-12, "tick {tick}: {}", account.received());
+    }
+    // it is not held against what comes later
+    account.settle(1e-3, [0.0; 2], [0.0; 2], 50.0001);
+    assert!((account.received() - 1.5004).abs() < 1e-12, "{}", account.received());
+}
+
+#[test]
 fn law_a_displacement_or_a_force_that_is_not_a_number_empties_the_account() {
     for (displacement, acted) in
         [([f64::NAN, 0.0], [1.0; 2]), ([0.0; 2], [f64::INFINITY, 0.0]), ([1e200; 2], [1e200; 2])]

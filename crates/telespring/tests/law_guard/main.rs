@@ -7,3 +7,5 @@ mod account;
 mod any_network;
 mod hman;
 mod support;
+#[path = "../withstand_common/mod.rs"]
+mod withstand_common;

@@ -1,15 +1,18 @@
 //! Two H-MANs with an exact hold, each driven by an endpoint, over a network that delays, varies and loses.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::rc::Rc;
 
-use crate::plant::AxisPlant;
+use crate::withstand_common::pair::{Station, measure_and_send};
+use crate::withstand_common::plant::AxisPlant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use telespring::rig::{Channel, Datagram};
 use telespring::session::strategy::{
     Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings, Spring,
     StrategyChoice, StrategyReport, TankSettings, TimeDomainPassivity, TwoLayer, WaveSettings, WaveVariables,
 };
-use telespring::session::wire::LENGTH;
 use telespring::session::{
     AccountSettings, Endpoint, EndpointSettings, Law, LocalTime, Motion, PlayoutSettings, Span,
     WatchdogSettings,
@@ -41,7 +44,7 @@ pub fn target(time: f64) -> [f64; 2] {
 }
 
 /// What happens.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Ticks from sending to arrival, and how much later a packet may come.
     pub delay: usize,
@@ -153,70 +156,79 @@ impl Course {
     }
 }
 
+/// One way of the network of a case; both ways draw from the same random numbers.
+#[derive(Debug)]
+struct Link {
+    case: Case,
+    random: Rc<RefCell<ChaCha8Rng>>,
+    /// The tick at which each packet is due, in the order of sending.
+    travelling: VecDeque<(usize, Datagram)>,
+}
+
+fn tick_at(now: LocalTime) -> usize {
+    (now.seconds() / PERIOD).round() as usize
+}
+
+impl Channel for Link {
+    fn send(&mut self, now: LocalTime, packet: Datagram) {
+        let Case { delay, jitter, loss, blackout, .. } = self.case;
+        let (n, mut random) = (tick_at(now), self.random.borrow_mut());
+        let late = random.random_range(0..=jitter);
+        let dark = blackout.is_some_and(|(from, to)| (from..to).contains(&n));
+        if random.random::<f64>() >= loss && !dark {
+            self.travelling.push_back((n + delay + late, packet));
+        }
+    }
+
+    fn deliver(&mut self, now: LocalTime) -> Option<Datagram> {
+        let place = self.travelling.iter().position(|(due, _)| *due <= tick_at(now))?;
+        self.travelling.remove(place).map(|(_, packet)| packet)
+    }
+}
+
 /// Runs a pair of strategies through a case; it stops where a handle is 100 m away.
 pub fn run(case: &Case, strategies: [StrategyChoice; 2]) -> Course {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let random = Rc::new(RefCell::new(ChaCha8Rng::seed_from_u64(7)));
     let playout = PlayoutSettings::Fixed { delay: Span(case.playout as i64 * 1_000_000) };
-    let mut ids = 1..;
-    let watchdog = case.blackout.map(|_| WatchdogSettings::default());
-    let mut sides = strategies.map(|strategy| {
-        let id = ids.next().unwrap();
-        let settings = EndpointSettings::new(id, spring_law(), Span(0));
-        Endpoint::new(EndpointSettings { strategy, playout, watchdog, ..settings }).unwrap()
-    });
     let (mass, damping) = (hman_mass(), hman_damping());
-    let mut plants = [0, 1].map(|side| {
-        [0, 1].map(|axis| AxisPlant::new(mass[side][axis], damping[side][axis], case.hands[side], PERIOD))
+    let watchdog = case.blackout.map(|_| WatchdogSettings::default());
+    let mut sides = 0..2;
+    let mut stations = strategies.map(|strategy| {
+        let side = sides.next().unwrap();
+        let settings = EndpointSettings::new(side as u64 + 1, spring_law(), Span(0));
+        let endpoint = Endpoint::new(EndpointSettings { strategy, playout, watchdog, ..settings }).unwrap();
+        let plants = [0, 1]
+            .map(|axis| AxisPlant::new(mass[side][axis], damping[side][axis], case.hands[side], PERIOD));
+        let link = Link { case: *case, random: random.clone(), travelling: VecDeque::new() };
+        Station::new(plants, endpoint, Box::new(link))
     });
-    plants[0][0].velocity = case.velocity;
-    let mut travelling: [VecDeque<(usize, [u8; LENGTH])>; 2] = Default::default();
+    stations[0].plants[0].velocity = case.velocity;
     let mut given_out = [0.0; 2];
     let mut course = Vec::new();
     for n in 0..(case.seconds / PERIOD).round() as usize {
         let now = LocalTime(n as u64 * 1_000_000);
-        for side in 0..2 {
-            let motion = Motion {
-                position: [0, 1].map(|axis| plants[side][axis].position),
-                velocity: [0, 1].map(|axis| plants[side][axis].velocity),
-            };
-            sides[side].handle_measurement(now, motion).unwrap();
-            let packet = sides[side].poll_transmit(now).unwrap();
-            let late = random.random_range(0..=case.jitter);
-            let dark = case.blackout.is_some_and(|(from, to)| (from..to).contains(&n));
-            if random.random::<f64>() >= case.loss && !dark {
-                travelling[1 - side].push_back((n + case.delay + late, packet));
-            }
-        }
+        measure_and_send(&mut stations, now);
         let hand = if case.follows { target(n as f64 * PERIOD) } else { [0.0; 2] };
         let ticks = [0, 1].map(|side| {
-            let endpoint = &mut sides[side];
-            travelling[side].retain(|(due, packet)| {
-                if *due <= n {
-                    endpoint.handle_datagram(now, packet).unwrap();
-                }
-                *due > n
-            });
-            let motion = Motion {
-                position: [0, 1].map(|axis| plants[side][axis].position),
-                velocity: [0, 1].map(|axis| plants[side][axis].velocity),
-            };
-            let force = endpoint.force(now);
-            Tick { motion, force, report: endpoint.report().strategy, given_out: given_out[side] }
+            let station = &mut stations[side];
+            let force = station.answer(now, |_, is_taken| assert!(is_taken));
+            let report = station.endpoint.report().strategy;
+            Tick { motion: station.measured, force, report, given_out: given_out[side] }
         });
         course.push(ticks);
         for side in 0..2 {
-            for axis in 0..2 {
+            let held = [0, 1].map(|axis| {
                 let pull = if (side, axis) == (0, 0) && n >= 1000 { case.pull } else { 0.0 };
-                let force = ticks[side].force[axis];
                 let slip = if side == 1 { case.disturbance } else { 0.0 };
                 let (rate, phase) = [(4.1, 0.3), (5.3, 1.0)][axis];
                 let slip = slip * (rate * n as f64 * PERIOD + phase).cos();
-                let held = case.hands[side] * hand[axis] + pull + slip;
-                let (moved, _) = plants[side][axis].advance(force + held);
-                given_out[side] += force * moved;
-            }
+                case.hands[side] * hand[axis] + pull + slip
+            });
+            let steps = stations[side].advance(ticks[side].force, held);
+            given_out[side] += steps.iter().map(|step| step.work).sum::<f64>();
         }
-        if plants.iter().flatten().any(|plant| plant.position.abs() > 100.0) {
+        let mut plants = stations.iter().flat_map(|station| &station.plants);
+        if plants.any(|plant| plant.position.abs() > 100.0) {
             break;
         }
     }

@@ -5,11 +5,10 @@
 mod driver;
 mod garbage;
 mod injected_damping;
-#[allow(dead_code, reason = "the guard's tests use more of it")]
-#[path = "../law_guard/support/plant.rs"]
-mod plant;
 mod set_position_modulation;
 mod side_by_side;
 mod time_domain_passivity;
 mod two_layer;
 mod wave_variables;
+#[path = "../withstand_common/mod.rs"]
+mod withstand_common;

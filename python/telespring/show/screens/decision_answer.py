@@ -15,7 +15,13 @@ from telespring.show.quantities import (
     format_stiffness,
     format_time,
 )
-from telespring.show.screens.questions import allowed_stiffness, answers_by_buffer, delay_clause, hands_name
+from telespring.show.screens.questions import (
+    IN_ORDER,
+    allowed_stiffness,
+    answers_by_buffer,
+    delay_clause,
+    hands_name,
+)
 
 __all__ = ["answer_lines"]
 
@@ -57,6 +63,8 @@ def _varying_delay_answer(decision: Decision) -> Text:
     proven = {"no limit": "every stiffness is proven", "none": "no stiffness is proven"}.get(
         limit, f"proven is a stiffness {limit} N/m"
     )
+    if varying.tier == "age in a range":
+        proven += f", {IN_ORDER}"
     match status:
         case "stable":
             why = f" however the delay varies, with {_percent(RESERVE)} in reserve; {proven}."

@@ -112,6 +112,9 @@ def _guarantees(decision: Decision) -> list[str]:
         "bounded varying delay": f"while no sample is older than {format_time(oldest, 6)}",
         "any network": "on any network",
     }
+    if decision.verdicts.network.is_constant:
+        # Only the hold of a sample varies its age: the network is the same.
+        del promises["age in a range"]
     if decision.sampled_stable is not None:
         # No rule says it of controllers that sample.
         del promises["any constant delay"]

@@ -32,6 +32,7 @@ def decision_details(decision: Decision) -> list[RenderableType]:
     return [
         *_margins(decision),
         _describe_delay_budget(decision),
+        *_describe_attack(decision),
         *_describe_decay_rate(decision),
         *_describe_uncertainty(decision),
         *_describe_in_arms(decision),
@@ -158,6 +159,26 @@ def _delay_budget_line(direction: str, budget: DelayBudget) -> str:
     parts = [(name, getattr(budget, name)) for name in names]
     terms = " + ".join(f"{format_time(seconds, 6)} {name}" for name, seconds in parts if seconds > 0.0)
     return f"{direction}: {f'{terms} = ' if terms else ''}{format_time(budget.total, 6)}"
+
+
+def _describe_attack(decision: Decision) -> list[Text]:
+    """Say between which stiffnesses nothing is known while the delay varies, where an attack was searched."""
+    cases = [("", decision)] if decision.free is None else [("free: ", decision.free), ("held: ", decision)]
+    parts = []
+    for name, case in cases:
+        varying = case.varying
+        if varying is None or varying.attack is None:
+            continue
+        safe = format_stiffness(varying.stiffness_limit)
+        parts.append(
+            f"{name}safe up to {safe}, no attack was found"
+            if math.isinf(varying.attack)
+            else f"{name}safe up to {safe}, an attack is known from "
+            f"{format_stiffness(varying.attack, rounding='up')}"
+        )
+    if not parts:
+        return []
+    return [Text.assemble(("While the delay varies, ", "bold"), f"{'; '.join(parts)}.")]
 
 
 def _describe_decay_rate(decision: Decision) -> list[Padding]:

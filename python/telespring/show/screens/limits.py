@@ -17,6 +17,7 @@ from telespring.show.quantities import format_number, format_stiffness, format_t
 from telespring.show.screens.layout import Fitting, fitting_table
 from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
+    IN_ORDER,
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
     allowed_stiffness,
@@ -168,8 +169,9 @@ def _usable_while_varying(varying: VaryingDelay, kept: str) -> Text:
         )
     return Text.assemble(
         (_up_to(usable), "bold green"),
-        f" however the delay varies, with {kept}. More than {format_stiffness(varying.stiffness_limit)} "
-        "is not proven.",
+        f" however the delay varies, with {kept}"
+        f"{f', {IN_ORDER}' if varying.tier == 'age in a range' else ''}. "
+        f"More than {format_stiffness(varying.stiffness_limit)} is not proven.",
     )
 
 

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from telespring.decision.changes import WIDER_TIERS
 from telespring.decision.question import is_stable, stiffness_limit
-from telespring.model import Dyad, Network, Operator, Robot
+from telespring.model import Architecture, Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CONTINUOUS_TIERS",
+    "IN_ORDER",
     "MAYBE_TOO_SMALL",
     "TABLE_TITLE",
     "TierBound",
@@ -35,12 +36,16 @@ __all__ = [
     "range_notes",
     "sampling_clause",
     "sampling_note",
+    "session_notes",
     "tier_bounds",
     "variation_clause",
 ]
 
 #: What the tiers beyond one known delay leave out.
 CONTINUOUS_TIERS = "The limit for any constant delay is that of continuous controllers."
+
+#: What the age in a range assumes beside the ages.
+IN_ORDER = "if no sample is played after a newer one (telespring plays none)"
 
 TABLE_TITLE = "How stiff the spring may be, by what the network does"
 MAYBE_TOO_SMALL = "The limit with sampled controllers may be more than 5 % too small: the search was cut off."
@@ -82,10 +87,12 @@ def range_notes(bounds: Iterable[TierBound]) -> list[str]:
 
 
 def tier_bounds(judged: Verdicts) -> list[TierBound]:
-    """List the tiers, the one for one known constant delay first."""
+    """List the tiers that differ on this network, the one for one known constant delay first."""
     names = [axis.name for axis in judged.axes]
     rows = []
     for verdict in reversed(judged.tiers):
+        if verdict.tier == "age in a range" and judged.network.is_constant:
+            continue  # Only the hold of a sample varies its age: a constant delay allows more.
         axis = "–" if verdict.worst_axis is None else names[verdict.worst_axis]
         row = TierBound(verdict, verdict.stiffness_bound, verdict.attained, axis, verdict.satisfied)
         if verdict.tier == "constant delay" and judged.sampled_stable is not None:
@@ -167,6 +174,27 @@ def sampling_note(judged: Verdicts) -> str:
     return f"{note} It puts b − kh in place of b, and lowers the limit for any network."
 
 
+def session_notes(session: Architecture) -> tuple[str, ...]:
+    """Say, for a study whose sides do more than a bare spring, whose answer it is; nothing for a bare spring.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> session_notes(ts.Architecture(strategy="guard"))[0][:46]
+    'The answer is that of the bare spring. Above i'
+    """
+    if session.strategy == "guard":
+        return (
+            (
+                "The answer is that of the bare spring. Above its limits the study's guard weakens the force, so "
+                "that no side gives out more energy than it has, whatever the network does."
+            ),
+        )
+    if session.label == "spring":
+        return ()
+    return (f"The answer is that of the bare spring, not of the study's session ({session.label}).",)
+
+
 def given_delay(delay: tuple[float, float]) -> str:
     """Write a delay that was given, with as many digits as people write.
 
@@ -220,10 +248,14 @@ def variation_clause(network: Network) -> str:
     --------
     >>> variation_clause(Network(0.04, jitter=0.01, max_gap=0.02))
     'up to 10 ms more (jitter), gaps of up to 20 ms'
+    >>> variation_clause(Network(0.04, jitter=(0.01, 0.03)))
+    'up to 10 ms more forward and 30 ms backward (jitter)'
     """
     parts = []
     if network.jitter > 0.0:
-        parts.append(f"up to {format_time(network.jitter, 6)} more (jitter)")
+        forward, backward = (format_time(each, 6) for each in network.jitters)
+        more = f"{forward} more" if forward == backward else f"{forward} more forward and {backward} backward"
+        parts.append(f"up to {more} (jitter)")
     if network.max_gap > 0.0:
         parts.append(f"gaps of up to {format_time(network.max_gap, 6)}")
     return ", ".join(parts)

@@ -10,8 +10,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.text import Text
 
-from telespring.rehearsal.preflight import JitterWarning, LossWarning, PreflightWarning
+from telespring._core import Architecture
+from telespring.rehearsal.preflight import JitterWarning, LateWarning, LossWarning, PreflightWarning
 from telespring.show.screens.arms import describe_arm_stability, describe_arm_verdict
+from telespring.show.sessions import describe_strategy
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
@@ -44,6 +46,11 @@ def preflight_sentence(warning: PreflightWarning) -> str:
         )
     if isinstance(warning, LossWarning):
         return "network.loss = 1: no packet ever arrives: each spring pulls to where the partner began."
+    if isinstance(warning, LateWarning):
+        return (
+            f"session.playout delay = {warning.playout:g} s is shorter than a delay of {warning.delay:g} s "
+            "of the network: over it every motion comes after its time, and the latest one is held."
+        )
     is_far = warning.limit == "farthest"
     limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside")
     room = 1e3 * warning.room
@@ -105,13 +112,22 @@ def rehearsal_outcome_screen(
         console.print(f"  {ended} of {outcome.trials} ended early: {status}", markup=False)
 
 
-def rehearsed_conditions_screen(console: Console, summary: RehearsalSummary, stability: ArmStability) -> None:
-    """Print for each condition whether it is stable with the study's arms, and how its trials ended."""
+def rehearsed_conditions_screen(
+    console: Console, summary: RehearsalSummary, stability: ArmStability, session: Architecture
+) -> None:
+    """Print for each condition whether it is stable with the study's arms, and how its trials ended.
+
+    Where the study's session is not the bare spring, the verdict is that of the bare spring all the same; the
+    screen says so, and how often the strategy changed the spring's force.
+    """
     from rich.table import Table
 
+    is_bare = session == Architecture()
     table = Table(box=None, pad_edge=False)
     table.add_column("condition", no_wrap=True)
-    table.add_column("with arms")
+    table.add_column("with arms" if is_bare else "bare spring with arms")
+    if not is_bare:
+        table.add_column("limited", justify="right", no_wrap=True)
     table.add_column("completed", justify="right", no_wrap=True)
     table.add_column("ended early", no_wrap=True)
     verdicts = iter(stability.conditions)
@@ -121,15 +137,25 @@ def rehearsed_conditions_screen(console: Console, summary: RehearsalSummary, sta
             statement = "unknown"
             if stability.unavailable is None:
                 verdict = next(verdicts)
-                statement, style = describe_arm_verdict(verdict), "" if verdict.stable else "red"
+                is_spotless = verdict.stable or not is_bare
+                statement, style = describe_arm_verdict(verdict), "" if is_spotless else "red"
+        limited = condition.limited_share
+        limited_text = "–" if limited is None else f"{100.0 * limited:.2g} %"
         table.add_row(
             condition.label,
             Text(statement, style=style),
+            *([] if is_bare else [limited_text]),
             str(condition.completed),
             _format_early_ends(condition) or "–",
         )
     console.print(table)
     console.print(f"With arms: {describe_arm_stability(stability)}", markup=False)
+    if not is_bare:
+        console.print(
+            f"This study runs {session.label}: {describe_strategy(session)}. "
+            "Limited: the share of the time in which it changed the spring's force.",
+            markup=False,
+        )
 
 
 def _format_early_ends(condition: ConditionSummary) -> str:

@@ -26,8 +26,11 @@ pub enum Adversary {
         /// How far back it goes, s.
         memory: f64,
     },
-    /// It forges nothing: it withholds packets while the spring relaxes and lets them pass while it is stretched, so
-    /// that the receiver feels a spring that returns more than it took. No packet waits longer than `longest` s.
+    /// It forges nothing and keeps the order: its quality flips with the stretch of the spring. It is good when a swing of
+    /// the two sides against each other turns. It is bad as long as the last packet that has passed shows the spring
+    /// stretched more in the direction of the swing than any later one. The receiver then swings past where the partner
+    /// was, and finds the spring stretched further than before. It looks at the axis on which the swing has been fastest so
+    /// far, because the turns of both axes come at different times. No packet waits longer than `longest` s.
     StretchTimed {
         /// The longest wait, s.
         longest: f64,
@@ -77,16 +80,41 @@ impl Adversary {
     }
 }
 
+/// A packet that the network has delivered to an adversary.
+#[derive(Debug, Clone, Copy)]
+struct Came {
+    at: LocalTime,
+    packet: Packet,
+    /// The motion of the receiver when it was sent.
+    receiver: Motion,
+}
+
+impl Came {
+    /// How far the partner was from the receiver when the adversary's packet was sent, m.
+    fn stretch(&self) -> [f64; 2] {
+        combined(self.packet.motion.position, self.receiver.position, |partner, own| partner - own)
+    }
+
+    /// The mean velocity of both sides when the adversary's packet was sent, m/s.
+    fn common_velocity(&self) -> [f64; 2] {
+        combined(self.packet.motion.velocity, self.receiver.velocity, |partner, own| 0.5 * (partner + own))
+    }
+}
+
 /// An adversary behind a network.
 #[derive(Debug)]
 pub struct AdversaryChannel {
     adversary: Adversary,
     network: Box<dyn Channel>,
     receiver: Motion,
-    /// What came, with its time, the oldest first.
-    came: VecDeque<(LocalTime, Packet)>,
-    /// The distance of the receiver from the newest position at the last tick, squared, m².
-    stretch: f64,
+    /// The motions of the receiver, from the one on when the newest packet was sent.
+    seen: VecDeque<(LocalTime, Motion)>,
+    /// What came and waits or is remembered, the oldest first.
+    came: VecDeque<Came>,
+    /// The stretch of the spring when the last packet that has passed was sent, m.
+    passed: Option<[f64; 2]>,
+    /// The largest speed of the swing of both sides against each other so far per axis, m/s.
+    fastest: [f64; 2],
     /// The sequence number of the next forged packet.
     sequence: u64,
     /// The tick at which it has done its work.
@@ -102,8 +130,10 @@ impl AdversaryChannel {
             adversary,
             network,
             receiver: Motion::default(),
+            seen: VecDeque::new(),
             came: VecDeque::new(),
-            stretch: 0.0,
+            passed: None,
+            fastest: [0.0; 2],
             sequence: 0,
             served: None,
             out: VecDeque::new(),
@@ -113,33 +143,30 @@ impl AdversaryChannel {
     /// Takes what the network delivers and decides what the receiver gets at this tick.
     fn serve(&mut self, now: LocalTime) {
         let already = self.came.len();
+        let receiver = self.receiver;
+        self.seen.push_back((now, receiver));
         while let Some(bytes) = self.network.deliver(now) {
             if let Ok(packet) = Packet::decode(&bytes) {
-                self.came.push_back((now, packet));
+                let receiver = self.receiver_at(LocalTime(packet.sent.0));
+                self.came.push_back(Came { at: now, packet, receiver });
             }
         }
-        let receiver = self.receiver;
         match self.adversary {
             Adversary::OldestSample { memory } => {
                 self.forget_before(now - Span::from_seconds(memory));
-                let oldest = self.came.front().map(|(_, packet)| packet.motion);
+                let oldest = self.came.front().map(|came| came.packet.motion);
                 self.forge(now, oldest);
             }
             Adversary::MostHarmfulSample { memory } => {
                 self.forget_before(now - Span::from_seconds(memory));
-                let harm = |motion: &Motion| {
-                    motion.position[0] * receiver.velocity[0] + motion.position[1] * receiver.velocity[1]
-                };
-                let worst = self
-                    .came
-                    .iter()
-                    .map(|(_, packet)| packet.motion)
-                    .max_by(|a, b| harm(a).total_cmp(&harm(b)));
+                let harm = |motion: &Motion| dot(motion.position, receiver.velocity);
+                let motions = self.came.iter().map(|came| came.packet.motion);
+                let worst = motions.max_by(|a, b| harm(a).total_cmp(&harm(b)));
                 self.forge(now, worst);
             }
             Adversary::StretchTimed { longest } => self.withhold(now, Span::from_seconds(longest)),
             Adversary::LyingPeer { position, stamp, power } => {
-                for (_, packet) in self.came.drain(already..) {
+                for Came { packet, .. } in self.came.drain(already..) {
                     let lie =
                         lie(packet, receiver, position, Span::from_seconds(stamp), power * now.seconds());
                     self.out.push_back(lie.encode());
@@ -148,35 +175,62 @@ impl AdversaryChannel {
         }
     }
 
+    /// The receiver at the time at which a packet was sent to the adversary, which knows both clocks; it forgets what was before.
+    fn receiver_at(&mut self, time: LocalTime) -> Motion {
+        while self.seen.get(1).is_some_and(|(next, _)| *next <= time) {
+            self.seen.pop_front();
+        }
+        self.seen.front().map_or(self.receiver, |(_, motion)| *motion)
+    }
+
     /// The adversary forgets what came before `time`, but never the newest packet.
     fn forget_before(&mut self, time: LocalTime) {
-        while self.came.len() > 1 && self.came.front().is_some_and(|(came, _)| *came < time) {
+        while self.came.len() > 1 && self.came.front().is_some_and(|came| came.at < time) {
             self.came.pop_front();
         }
     }
 
     /// The adversary hands over a motion in a packet that looks newer than all before it.
     fn forge(&mut self, now: LocalTime, motion: Option<Motion>) {
-        let (Some(motion), Some((came, newest))) = (motion, self.came.back()) else { return };
-        let sent = PeerTime((newest.sent + (now - *came)).0.min(MAX_STAMP));
-        let forged = Packet { motion, sent, sequence: self.sequence, ..*newest };
+        let (Some(motion), Some(newest)) = (motion, self.came.back()) else { return };
+        let sent = PeerTime((newest.packet.sent + (now - newest.at)).0.min(MAX_STAMP));
+        let forged = Packet { motion, sent, sequence: self.sequence, ..newest.packet };
         self.sequence += 1;
         self.out.push_back(forged.encode());
     }
 
-    /// The adversary withholds packets while the spring relaxes.
+    /// The adversary lets those packets pass that have waited longest, and all up to the one at which the spring was
+    /// stretched most in the direction of the swing, if that is more than at the last one that has passed.
     fn withhold(&mut self, now: LocalTime, longest: Span) {
-        let Some((_, newest)) = self.came.back() else { return };
-        let [x, y] = [0, 1].map(|axis| newest.motion.position[axis] - self.receiver.position[axis]);
-        let stretch = x * x + y * y;
-        let is_relaxing = stretch < self.stretch;
-        self.stretch = stretch;
-        let passed = match is_relaxing {
-            true => self.came.partition_point(|(came, _)| now - *came >= longest),
-            false => self.came.len(),
-        };
-        self.out.extend(self.came.drain(..passed).map(|(_, packet)| packet.encode()));
+        let Some(newest) = self.came.back() else { return };
+        let [u, v] = combined(self.receiver.velocity, newest.common_velocity(), |own, common| own - common);
+        self.fastest = [self.fastest[0].max(u.abs()), self.fastest[1].max(v.abs())];
+        let swing = if self.fastest[0] >= self.fastest[1] { [u, 0.0] } else { [0.0, v] };
+        let mut passing = self.came.partition_point(|came| now - came.at >= longest);
+        let last = self.came.iter().take(passing).last().map(Came::stretch).or(self.passed);
+        let mut most = last.map_or(f64::NEG_INFINITY, |stretch| dot(stretch, swing));
+        for (n, came) in self.came.iter().enumerate().skip(passing) {
+            // of two that are equal the newer one: at rest nothing is withheld
+            let along = dot(came.stretch(), swing);
+            if along >= most {
+                (most, passing) = (along, n + 1);
+            }
+        }
+        for came in self.came.drain(..passing) {
+            self.passed = Some(came.stretch());
+            self.out.push_back(came.packet.encode());
+        }
     }
+}
+
+/// The scalar product of what an adversary compares.
+fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * c + b * d
+}
+
+/// Two pairs of values of an adversary, combined per axis.
+fn combined([a, b]: [f64; 2], [c, d]: [f64; 2], combine: impl Fn(f64, f64) -> f64) -> [f64; 2] {
+    [combine(a, c), combine(b, d)]
 }
 
 /// The packet of a partner that lies to the receiver with this motion.

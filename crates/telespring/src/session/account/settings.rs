@@ -23,13 +23,13 @@ pub struct AccountSettings {
 }
 
 impl AccountSettings {
-    /// The usual settings for a spring (N/m) and a robot's least damping (N·s/m): a share of 0.8, 0.05 J, 0.3 W, no
+    /// The usual settings for a spring (N/m) and a robot's least damping (N·s/m): a share of 0.7, 0.05 J, 0.3 W, no
     /// encoder step and no computing tick.
     pub fn new(stiffness: f64, damping: [f64; 2]) -> Self {
         Self {
             stiffness,
             damping,
-            share: 0.8,
+            share: 0.7,
             capacity: 0.05,
             intake: 0.3,
             encoder_step: 0.0,
@@ -61,7 +61,7 @@ impl AccountSettings {
                 "share",
                 self.share,
                 "the share of the loss that may be spent must be a number from 0 to below 1",
-                "With a share of 1 a motion never dies out: 0.8 leaves a fifth of the loss.",
+                "With a share of 1 a motion never dies out: 0.7 leaves three tenths of the loss.",
             ));
         }
         quantity::ENERGY.check("capacity", self.capacity)?;

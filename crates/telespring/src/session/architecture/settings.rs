@@ -23,8 +23,8 @@ pub struct SideFacts {
     /// The one-way delays from the measurement of a motion to its arrival, s: of the partner's motion here, and of the own
     /// motion there.
     pub delays: [f64; 2],
-    /// The most by which a motion may be older than its delay, s: jitter and gap.
-    pub lateness: f64,
+    /// The most by which a motion may be older than these delays, s: jitter and gap.
+    pub lateness: [f64; 2],
     /// Whether a fixed play-out without a delay of its own waits for the latest motion.
     pub has_playout_buffer: bool,
     /// The time between two measurements, on both sides, s.
@@ -54,7 +54,7 @@ impl Architecture {
     ///     session: 0x5eed,
     ///     law: Law { stiffness: 71.2, damping: 0.0 },
     ///     delays: [0.084, 0.084],
-    ///     lateness: 0.0,
+    ///     lateness: [0.0, 0.0],
     ///     has_playout_buffer: false,
     ///     sample_period: 0.001,
     ///     computing_tick: false,
@@ -67,10 +67,10 @@ impl Architecture {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn endpoint_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
-        let [incoming, _] = facts.delays;
+        let ([delay, _], [lateness, _]) = (facts.delays, facts.lateness);
         let playout = match self.playout {
             PlayoutDesign::Fixed { .. } => {
-                PlayoutSettings::Fixed { delay: Span::from_seconds(self.fixed_delay(facts, incoming)) }
+                PlayoutSettings::Fixed { delay: Span::from_seconds(self.fixed_delay(facts, delay, lateness)) }
             }
             PlayoutDesign::Adaptive(adaptive) => PlayoutSettings::Adaptive(adaptive),
         };
@@ -84,20 +84,20 @@ impl Architecture {
         })
     }
 
-    /// The delay of a fixed play-out over a network with this delay, s.
-    fn fixed_delay(&self, facts: &SideFacts, delay: f64) -> f64 {
+    /// The delay of a fixed play-out over a way with this delay and lateness, s.
+    fn fixed_delay(&self, facts: &SideFacts, delay: f64, lateness: f64) -> f64 {
         match self.playout {
             PlayoutDesign::Fixed { delay: Some(delay) } => delay,
-            _ if facts.has_playout_buffer => delay + facts.lateness,
+            _ if facts.has_playout_buffer => delay + lateness,
             _ => delay,
         }
     }
 
-    /// The largest age of a motion in use over a network with this delay, s, if the network keeps what is known of it.
-    fn largest_age(&self, facts: &SideFacts, delay: f64) -> f64 {
-        let latest = delay + facts.lateness;
+    /// The largest age of a motion in use over a way with this delay and lateness, s, if the network keeps them.
+    fn largest_age(&self, facts: &SideFacts, delay: f64, lateness: f64) -> f64 {
+        let latest = delay + lateness;
         let played = match self.playout {
-            PlayoutDesign::Fixed { .. } => self.fixed_delay(facts, delay),
+            PlayoutDesign::Fixed { .. } => self.fixed_delay(facts, delay, lateness),
             PlayoutDesign::Adaptive(adaptive) => {
                 let quantile = Histogram::largest_quantile(Span::from_seconds(latest)).seconds();
                 let wanted = quantile + facts.sample_period + adaptive.margin.seconds();
@@ -137,11 +137,13 @@ impl Architecture {
                 StrategyChoice::Guard(Guard::new(law, settings)?)
             }
             StrategyDesign::InjectedDamping => {
-                let [incoming, outgoing] = facts.delays;
+                let ([incoming, outgoing], [here, there]) = (facts.delays, facts.lateness);
+                let ages =
+                    [self.largest_age(facts, incoming, here), self.largest_age(facts, outgoing, there)];
                 let settings = InjectedDampingSettings {
                     own_damping,
                     partner_damping,
-                    round_trip: self.largest_age(facts, incoming) + self.largest_age(facts, outgoing),
+                    round_trip: ages.iter().sum(),
                     own_age: facts.sample_period * if computing_tick { 2.0 } else { 1.0 },
                 };
                 StrategyChoice::InjectedDamping(InjectedDamping::new(stiffness, settings)?)

@@ -242,8 +242,7 @@ pub(super) fn attack(
         return None;
     }
     // Held samples grow older by one period; the simulation holds them itself.
-    let [forward, backward] = [network.delay().forward(), network.delay().backward()]
-        .map(|delay| (delay, delay + network.jitter() + network.max_gap()));
+    let [forward, backward] = [0, 1].map(|way| (network.budget()[way].network, network.buffered()[way]));
     let controllers =
         attack::Controllers { period: network.sample_period(), computing_time: network.computing_time() };
     attack::lowest_stiffness(&axis, &[backward, forward], &controllers, (safe, BEYOND * most), seed)

@@ -22,7 +22,7 @@ use crate::criteria::complex_box::Rectangle;
 type Ray = [(f64, f64); 4];
 
 /// The most cells of one step.
-const MOST_CELLS: usize = 30_000;
+const MOST_CELLS: usize = 8_000;
 /// Cells from ω = 0 on reach to the highest frequency over this, or over further eights of it.
 const SLOW: f64 = 64.0;
 
@@ -76,10 +76,10 @@ impl Rule {
 
     /// Branch and bound over all directions of a range of sizes.
     fn rays(&self, whole: Ray, weights: &Weights, before: usize, examined: &mut usize) -> Step {
-        let mut waiting = vec![whole];
-        while let Some(ray) = waiting.pop() {
+        // The factors do not depend on the direction, and are kept when a cell is halved along it.
+        let mut waiting = vec![(whole, self.rectangles(&whole), None)];
+        while let Some((ray, rectangles, thinner)) = waiting.pop() {
             *examined += 1;
-            let rectangles = self.rectangles(&ray);
             if self.least_along(&ray, &rectangles, weights) > 0.0 {
                 continue;
             }
@@ -90,6 +90,7 @@ impl Rule {
             if *examined - before > MOST_CELLS {
                 return Step::Open(self.nearest_pair(at));
             }
+            let thinner: [[Rectangle; 2]; 2] = thinner.unwrap_or_else(|| self.thinner(&ray));
             let mut best = (0, f64::NEG_INFINITY);
             for direction in 0..4 {
                 if ray[direction].0 == ray[direction].1 {
@@ -97,11 +98,7 @@ impl Rule {
                 }
                 let mut thin = ray;
                 thin[direction] = (at[direction], at[direction]);
-                let least = if direction < 2 {
-                    self.least_along(&thin, &self.rectangles(&thin), weights)
-                } else {
-                    self.least_along(&thin, &rectangles, weights)
-                };
+                let least = self.least_along(&thin, thinner.get(direction).unwrap_or(&rectangles), weights);
                 if least > best.1 {
                     best = (direction, least);
                 }
@@ -111,10 +108,24 @@ impl Rule {
             for part in [(range.0, split), (split, range.1)] {
                 let mut next = ray;
                 next[best.0] = part;
-                waiting.push(next);
+                waiting.push(if best.0 < 2 {
+                    (next, self.rectangles(&next), None)
+                } else {
+                    (next, rectangles, Some(thinner))
+                });
             }
         }
         Step::Proven
+    }
+
+    /// The rectangles over a cell at its middle frequency, and at its middle stiffness.
+    fn thinner(&self, ray: &Ray) -> [[Rectangle; 2]; 2] {
+        [0, 1].map(|direction| {
+            let mut thin = *ray;
+            let middle = 0.5 * (ray[direction].0 + ray[direction].1);
+            thin[direction] = (middle, middle);
+            self.rectangles(&thin)
+        })
     }
 
     /// The rectangles of p₁ and p₂ over frequencies and stiffnesses.

@@ -5,6 +5,7 @@
 //! for all stiffnesses from the last bound to the next one, at one κ, and the next one comes closer until f ≤ 0 is met.
 
 use super::rule::{Cell, FREQUENCY, Pair, Rule, STIFFNESS, Sample, Weights};
+use crate::verdicts::ranges::SideRange;
 
 /// The outcome of one step.
 pub(super) enum Step {
@@ -35,7 +36,7 @@ pub(super) struct Proven {
 
 /// The bound is within this part of the first failure of the rule.
 const ACCURACY: f64 = 2e-5;
-const ACCURACY_OVER_RANGE: f64 = 5e-3;
+const ACCURACY_OVER_RANGE: f64 = 1e-2;
 /// The most cells of one step, and of a search.
 const MOST_CELLS_OF_STEP: usize = 20_000;
 const MOST_CELLS: usize = 300_000;
@@ -169,13 +170,19 @@ impl Rule {
         let Some((mut proven, mut weights)) = self.soft_stiffness(&mut examined) else {
             return Proven { stiffness: 0.0, failing: None };
         };
-        let mut failing: Option<(f64, Pair)> = None;
+        let mut failing = self.failing_alone();
+        // The lowest stiffness up to which a step over a range was left open.
+        let mut open = f64::INFINITY;
         // Frequencies at which f came out negative: the next κ is chosen with them.
         let mut critical = Vec::new();
         let mut factor: f64 = 2.0;
         let accuracy = if self.is_one_pair() { ACCURACY } else { ACCURACY_OVER_RANGE };
         while factor > 1.0 + accuracy && examined < MOST_CELLS && proven < STIFFEST {
             let next = proven * factor;
+            if next >= open {
+                factor = factor.sqrt();
+                continue;
+            }
             // No search is needed where the pair that failed last fails alone.
             if let Some((_, pair)) = failing {
                 let (own, least) = self.best_weights(next, &pair, &critical);
@@ -190,6 +197,11 @@ impl Rule {
             for _ in 0..TRIES {
                 let pair = match &outcome {
                     Step::Proven => break,
+                    // Cells without end near a failure: another κ does not change that.
+                    Step::Open(_) if !self.is_one_pair() => {
+                        open = next;
+                        break;
+                    }
                     Step::Open(pair) => *pair,
                     Step::Fails(at) => {
                         critical.extend([0.99, 1.0, 1.01].map(|factor| factor * at.frequency));
@@ -213,6 +225,25 @@ impl Rule {
             }
         }
         Proven { stiffness: proven, failing }
+    }
+
+    /// The lowest stiffness (N/m) at which the rule fails for one of the pairs that are often the worst; `None` without a range.
+    fn failing_alone(&self) -> Option<(f64, Pair)> {
+        if self.is_one_pair() {
+            return None;
+        }
+        let weakest = self.sides.map(|side| [side.mass.1, side.damping.0, side.stiffness.0]);
+        let alone = |pair: Pair| {
+            let point = |value: f64| (value, value);
+            let sides = pair.map(|[mass, damping, stiffness]| SideRange {
+                mass: point(mass),
+                damping: point(damping),
+                stiffness: point(stiffness),
+            });
+            Self { sides, ..*self }.proven_stiffness().failing
+        };
+        let found = [weakest, self.middle_pair()].into_iter().filter_map(alone);
+        found.reduce(|least, next| if next.0 < least.0 { next } else { least })
     }
 
     /// A stiffness (N/m) below which the rule is proven by the loss of both sides, and the weights for it.

@@ -44,6 +44,7 @@ pub struct GuardCopy {
     sent: f64,
     received: f64,
     claimed: f64,
+    waiting: f64,
     before: [f64; 2],
     /// The last two forces commanded, the newer one last.
     commanded: [[f64; 2]; 2],
@@ -61,6 +62,7 @@ impl GuardCopy {
             sent: 0.0,
             received: 0.0,
             claimed: 0.0,
+            waiting: 0.0,
             before: [0.0; 2],
             commanded: [[0.0; 2]; 2],
             windows: [(0.0, 0.0); 2],
@@ -105,16 +107,18 @@ impl Strategy for GuardCopy {
         let claim = tick.partner.map_or(0.0, |partner| partner.energy_sent);
         if claim.is_finite() {
             if missing == Missing::RunningTotal {
-                self.claimed += claim.max(0.0);
+                self.waiting += claim.max(0.0);
             } else {
-                self.claimed = self.claimed.max(claim);
+                self.waiting += (claim - self.claimed).max(0.0);
             }
+            self.claimed = self.claimed.max(claim);
         }
-        let mut taken = self.claimed - self.received;
+        let mut taken = self.waiting;
         if missing != Missing::IntakePower {
             taken = taken.min(settings.intake * tick.elapsed);
         }
         self.received += taken;
+        self.waiting = (self.waiting - taken).min(5.0 * settings.intake);
         self.balance += change + taken;
         if missing == Missing::Deficit {
             self.balance = self.balance.max(0.0);

@@ -2,14 +2,11 @@
 
 mod case;
 pub mod copy;
-mod ledger;
-pub mod plant;
-
+pub use crate::withstand_common::ledger::{Law, Violation};
 pub use case::{Case, CaseSide, Network, PredictorKind};
-pub use ledger::{Law, Violation};
 
-use ledger::{Ledger, Together};
-use plant::AxisPlant;
+use crate::withstand_common::ledger::{Facts, Ledger, Together};
+use crate::withstand_common::plant::AxisPlant;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use telespring::session::predictor::{
@@ -79,7 +76,15 @@ pub fn run(
             plant.velocity = side.velocity[axis];
             plant
         });
-        let ledger = Ledger::new(case, index, &plants, &*strategy);
+        let facts = Facts {
+            damping: side.damping,
+            settings: side.settings,
+            is_honest: case.is_honest(),
+            clock_error: 0.0,
+            lag: 0.0,
+            unchecked: case.unchecked,
+        };
+        let ledger = Ledger::new(facts, &plants, strategy.report().balance.unwrap_or(0.0));
         let measured = measure(&plants, case.sides[index].settings.encoder_step);
         Station {
             plants,
@@ -119,10 +124,10 @@ pub fn run(
         let sent = [0, 1].map(|side| stations[side].strategy.report().energy_sent);
         for side in 0..2 {
             let Station { plants, strategy, ledger, .. } = &mut stations[side];
-            ledger.check(now, plants, &strategy.report(), sent[1 - side], &ticks[side])?;
+            ledger.check(now, plants, &strategy.report(), sent[1 - side], ticks[side].displacement())?;
         }
         let ledgers = [0, 1].map(|side| (&stations[side].ledger, stations[side].strategy.report()));
-        together.check(case, now, ledgers)?;
+        together.check(now, now >= case.let_go, ledgers)?;
         for side in 0..2 {
             let packet = Packet {
                 stamp: now,
@@ -160,8 +165,8 @@ pub fn run(
             for axis in 0..2 {
                 let hand = case.hand(side, axis, now, &target(now));
                 let (acted, plant) = (station.acted[axis], &mut station.plants[axis]);
-                let (moved, squares) = plant.advance(acted + hand);
-                station.ledger.add(axis, moved, squares, acted, hand);
+                let step = plant.advance_robot(acted, hand);
+                station.ledger.add(axis, &step, hand, period);
                 outcome.farthest = outcome.farthest.max(plant.position.abs());
                 if n + 1000 > case.ticks {
                     outcome.last_speed = outcome.last_speed.max(plant.velocity.abs());

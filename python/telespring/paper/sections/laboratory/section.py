@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
-from telespring.model import Experiment
+from telespring.model import Architecture, Experiment
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Place, Section
 from telespring.rehearsal.preflight import preflight_warnings
@@ -39,6 +39,27 @@ _LABELS = {
     "angular_frequency": ("angular frequency ω", "rad/s"),
 }
 
+#: Units of the settings of a session; a share or a ratio has none.
+_SESSION_UNITS = {
+    "capacity": "J",
+    "intake": "W",
+    "impedance": "N·s/m",
+    "filter": "s",
+    "largest_damping": "N·s/m",
+    "level": "J",
+    "transfer_rate": "1/s",
+    "filling": "N·s/m per J",
+    "damping": "N·s/m",
+    "ceiling": "J",
+    "process": "m²/s³ or m²/s⁵",
+    "position": "m",
+    "delay": "s",
+    "margin": "s",
+    "smallest": "s",
+    "largest": "s",
+    "window": "s",
+}
+
 
 def find_laboratory(scene: Scene) -> Findings:
     """Draw the laboratory and list what is simulated, for robots with its two axes."""
@@ -60,6 +81,8 @@ def find_laboratory(scene: Scene) -> Findings:
     rows += _laboratory_rows("task", experiment.task.to_dict())
     if experiment.coupling_damping:
         rows.append(_laboratory_row("coupling", "damping", experiment.coupling_damping, "N·s/m"))
+    if scene.study.session != Architecture():
+        rows += _session_rows(scene.study.session)
     rows.append(_laboratory_row("controllers", "sample period", experiment.sample_period, "s"))
     if settings.computing_tick:
         rows.append(_laboratory_row("controllers", "a force acts", "one period after its samples", ""))
@@ -138,6 +161,16 @@ def _laboratory_rows(part: str, described: Mapping[str, Any]) -> Iterator[dict[s
                 )
         else:
             yield _laboratory_row(part, name, value, unit)
+
+
+def _session_rows(session: Architecture) -> Iterator[dict[str, Any]]:
+    """List strategy, predictor and play-out, and their settings where one is not the usual one."""
+    for key, value in session.to_dict().items():
+        settings = value if isinstance(value, Mapping) else {"kind": value}
+        for name, setting in settings.items():
+            of = "" if name == "kind" else f", {name.replace('_', ' ')}"
+            unit = _SESSION_UNITS.get(name, "1") if isinstance(setting, float) else ""
+            yield _laboratory_row("session", f"{'play-out' if key == 'playout' else key}{of}", setting, unit)
 
 
 def _laboratory_row(part: str, name: str, value: Any, unit: str) -> dict[str, Any]:

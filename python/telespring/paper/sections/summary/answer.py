@@ -15,11 +15,20 @@ from telespring.show.decision_json import arm_stability_json, varying_json
 
 __all__ = ["answer_study"]
 
+#: The starts of an attack on a delay that varies.
+_ATTACK_SEED = 1
+
 
 def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
     """Compute the key `summary.answer` of `study.json`; programs of a target are looked up in `modules`."""
     question = Question.of(study, study.network)
-    decision = decide(question, study.stiffness, uncertainty=study.uncertainty, compare_free=True)
+    decision = decide(
+        question,
+        study.stiffness,
+        uncertainty=study.uncertainty,
+        compare_free=True,
+        attack_seed=_ATTACK_SEED,
+    )
     known = decision.uncertainty
     arms = None
     if study.names_arms_or_agents and study.experiment is not None:

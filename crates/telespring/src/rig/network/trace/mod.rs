@@ -1,11 +1,14 @@
 //! Recorded traces of a network: what happened to each packet that somebody sent.
 
 mod fit;
+mod playing;
 mod reading;
 pub(super) mod special;
 mod statistics;
 
 pub use fit::{BurstFit, JitterFit, TraceFit};
+pub use playing::PlayedTrace;
+pub(crate) use reading::names_round_trips;
 pub use reading::{IrttDelay, TimeUnit, TraceUnits};
 pub use statistics::TraceStatistics;
 
@@ -43,6 +46,8 @@ pub struct Trace {
     rows: Vec<TraceRow>,
     /// From the first packet to the end, s: to the last packet and a median interval more.
     duration: f64,
+    /// Whether a lost packet has a row.
+    has_losses_recorded: bool,
 }
 
 impl Trace {
@@ -107,7 +112,21 @@ impl Trace {
                 "Give the times at a finer resolution.",
             ));
         }
-        Ok(Self { rows, duration })
+        let has_losses_recorded = rows.iter().any(|row| row.lost);
+        Ok(Self { rows, duration, has_losses_recorded })
+    }
+
+    /// The network's trace of somebody who recorded what was lost, even if nothing was: a step between two rows is then the
+    /// sender's.
+    #[must_use]
+    pub fn with_losses_recorded(self) -> Self {
+        Self { has_losses_recorded: true, ..self }
+    }
+
+    /// Whether a packet that the network lost has a row: one has, or the recording has a place for it. If not, lost
+    /// packets may be [missing rows](Trace::with_missing_rows).
+    pub fn has_losses_recorded(&self) -> bool {
+        self.has_losses_recorded
     }
 
     /// The packets of the network's trace.
@@ -192,6 +211,6 @@ impl Trace {
             }
             rows.push(TraceRow { time: pair[1].time - removed, ..pair[1] });
         }
-        Self::new(rows)
+        Ok(Self::new(rows)?.with_losses_recorded())
     }
 }

@@ -96,6 +96,29 @@ fn find_column(header: &[&str], names: &[&str]) -> Option<Column> {
     })
 }
 
+/// The names of a table's columns, and the sign that separates them; blanks if there is none.
+fn split_header(text: &str) -> (Vec<&str>, Option<char>) {
+    let header = content_lines(text).next().map_or("", |(_, line)| line);
+    let separator = [',', ';', '\t'].into_iter().find(|sign| header.contains(*sign));
+    let names = match separator {
+        Some(sign) => header.split(sign).map(str::trim).collect(),
+        None => header.split_whitespace().collect(),
+    };
+    (names, separator)
+}
+
+/// The lines of a trace's table that are neither empty nor comments, with their numbers from 0.
+fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+    lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
+}
+
+/// Whether a trace's table says by the name of its column that its delays are round trips: `rtt`.
+pub(crate) fn names_round_trips(text: &str) -> bool {
+    let (names, _) = split_header(text);
+    find_column(&names, &DELAYS).is_some_and(|column| split_unit(names[column.index]).0 == "rtt")
+}
+
 impl Trace {
     /// Reads a trace of a network from a table with a header: columns `time` (of sending), `delay` and, if packets were
     /// lost, `lost` (0 or 1, true or false), in any order and with others between.
@@ -109,20 +132,14 @@ impl Trace {
     ///
     /// [`InvalidInput`] if a column or a unit is missing, a value is no number, or as [`Trace::new`].
     pub fn from_csv(text: &str, units: TraceUnits) -> Result<Self> {
-        let text = text.trim_start_matches('\u{feff}');
-        let is_content =
-            |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.trim_start().starts_with('#');
-        let mut lines = text.lines().enumerate().filter(is_content);
-        let header = lines.next().map_or("", |(_, line)| line);
-        let separator = [',', ';', '\t'].into_iter().find(|sign| header.contains(*sign));
+        let (names, separator) = split_header(text);
+        let header = content_lines(text).next().map_or("", |(_, line)| line);
         let split = |line: &'_ str| -> Vec<String> {
             match separator {
                 Some(sign) => line.split(sign).map(|cell| cell.trim().to_owned()).collect(),
                 None => line.split_whitespace().map(str::to_owned).collect(),
             }
         };
-        let names = split(header);
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let column = |kind: &str, known: &[&str]| {
             find_column(&names, known).ok_or_else(|| {
                 InvalidInput::new(
@@ -147,7 +164,7 @@ impl Trace {
         let (time_unit, delay_unit) = (unit("time", &time, units.time)?, unit("delay", &delay, units.delay)?);
         let mut rows = Vec::new();
         let mut start = None;
-        for (line, content) in lines {
+        for (line, content) in content_lines(text).skip(1) {
             let cells = split(content);
             let cell = |column: &Column| cells.get(column.index).map_or("", String::as_str);
             let number = |kind: &str, text: &str| {
@@ -182,7 +199,31 @@ impl Trace {
             let delay = if lost { 0.0 } else { number("delay", text)? / delay_unit };
             rows.push(TraceRow { time: (sent - first) / time_unit, delay, lost });
         }
-        Self::new(rows)
+        let trace = Self::new(rows)?;
+        Ok(if lost.is_some() { trace.with_losses_recorded() } else { trace })
+    }
+
+    /// The trace of the network as a table that [`Trace::from_csv`] reads back.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::rig::{Trace, trace::TraceUnits};
+    ///
+    /// let text = "time_s,delay_s,lost\n0.0,0.0245,0\n0.02,,1\n";
+    /// assert_eq!(Trace::from_csv(text, TraceUnits::default())?.to_csv(), text);
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn to_csv(&self) -> String {
+        let mut text = "time_s,delay_s,lost\n".to_owned();
+        for row in self.rows() {
+            text += &if row.lost {
+                format!("{:?},,1\n", row.time)
+            } else {
+                format!("{:?},{:?},0\n", row.time, row.delay)
+            };
+        }
+        text
     }
 
     /// Reads a trace of a network from the JSON that `irtt client -o` writes (github.com/heistp/irtt).
@@ -233,7 +274,7 @@ impl Trace {
             let delay = if lost { 0 } else { delay.ok_or_else(missing)? };
             Ok(TraceRow { time: since as f64 / 1e9, delay: delay as f64 / 1e9, lost })
         });
-        Self::new(rows.collect::<Result<_>>()?)
+        Ok(Self::new(rows.collect::<Result<_>>()?)?.with_losses_recorded())
     }
 }
 

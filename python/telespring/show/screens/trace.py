@@ -1,0 +1,243 @@
+"""What a recorded trace of a network deserves, as one screen of text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from telespring.decision.reserve import RESERVE
+from telespring.show.quantities import format_count, format_number, format_stiffness, format_time
+from telespring.show.screens.layout import fitting_table
+from telespring.traces.playouts import MOSTLY
+
+if TYPE_CHECKING:
+    from telespring._types import Tier
+    from telespring.traces import MissingRows, PlayoutChoice, RecordedWay, TraceAssessment
+
+__all__ = ["study_lines", "trace_screen"]
+
+#: The columns of the tiers, the weakest first, and their headings.
+_TIERS: tuple[tuple[Tier, str], ...] = (
+    ("any network", "any\nnetwork"),
+    ("bounded varying delay", "bounded\ndelay"),
+    ("age in a range", "age in\na range"),
+    ("constant delay", "constant\ndelay"),
+)
+#: Above it successive delays are not independent, as the emulator's are.
+_CORRELATED = 0.1
+_SHARES = (0.9, 0.99, 0.999)
+_WAYS = ("forward", "backward")
+_KINDS = {"uniform": "uniform", "normal": "normal", "gamma": "gamma", "lognormal": "log-normal"}
+_REASONS = {
+    "constant delay": "All of the time is in time: the delay is constant.",
+    "age in a range": "What comes late or not at all leaves the ages in a range.",
+    "bounded varying delay": "What comes late or not at all leaves a bound on the ages.",
+    "any network": "This stiffness is stable on any network.",
+}
+
+
+def trace_screen(
+    found: TraceAssessment, name: str, taken: str, robots: Sequence[str], lines: Sequence[str]
+) -> RenderableType:
+    """Lay an assessment out for the terminal: what was recorded, what fits, what it deserves.
+
+    `name` is that of the file, `taken` says what its delays are, `robots` describe the robots, and `lines`
+    are those for a study.
+    """
+    parts: list[RenderableType] = [Text(f"{name}: {taken}", style="bold")]
+    for way, label in zip(found.ways, _WAYS, strict=False):
+        parts += _recorded(way, label if len(found.ways) > 1 else "")
+    parts.append(_playout_table(found, robots))
+    parts += _recommendation(found)
+    parts.append(Text("\n".join(lines)))
+    return Group(*parts)
+
+
+def _recorded(way: RecordedWay, label: str) -> list[RenderableType]:
+    """Say what was recorded of one way, and which models fit."""
+    shown = way.statistics
+    before = f"{label.capitalize()}: " if label else ""
+    quantiles = ", ".join(f"{100 * share:g} % {_ms(way.trace.quantile(share))}" for share in _SHARES)
+    in_a_row = f", {format_number(shown.burst_length, 2)} in a row" if shown.loss else ""
+    recorded = f"{format_count(shown.sent, 'packet')} in {format_time(way.trace.duration, 3)}"
+    lost = f"{_percent(shown.loss)} lost{in_a_row}; {_percent(shown.reordered)} reordered"
+    lines = [f"{before}{recorded}, every {_ms(shown.interval)}; {lost}."]
+    if way.missing is not None:
+        lines.append(_missing(way.missing))
+    lines.append(f"Delay: median {_ms(shown.median)}, {quantiles}, longest {_ms(shown.maximum)}.")
+    lines += _fits(way)
+    return [Text(line) for line in lines]
+
+
+def _missing(missing: MissingRows) -> str:
+    """Say how missing rows were understood."""
+    parts = []
+    if missing.lost:
+        parts.append(f"{format_count(missing.lost, 'packet')} without a row taken as lost")
+    if missing.pauses:
+        steps = f"{format_count(missing.pauses, 'step')} of up to {format_time(missing.longest_pause, 3)}"
+        parts.append(f"{steps} as {'a pause' if missing.pauses == 1 else 'pauses'} of the sender")
+        if not missing.lost:
+            parts[0] = parts[0].replace(" as ", " taken as ")
+    return f"{', '.join(parts)} (--longest-loss)."
+
+
+def _fits(way: RecordedWay) -> list[str]:
+    """Describe the fits, and how far successive delays are independent."""
+    fit, shown = way.fit, way.statistics
+    lines = []
+    if fit.jitter:
+        best = fit.jitter[0]
+        distances = ", ".join(f"{_KINDS[each.kind]} {each.distance:.3f}" for each in fit.jitter)
+        moments = (
+            "" if best.mean is None or best.sd is None else f", mean {_ms(best.mean)}, sd {_ms(best.sd)}"
+        )
+        lines.append(f"Fits (distance): {distances}.")
+        lines.append(
+            f"Likeliest: {_ms(best.delay)} + {_KINDS[best.kind]} jitter up to {_ms(best.jitter)}{moments}."
+        )
+    else:
+        lines.append(f"Fit: a constant delay of {_ms(fit.minimum)}, exactly.")
+    if fit.burst is not None:
+        lines.append(
+            f"Bursts: to_bad = {format_number(fit.burst.to_bad, 3)}, to_good = "
+            f"{format_number(fit.burst.to_good, 3)} per packet of {_ms(shown.interval)}; distance "
+            f"{fit.burst.distance:.3f}."
+        )
+    if shown.autocorrelation > _CORRELATED:
+        lines.append(
+            f"Successive delays are correlated ({shown.autocorrelation:.2f}): the fits have the right "
+            "delays, but not as long in a row. Play the trace."
+        )
+    return lines
+
+
+def _playout_table(found: TraceAssessment, robots: Sequence[str]) -> RenderableType:
+    """List the play-outs with the largest stiffness that each tier proves."""
+    shown = [
+        (tier, heading) for tier, heading in _TIERS if any(tier in choice.bounds for choice in found.playouts)
+    ]
+    is_mostly_shown = any(choice.mostly_ages != choice.ages for choice in found.playouts)
+    rows = [
+        (
+            Text(_ms(choice.delay), style="bold" if choice is found.recommended else ""),
+            f"{100 * choice.share:g} %",
+            _percent(choice.in_time, down=True),
+            _ages(choice),
+            *(_bound(choice, tier) for tier, _ in shown),
+            *((_stiffness(choice.mostly_usable_stiffness),) if is_mostly_shown else ()),
+        )
+        for choice in found.playouts
+    ]
+    headings = (
+        "Play-\nout",
+        "packets\nawaited",
+        "time\nin time",
+        "ages as\nplayed, ms",
+        *(heading for _, heading in shown),
+        *((f"{100 * MOSTLY:g} % of\nthe time",) if is_mostly_shown else ()),
+    )
+    title = f"{'; '.join(robots)}: proven up to, N/m"
+    return fitting_table(title, headings, rows, right=range(len(headings)))
+
+
+def _recommendation(found: TraceAssessment) -> list[Text]:
+    """Name the play-out and the stiffness to use, and why."""
+    best, guarded = found.recommended, found.guarded
+    reserve = f"{100 * RESERVE:.0f} % in reserve"
+    stiffness = format_stiffness(best.recommended_stiffness)
+    if found.needs_guard:
+        oldest = max(age for _, age in best.ages)
+        bare = f"{stiffness} ({reserve})" if best.recommended_stiffness else "nothing"
+        answer = f"play-out {_ms(best.delay)}, with the guard, at any stiffness."
+        why = (
+            f"Motions up to {_ms(oldest)} old were in use: only what holds on any network is proven for a "
+            f"bare spring, {bare}."
+        )
+        if guarded.mostly_usable_stiffness > best.usable_stiffness:
+            why += (
+                f" {100 * MOSTLY:g} % of the time {format_stiffness(guarded.mostly_usable_stiffness)} is "
+                "stable without the guard."
+            )
+    else:
+        answer = f"play-out {_ms(best.delay)}, spring up to {stiffness} ({reserve})."
+        why = f"{_REASONS[best.tier or '']} It holds while the network is no worse than recorded."
+        if guarded.mostly_usable_stiffness > best.usable_stiffness:
+            why += (
+                f" With the guard: play-out {_ms(guarded.delay)}, for {100 * MOSTLY:g} % of the time up to "
+                f"{format_stiffness(guarded.mostly_usable_stiffness)}."
+            )
+    parts = [Text.assemble(("Recommended: ", "bold"), answer), Text(why)]
+    if found.if_paused is not None:
+        other = found.if_paused
+        parts.append(
+            Text(
+                f"If no packet without a row was lost: play-out {_ms(other.delay)}, up to "
+                f"{format_stiffness(other.recommended_stiffness)}."
+            )
+        )
+    if found.axes_independent is False:
+        parts.append(Text("The axes of a robot are not independent: the limits hold axis by axis only."))
+    return parts
+
+
+def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_completed: bool) -> list[str]:
+    """Return the lines of a study's sections; the trace that was judged need not be that in the file."""
+    trace = f'"{file}"' if not is_round_trip else f'{{file = "{file}", round_trip = true}}'
+    lines = []
+    for section, values in settings.items():
+        if not isinstance(values, dict):
+            lines.append(f"{section} = {_toml(values)}  # at the top of the study")
+            continue
+        lines.append(f"[{section}]")
+        lines += [f"{key} = {_toml(value)}" for key, value in values.items()]
+        if section == "network":
+            lines.append(
+                "# trace = …: the lost packets have no rows; write them with --out TRACE.csv"
+                if is_completed
+                else f"trace = {trace}"
+            )
+    return lines
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _ages(choice: PlayoutChoice) -> str:
+    low = min(low for low, _ in choice.ages)
+    high = max(high for _, high in choice.ages)
+    first, last = (
+        format_number(low, 3, rounding="down", shift=3),
+        format_number(high, 3, rounding="up", shift=3),
+    )
+    return first if math.isclose(low, high) else f"{first}–{last}"
+
+
+def _bound(choice: PlayoutChoice, tier: Tier) -> str:
+    if tier not in choice.bounds:
+        return "–"
+    bound = choice.bounds[tier]
+    if bound is None:
+        return "no rule"
+    return _stiffness(bound)
+
+
+def _stiffness(value: float) -> str:
+    return "no limit" if math.isinf(value) else format_number(value, rounding="down")
+
+
+def _ms(time: float) -> str:
+    return format_time(time, 3)
+
+
+def _percent(share: float, *, down: bool = False) -> str:
+    return f"{format_number(100.0 * share, 3, rounding='down' if down else 'nearest')} %"

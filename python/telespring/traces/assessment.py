@@ -1,0 +1,212 @@
+"""The answer of the command `trace`: what was recorded, what fits it, and what it deserves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from telespring._core import Trace, TraceFit, TraceStatistics, usual_range
+from telespring.decision.question import Question, are_axes_independent
+from telespring.decision.usable import LONGEST_USUAL_DELAY
+from telespring.model import Study
+from telespring.traces.missing_rows import MissingRows, complete_trace
+from telespring.traces.playouts import (
+    PlayoutChoice,
+    RobotErrors,
+    best_playout,
+    judge_playouts,
+    longest_useful,
+)
+
+if TYPE_CHECKING:
+    from telespring.study.robot_file import RobotRecord
+
+__all__ = ["RecordedWay", "TraceAssessment", "assess_trace"]
+
+#: Between two packets of a session whose controllers are continuous, s.
+_PACKETS = 0.001
+
+
+@dataclass(frozen=True)
+class RecordedWay:
+    """What was recorded of one way.
+
+    Attributes
+    ----------
+    trace
+        The trace that was judged, lost packets without a row inserted.
+    missing
+        How missing rows were understood; None if none is missing.
+    statistics
+        What the trace shows.
+    fit
+        The emulator's models that fit it.
+    """
+
+    trace: Trace
+    missing: MissingRows | None
+    statistics: TraceStatistics
+    fit: TraceFit
+
+
+@dataclass(frozen=True)
+class TraceAssessment:
+    """What a recorded trace of a network deserves.
+
+    Attributes
+    ----------
+    ways
+        What was recorded: of one way, which counts for both, or of forward and backward.
+    question
+        The robots, their operators and the timing of their controllers.
+    sample_period
+        The time between two packets of a session, s.
+    playouts
+        A play-out for the delays that 50 to 100 % of the packets do not exceed, the shortest first.
+    recommended
+        The one to use: for a bare spring, or for the guard if it is needed.
+    guarded
+        The one for a stiffer spring with the guard.
+    needs_guard
+        Whether nothing is proven for a bare spring, or only what holds on any network because motions were in
+        use that are older than any useful play-out.
+    longest_useful
+        No longer play-out is recommended, s.
+    if_paused
+        What would be recommended if no packet without a row were lost; None if none counts as lost.
+    axes_independent
+        Whether identification found the axes of both robots independent; None if it is not known.
+    """
+
+    ways: tuple[RecordedWay, ...]
+    question: Question
+    sample_period: float
+    playouts: tuple[PlayoutChoice, ...]
+    recommended: PlayoutChoice
+    guarded: PlayoutChoice
+    needs_guard: bool
+    longest_useful: float
+    if_paused: PlayoutChoice | None = None
+    axes_independent: bool | None = None
+
+    @property
+    def is_completed(self) -> bool:
+        """Whether the trace that was judged differs from the recorded one by missing rows."""
+        return any(way.missing is not None for way in self.ways)
+
+    def settings(self) -> dict[str, Any]:
+        """Return the keys of a study's sections `[network]` and `[session]`, for `Study.replace`.
+
+        Delay and jitter are the ages as played, which `decide` judges. Outages are longer than what is usual:
+        then `allow_unusual` is among the keys.
+        """
+        (forward, backward), jitter = self.recommended.network
+        network: dict[str, Any] = {
+            "delay": forward if forward == backward else {"forward": forward, "backward": backward}
+        }
+        if jitter > 0.0:
+            network["jitter"] = jitter
+        session: dict[str, Any] = {"strategy": "guard"} if self.needs_guard else {}
+        session["playout"] = {"kind": "fixed", "delay": self.recommended.delay}
+        is_usual = max(forward, backward) <= LONGEST_USUAL_DELAY and jitter <= usual_range("time span")[1]
+        return {**({} if is_usual else {"allow_unusual": True}), "network": network, "session": session}
+
+
+def assess_trace(
+    trace: Trace | tuple[Trace, Trace],
+    study: Study | None = None,
+    *,
+    longest_loss: float | None = None,
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+) -> TraceAssessment:
+    """Find the play-out delay and the stiffness that a recorded trace of a network deserves.
+
+    A session is played over the trace behind fixed play-outs: a packet in every sample period, each with
+    the delay and the fate of the recorded packet that was sent last before it. The ages of the motion that is
+    then in use say which verdicts hold, and up to which stiffness: for a network that does no worse than the
+    recording.
+
+    Parameters
+    ----------
+    trace : Trace or (Trace, Trace)
+        One way, which counts for both, or the ways forward and backward.
+    study : Study, optional
+        Robots, operators and the timing of the controllers; its own network counts for nothing. The default
+        is the paper's two H-MANs with free handles, sampled every 1 ms.
+    longest_loss : float, optional
+        If the trace has no row for lost packets: packets that are missing in a step between two rows of up
+        to this, s, count as lost, longer ones as pauses of the sender; 0 takes every one as a pause. The
+        default is 1 s, or ten periods if they are longer.
+    records : pair of RobotRecord, optional
+        What identification recorded about the robots.
+
+    Returns
+    -------
+    TraceAssessment
+        What was recorded, what fits, what each play-out allows, and the one to use.
+
+    Raises
+    ------
+    InvalidInput
+        If the trace is too short to play.
+
+    Examples
+    --------
+    Every packet takes 90 or 95 ms. A play-out of 95 ms makes the delay constant:
+
+    >>> import telespring as ts
+    >>> numbers = range(200)
+    >>> trace = ts.Trace([0.01 * n for n in numbers], [0.09 + 0.005 * (n % 2) for n in numbers])
+    >>> found = ts.assess_trace(trace)
+    >>> best = found.recommended
+    >>> best.delay, best.tier
+    (0.095, 'constant delay')
+    >>> round(best.stiffness_limit, 1), round(best.usable_stiffness, 1)
+    (103.5, 98.6)
+    """
+    if study is None:
+        study = Study.paper().replace(coupling=None, network=None, controller=None)
+    network = study.replace(network={"delay": 0.0}).network
+    question = Question.of(study, network, has_playout_buffer=False)
+    errors = RobotErrors(study.uncertainty, records)
+    period = network.sample_period or _PACKETS
+    traces = (trace, trace) if isinstance(trace, Trace) else trace
+
+    completed = _complete(traces, longest_loss)
+    ways = tuple(
+        RecordedWay(one, missing, one.statistics(), one.fit())
+        for one, missing in (completed[:1] if completed[0] is completed[1] else completed)
+    )
+    useful = longest_useful([way.trace for way in ways])
+
+    def judge(forward: Trace, backward: Trace) -> tuple[PlayoutChoice, ...]:
+        return judge_playouts((forward, backward), question, errors, period)
+
+    playouts = judge(completed[0][0], completed[1][0])
+    bare, guarded = best_playout(playouts, useful), best_playout(playouts, useful, guarded=True)
+    oldest = max(age for _, age in bare.ages)
+    needs_guard = bare.usable_stiffness == 0.0 or (bare.tier == "any network" and oldest > useful)
+    if_paused = None
+    if any(way.missing is not None and way.missing.lost for way in ways):
+        forward, backward = _complete(traces, 0.0)
+        if_paused = best_playout(judge(forward[0], backward[0]), useful)
+    return TraceAssessment(
+        ways,
+        question,
+        period,
+        playouts,
+        guarded if needs_guard else bare,
+        guarded,
+        needs_guard,
+        useful,
+        if_paused,
+        are_axes_independent(records),
+    )
+
+
+def _complete(
+    traces: tuple[Trace, Trace], longest_loss: float | None
+) -> tuple[tuple[Trace, MissingRows | None], tuple[Trace, MissingRows | None]]:
+    """Insert missing rows, once if both ways have one trace."""
+    forward = complete_trace(traces[0], longest_loss)
+    return forward, forward if traces[1] is traces[0] else complete_trace(traces[1], longest_loss)
