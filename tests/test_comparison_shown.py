@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 from rich.console import Console
 
 from made_comparison import LABELS, made_account_trial, made_comparison
@@ -81,6 +83,10 @@ def test_law_a_screen_names_what_ran_away_and_how_often() -> None:
     assert "No trial ran away." in screen(calm)
 
 
+def heights(line: Line2D) -> NDArray[np.float64]:
+    return np.asarray(line.get_ydata(), dtype=float)
+
+
 def texts(figure: Figure) -> list[str]:
     return [text.get_text() for axes in figure.axes for text in axes.texts]
 
@@ -94,14 +100,13 @@ def test_law_the_figure_against_delay_shows_every_mean_or_says_it_above_the_scal
         here = data.isel(condition=np.flatnonzero(data.stiffness.values == stiffness), network=0)
         for person in (0, 1):
             axes = one[4 * person + column]
-            drawn = {tuple(np.round(line.get_ydata(), 6)) for line in axes.lines}
+            drawn = {tuple(np.round(heights(line), 6)) for line in axes.lines}
             for label in LABELS:
                 errors = 1e3 * here.tracking_error.sel(architecture=label).isel(robot=person)
                 assert tuple(np.round(errors.mean("trial").values, 6)) in drawn
             above = [text.get_text() for text in axes.texts]
-            limit = min(
-                (line.get_ydata()[0] for line in axes.lines if line.get_linewidth() == 0.4), default=None
-            )
+            edges = [heights(line)[0] for line in axes.lines if line.get_linewidth() == 0.4]
+            limit = edges[0] if edges else None
             far = 1e3 * here.tracking_error.isel(robot=person).mean("trial").values
             assert (limit is None) == (stiffness < 100.0)
             if limit is not None:

@@ -254,7 +254,7 @@ def test_ref_a_guarded_rehearsal_says_whose_verdict_it_prints(root: Path, tmp_pa
 def test_ref_a_verdict_says_when_the_session_is_not_what_it_judges() -> None:
     assert session_notes(ts.Architecture()) == ()
     for session, words in (
-        (ts.Architecture(strategy="guard"), "Above its limits the study's guard weakens the force"),
+        (ts.Architecture(strategy="guard"), "Above its limits the guard weakens the force"),
         (ts.Architecture(predictor="linear"), "not of the study's session (spring + linear)"),
         (ts.Architecture(playout={"kind": "fixed", "delay": 0.1}), "when it is 100 ms old"),
     ):

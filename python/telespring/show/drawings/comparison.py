@@ -112,7 +112,7 @@ def draw_delays(
                         spread=_over_trials(np.std, error),
                         ran_away=ran_away[was_run],
                         ended_early=ended_early[was_run],
-                        trials=int(trials.max()),
+                        trials=trials[was_run],
                     )
                 )
             title = f"{format_number(stiffness)} N/m"
@@ -165,7 +165,7 @@ def draw_account(
     trial: xr.Dataset,
     *,
     without_guard: xr.Dataset | None = None,
-    axis: str = "y",
+    axis: str | None = None,
     span: tuple[float, float] | None = None,
     title: str | None = None,
     figure: Figure | None = None,
@@ -175,7 +175,9 @@ def draw_account(
     `trial` has one trial of one condition of a rehearsal, or of a comparison, with the coordinates
     ``stiffness`` and ``delay``: ``account`` (J) over (time, robot), and what there is of ``position`` (m) and
     ``coupling_force`` (N) over (time, robot, axis) and ``target`` (m) over (time, axis). `without_guard` is
-    the same trial under the bare spring, and `span` the times drawn, s, all by default.
+    the same trial under the bare spring, and `span` the times drawn, s, all by default. The positions are
+    those along `axis`; by default the one on which a handle is farthest from the target, without the guard if
+    that is given.
     """
     from telespring.show.figures.comparison_account import account_figure
 
@@ -236,13 +238,16 @@ def spring_boundary(dyad: Dyad, extent: tuple[float, float], label: str) -> Boun
 def _account_trial(
     trial: xr.Dataset,
     without_guard: xr.Dataset | None,
-    axis: str,
+    axis: str | None,
     span: tuple[float, float] | None,
 ) -> AccountTrial:
     from telespring.show.figures.comparison_account import AccountTrial
 
     if span is not None:
         trial = trial.sel(time=slice(*span))
+        without_guard = None if without_guard is None else without_guard.sel(time=slice(*span))
+    if axis is None:
+        axis = _farthest_axis(trial if without_guard is None else without_guard)
     stiffness = float(trial.stiffness)
     parts: dict[str, FloatArray] = {}
     limited = None
@@ -261,9 +266,17 @@ def _account_trial(
         if "target" in trial:
             parts["target"] = trial.target.sel(axis=axis).values
         if without_guard is not None:
-            bare = without_guard if span is None else without_guard.sel(time=slice(*span))
-            parts["without_guard"] = bare.position.sel(axis=axis).transpose("time", "robot").values
+            parts["without_guard"] = without_guard.position.sel(axis=axis).transpose("time", "robot").values
     return AccountTrial(time=trial.time.values, balance=balance, limited=limited, axis=axis, **parts)
+
+
+def _farthest_axis(trial: xr.Dataset) -> str:
+    """Name the axis on which a handle is farthest from the target, or from 0 where there is no target."""
+    if "position" not in trial:
+        return ""
+    away = trial.position - trial.target if "target" in trial else trial.position
+    farthest = np.abs(away).max(("time", "robot")).fillna(0.0).values
+    return str(trial.axis.values[int(np.argmax(farthest))])
 
 
 def _over_trials(statistic: Callable[[FloatArray], np.float64], errors: FloatArray) -> FloatArray:

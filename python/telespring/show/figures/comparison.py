@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
+from telespring.show.figures.comparison_notes import Note, PlacedNote, place_notes
 from telespring.show.figures.strategy_looks import StrategyLook
 from telespring.show.figures.style import (
     FULL_WIDTH,
@@ -35,6 +36,8 @@ _FAR = 2.6
 _COLUMNS, _HEIGHT, _AROUND = 4, 1.75, 1.0
 #: Height of a line of text above the scale, as a share of the scale.
 _LINE = 0.085
+#: Of these lines: size of the letters, and about how wide a panel is, pt.
+_NOTE_SIZE, _PANEL_WIDTH = 6.0, 112.0
 _LEVEL, _ALONE = "#303030", (0.0, (1.0, 1.5))
 
 
@@ -55,7 +58,7 @@ class DelayCurve:
     ran_away, ended_early
         Number of trials that ran away, and of others that ended early, per delay.
     trials
-        Number of trials at every delay.
+        Number of trials, per delay.
     """
 
     label: str
@@ -65,7 +68,7 @@ class DelayCurve:
     spread: Floats
     ran_away: NDArray[np.int_]
     ended_early: NDArray[np.int_]
-    trials: int
+    trials: NDArray[np.int_]
 
 
 @dataclass(frozen=True)
@@ -103,9 +106,11 @@ def delay_figure(
     blocks = math.ceil(len(panels) / columns)
     curves = {curve.label: curve for panel in panels for curve in panel.curves}
     limit = _scale_limit(panels, alone)
-    lines = max(_lines_above(panel, person, limit) for panel in panels for person in (0, 1))
-    top = limit * (1.0 + _LINE * (lines + 0.5)) if lines else limit
     longest = max(float(curve.delay[-1]) for panel in panels for curve in panel.curves) or 0.1
+    reach = -0.06 * longest, 1.06 * longest
+    above = [_notes_above(panel, person, limit, reach) for panel in panels for person in (0, 1)]
+    lines = 1 + max((note.row for notes in above for note in notes), default=-1)
+    top = limit * (1.0 + _LINE * (lines + 0.5)) if lines else limit
     with figure_style():
         rows = 2 * blocks
         key_rows = math.ceil((len(curves) + 4) / 4)
@@ -120,7 +125,7 @@ def delay_figure(
             for person in (0, 1):
                 axes = grid[2 * block + person, column]
                 axes.set_visible(True)
-                _draw_panel(axes, panel, person, looks, limit, alone)
+                _draw_panel(axes, panel, person, looks, limit, reach, alone)
                 if column == 0:
                     axes.set_ylabel(f"Tracking error TE{'₁₂'[person]}, mm")
                 if person == 0:
@@ -128,7 +133,7 @@ def delay_figure(
                 if person == 1:
                     axes.set_xlabel("One-way delay δ, ms")
                     axes.tick_params(labelbottom=True)
-        grid[0, 0].set(xlim=(-0.06e3 * longest, 1.06e3 * longest), ylim=(0.0, 1e3 * top))
+        grid[0, 0].set(xlim=(1e3 * reach[0], 1e3 * reach[1]), ylim=(0.0, 1e3 * top))
         grid[0, 0].set_xticks(_delay_ticks(longest))
         grid[0, 0].set_yticks([tick for tick in grid[0, 0].get_yticks() if tick <= 1e3 * limit])
         figure.legend(
@@ -146,6 +151,7 @@ def _draw_panel(
     person: int,
     looks: Mapping[str, StrategyLook],
     limit: float,
+    reach: tuple[float, float],
     alone: tuple[float, float] | None,
 ) -> None:
     if alone is not None:
@@ -169,7 +175,7 @@ def _draw_panel(
         axes.errorbar(
             1e3 * curve.delay[fits],
             1e3 * mean[fits],
-            1e3 * np.minimum(spread[fits], limit - mean[fits]),
+            1e3 * np.stack([spread[fits], np.minimum(spread[fits], limit - mean[fits])]),
             color=look.colour,
             linestyle="none",
             marker=look.marker,
@@ -179,46 +185,41 @@ def _draw_panel(
             elinewidth=0.7,
             zorder=4 if look.width > 1.0 else 3,
         )
-    far = _far_points(panel, person, limit)
-    if far:
+    notes = _notes_above(panel, person, limit, reach)
+    if notes:
         axes.axhline(1e3 * limit, color=GREY, linewidth=0.4, zorder=1)
-    for delay, notes in far.items():
-        for row, (label, note) in enumerate(notes):
-            axes.annotate(
-                note,
-                (1e3 * delay, 1e3 * limit * (1.0 + _LINE * (row + 0.25))),
-                ha=_side(delay, panel),
-                va="bottom",
-                fontsize=6.0,
-                color=text_colour(looks[label].colour),
-            )
+    for each in notes:
+        axes.annotate(
+            each.note.text,
+            (1e3 * (reach[0] + each.middle * (reach[1] - reach[0])), _height_of_row(each.row, limit)),
+            ha="center",
+            va="bottom",
+            fontsize=_NOTE_SIZE,
+            color=text_colour(looks[each.note.label].colour),
+        )
 
 
-def _side(delay: float, panel: DelayPanel) -> str:
-    """Align what is written at an end of the axis towards its middle."""
-    delays = np.concatenate([curve.delay for curve in panel.curves])
-    if delay == delays.max() > delays.min():
-        return "right"
-    return "left" if delay == delays.min() < delays.max() else "center"
+def _height_of_row(row: int, limit: float) -> float:
+    """Return the height of the lower edge of a row of notes, mm."""
+    return 1e3 * limit * (1.0 + _LINE * (row + 0.25))
 
 
-def _far_points(panel: DelayPanel, person: int, limit: float) -> dict[float, list[tuple[str, str]]]:
-    """Collect what is written above the scale at each delay: strategy and note."""
-    far: dict[float, list[tuple[str, str]]] = {}
+def _notes_above(
+    panel: DelayPanel, person: int, limit: float, reach: tuple[float, float]
+) -> list[PlacedNote]:
+    """Write what lies above the scale, and how many trials failed; `reach` is that of the axis, s."""
+    notes = []
     for curve in panel.curves:
         for i, mean in enumerate(curve.mean[:, person].tolist()):
             ran_away, failed = int(curve.ran_away[i]), int(curve.ran_away[i] + curve.ended_early[i])
             parts = [f"{1e3 * mean:.0f}"] if math.isfinite(mean) and mean > limit else []
-            if failed and (failed < curve.trials or not parts):
-                parts.append(f"{failed}/{curve.trials}")
+            if failed and (failed < curve.trials[i] or not parts):
+                parts.append(f"{failed}/{curve.trials[i]}")
             if parts:
                 sign = "✕" if ran_away else "†" if failed else "▲"
-                far.setdefault(float(curve.delay[i]), []).append((curve.label, f"{sign} {', '.join(parts)}"))
-    return far
-
-
-def _lines_above(panel: DelayPanel, person: int, limit: float) -> int:
-    return max((len(notes) for notes in _far_points(panel, person, limit).values()), default=0)
+                place = (float(curve.delay[i]) - reach[0]) / (reach[1] - reach[0])
+                notes.append(Note(place, f"{sign} {', '.join(parts)}", curve.label))
+    return place_notes(notes, _PANEL_WIDTH, _NOTE_SIZE)
 
 
 def _scale_limit(panels: Sequence[DelayPanel], alone: tuple[float, float] | None) -> float:

@@ -95,7 +95,7 @@ def account_figure(trial: AccountTrial, title: str = "", figure: Figure | None =
         figure.align_ylabels(list(column))
         if title:
             column[0].set_title(title, loc="left", pad=3.0)
-        figure.legend(handles=_legend(trial), loc="outside upper center", ncols=4, columnspacing=1.4)
+        figure.legend(handles=_legend(trial), loc="outside upper center", ncols=3, columnspacing=2.0)
     return figure
 
 

@@ -104,7 +104,9 @@ def plane_figure(
     widest = 1.12 * max(point.stiffness for point in points)
     longest = 1.12 * max(max(point.delay for point in points), 0.05)
     with figure_style():
-        figure = sized_figure(figure, FULL_WIDTH, 3.5 if len(panels) < 3 else 3.1)
+        # So that the numbers of neighbouring delays stay apart.
+        delays = len({point.delay for point in points})
+        figure = sized_figure(figure, FULL_WIDTH, min(max(3.3, 1.2 + 0.43 * delays), 7.0))
         figure.set_layout_engine("constrained")
         row = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
         for i, (axes, panel) in enumerate(zip(row, panels, strict=True)):

@@ -58,7 +58,7 @@ def comparison_numbers(
     numbers = {
         "architectures": [{"key": key, "label": label} for key, label in labels.items()],
         "best": best,
-        "trials": max(row[best]["trials"] for row in rows),
+        "trials": min(row[key]["trials"] for row in rows for key in labels if row[key] is not None),
         "conditions": rows,
         "shown": shown,
         "worst": {key: _worst(rows, key) for key in labels},

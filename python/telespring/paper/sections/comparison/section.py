@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from telespring.model import Study
+from telespring.model import Architecture, Study
 from telespring.paper.rehearsed import rehearsed_study, short_rehearsal
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
@@ -22,11 +22,11 @@ __all__ = ["SECTION", "find_comparison"]
 
 #: The architectures beside the bare spring, each with its place in `study.json`.
 _GUARDED = {
-    "guard": {"strategy": "guard"},
-    "shared_target": {"strategy": "guard", "predictor": "shared-target"},
+    "guard": Architecture(strategy="guard"),
+    "shared_target": Architecture(strategy="guard", predictor="shared-target"),
 }
 #: Trials of each condition that are run beside the study's own.
-_TRIALS = 4
+_TRIALS = 3
 
 _Condition = tuple[float, float]
 
@@ -42,24 +42,29 @@ def find_comparison(scene: Scene) -> Findings:
     from telespring.paper.sections.comparison.numbers import comparison_numbers
 
     own = _connected(scene.study)
-    bare = scene.study.replace(session=None)
-    guarded = {key: bare.replace(session=settings) for key, settings in _GUARDED.items()}
-    guarded = {key: study for key, study in guarded.items() if own and not refusal_of(study, scene.modules)}
+    guarded = {
+        key: architecture
+        for key, architecture in _GUARDED.items()
+        if own and refusal_of(scene.study, architecture, scene.modules) is None
+    }
     if not guarded:
         return Findings()
+    architectures = {"spring": Architecture(), **guarded}
     added = _between(own)
     with rehearsed_study(scene) as dataset, TemporaryDirectory(prefix="telespring-") as temporary:
         files: dict[str, list[Path]] = {}
-        for key, study in {"spring": bare, **guarded}.items():
-            is_known = key == "spring" and scene.study.session == bare.session
+        for key, architecture in architectures.items():
+            is_known = scene.study.session == architecture
             conditions = [*([] if is_known else own), *added]
             files[key] = [dataset] if is_known else []
             if conditions:
+                study = scene.study.replace(session=architecture)
                 short = _with_conditions(study, conditions, like_own=not is_known)
                 files[key].append(short_rehearsal(short, Path(temporary) / key, scene))
         measured = {key: [measure_rehearsal(file) for file in each] for key, each in files.items()}
-        ours = measured["spring"][0] if scene.study.session == bare.session else measure_rehearsal(dataset)
-        labels = {key: study.session.label for key, study in {"spring": bare, **guarded}.items()}
+        ours = next((parts[0] for key, parts in measured.items() if files[key][0] == dataset), None)
+        ours = ours or measure_rehearsal(dataset)
+        labels = {key: architecture.label for key, architecture in architectures.items()}
         compared = side_by_side({labels[key]: parts for key, parts in measured.items()}, ours.unconnected)
         numbers, shown = comparison_numbers(scene, compared, labels, own, ours.target_speed)
         drawings = _draw(scene, compared, labels, files, shown)
