@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from telespring._errors import InvalidInput
 from telespring.model import Architecture, Study
 from telespring.paper.rehearsed import rehearsed_study, short_rehearsal
 from telespring.paper.scene import Scene
@@ -37,7 +38,6 @@ def find_comparison(scene: Scene) -> Findings:
     The trials of the study's own protocol are those of the experiment. Between its delays more are tried, so
     that what the delay costs is seen between them, too.
     """
-    from telespring.comparison.trying import refusal_of
     from telespring.paper.sections.comparison.measured import measure_rehearsal, side_by_side
     from telespring.paper.sections.comparison.numbers import comparison_numbers
 
@@ -45,7 +45,7 @@ def find_comparison(scene: Scene) -> Findings:
     guarded = {
         key: architecture
         for key, architecture in _GUARDED.items()
-        if own and refusal_of(scene.study, architecture, scene.modules) is None
+        if own and _is_possible(scene, architecture)
     }
     if not guarded:
         return Findings()
@@ -78,6 +78,16 @@ SECTION = Section(
     step="strategies compared",
     find=find_comparison,
 )
+
+
+def _is_possible(scene: Scene, architecture: Architecture) -> bool:
+    """Whether the study can have this architecture in all its conditions."""
+    from telespring.comparison.trying import refusal_of
+
+    try:
+        return refusal_of(scene.study.replace(session=architecture), scene.modules) is None
+    except InvalidInput:
+        return False
 
 
 def _connected(study: Study) -> list[_Condition]:
