@@ -91,6 +91,20 @@ fn law_what_the_encoder_hides_is_debited_exactly() {
     }
 }
 
+#[test]
+fn law_what_the_encoder_hides_is_debited_while_the_force_acts() {
+    let (step, force) = (1e-3, 3.0);
+    let mut account = account(100.0, 10.0, step, false);
+    account.settle(1e-3, [0.0; 2], [0.0; 2], 0.0);
+    // almost a whole step with the force, of which the encoder shows nothing
+    account.settle(1e-3, [0.0; 2], [force, 0.0], 0.0);
+    let debited = 10.0 - account.balance();
+    assert!(debited >= 0.9998 * step * force, "{debited}");
+    // letting go costs nothing more
+    account.settle(1e-3, [0.0; 2], [0.0; 2], 0.0);
+    assert_eq!(10.0 - account.balance(), debited);
+}
+
 /// A device that lags or comes late gives out energy that its commanded force does not show: at speeds up to v this is
 /// what an encoder step larger by 2 v τ hides.
 #[test]
