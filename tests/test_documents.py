@@ -22,6 +22,7 @@ DOCUMENTS = [
     "docs/compare.md",
     "docs/recorded-trials.md",
     "docs/session.md",
+    "docs/traces.md",
     "docs/wire.md",
 ]
 

@@ -66,16 +66,19 @@ def test_law_what_is_printed_for_a_study_is_a_study_that_decide_calls_stable(
     robots.write_text(ROBOTS)
     shown = run(ragged, "--round-trip", "--study", robots, "--out", out)
     assert shown.exit_code == 0, shown.output
-    network = re.search(r"\[network\]\n(?:.*\n)*?(?=\[session\])", shown.stdout)
-    assert network is not None
-    assert 'trace = "oneway.csv"' in network[0]
+    lines = re.search(r"\[network\]\n(?:.*\n)*?playout.*\n", shown.stdout)
+    assert lines is not None
+    assert 'trace = "oneway.csv"' in lines[0]
     stiffness = re.search(r"spring up to ([\d.]+) N/m", shown.stdout)
     assert stiffness is not None
     study = tmp_path / "study.toml"
-    study.write_text(f"{ROBOTS}coupling.stiffness = {stiffness[1]}\n{network[0]}")
+    study.write_text(f"{ROBOTS}coupling.stiffness = {stiffness[1]}\n{lines[0]}")
     assert ts.decide(ts.Study.read(study)).is_stable
-    # the trace written is the one judged: it gives the same answer, and the laboratory takes it
     answer = json.loads(run(ragged, "--round-trip", "--study", robots, "--json").stdout)
+    session = ts.Study.read(study).session
+    assert session.playout == "fixed"
+    assert session.playout_delay == answer["recommended"]["delay"]
+    # the trace written is the one judged: it gives the same answer, and the laboratory takes it
     again = json.loads(run(out, "--study", robots, "--json").stdout)
     assert again["playouts"] == answer["playouts"]
     assert again["ways"][0]["missing_rows"] is None
