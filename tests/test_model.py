@@ -122,7 +122,7 @@ def test_ref_bad_values_are_refused_at_the_door(build: Any, field: str, said: st
         (lambda bad: ts.spectral_abscissa(ts.hman(), bad, 0.1), 1j, "stiffness", "1j", "a real number"),
         (lambda bad: ts.open_loop(ts.hman(), bad, 0.1, [1.0]), None, "stiffness", "None", "a real number"),
         (lambda bad: ts.verdicts(ts.hman(), bad, 0.1), "k", "stiffness", "'k'", "a real number"),
-        (lambda bad: ts.Network(0.1, jitter=bad), "j", "jitter", "'j'", "a real number"),
+        (lambda bad: ts.Network(0.1, jitter=bad), "j", "jitter", "'j'", "one number for both ways"),
         (lambda bad: ts.Network(0.1, sample_period=bad), [1.0], "sample_period", "[1.0]", "a real number"),
         (lambda bad: ts.Coupling(bad), "k", "stiffness", "'k'", "a real number"),
     ],

@@ -27,7 +27,8 @@ PROMISED = {
     "spectral_abscissa": "dyad, stiffness, delay, axis",
     "unstable_root_count": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
     "stability_map": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
-    "verdicts": "dyad, stiffness, delay, jitter, max_gap, sample_period, computing_time, operator_range",
+    "verdicts": "dyad, stiffness, delay, jitter, max_gap, sample_period, computing_time, operator_range, "
+    "attack_seed",
     "transfer_matrix": "dyad, stiffness, delay, s, axis, convention",
     "mobility_matrix": "dyad, stiffness, delay, s, axis",
     "frequency_response": "dyad, stiffness, delay, frequency, axis, convention",

@@ -70,7 +70,7 @@ fn growth(axis: &DyadAxis, k: f64, ages: [(f64, f64); 2], play: Play, draw: &mut
                     }
                 }
                 Play::Switching(period) => {
-                    if (n as usize / period) % 2 == 0 {
+                    if (n as usize / period).is_multiple_of(2) {
                         newest.max(from)
                     } else {
                         from

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from telespring._arrays import as_number, quoted_value
 from telespring._core import Trace, TraceFit, TraceStatistics, usual_range
+from telespring._errors import InvalidInput
 from telespring.decision.question import Question, are_axes_independent
 from telespring.decision.usable import LONGEST_USUAL_DELAY
 from telespring.model import Study
+from telespring.study.robot_file import RobotRecord
 from telespring.traces.missing_rows import MissingRows, complete_trace
 from telespring.traces.playouts import (
     PlayoutChoice,
@@ -17,9 +20,6 @@ from telespring.traces.playouts import (
     judge_playouts,
     longest_useful,
 )
-
-if TYPE_CHECKING:
-    from telespring.study.robot_file import RobotRecord
 
 __all__ = ["RecordedWay", "TraceAssessment", "assess_trace"]
 
@@ -148,7 +148,7 @@ def assess_trace(
     Raises
     ------
     InvalidInput
-        If the trace is too short to play.
+        If an argument has another type, or the trace is too short to play.
 
     Examples
     --------
@@ -164,14 +164,16 @@ def assess_trace(
     >>> round(best.stiffness_limit, 1), round(best.usable_stiffness, 1)
     (103.5, 98.6)
     """
+    traces = _both_ways(trace)
+    _check_arguments(study, records)
+    if longest_loss is not None:
+        longest_loss = as_number("longest_loss", longest_loss)
     if study is None:
         study = Study.paper().replace(coupling=None, network=None, controller=None)
     network = study.replace(network={"delay": 0.0}).network
     question = Question.of(study, network, has_playout_buffer=False)
     errors = RobotErrors(study.uncertainty, records)
     period = network.sample_period or _PACKETS
-    traces = (trace, trace) if isinstance(trace, Trace) else trace
-
     completed = _complete(traces, longest_loss)
     ways = tuple(
         RecordedWay(one, missing, one.statistics(), one.fit())
@@ -201,6 +203,38 @@ def assess_trace(
         useful,
         if_paused,
         are_axes_independent(records),
+    )
+
+
+def _both_ways(trace: object) -> tuple[Trace, Trace]:
+    """Return the traces forward and backward, or refuse what is neither one nor two traces."""
+    match trace:
+        case Trace():
+            return trace, trace
+        case (Trace() as forward, Trace() as backward):
+            return forward, backward
+    raise InvalidInput(
+        "trace",
+        quoted_value(trace),
+        "a Trace is required, or the two traces (forward, backward)",
+        "Read one with telespring.read_trace.",
+    )
+
+
+def _check_arguments(study: object, records: object) -> None:
+    """Refuse what is no study, or no pair of robot records."""
+    if not isinstance(study, Study | None):
+        raise InvalidInput(
+            "study", quoted_value(study), "a Study is required", "Read one with telespring.Study.read."
+        )
+    match records:
+        case (RobotRecord() | None, RobotRecord() | None):
+            return
+    raise InvalidInput(
+        "records",
+        quoted_value(records),
+        "what two robot files record is required: a pair of RobotRecord or None",
+        "Leave it out if there are none.",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from telespring._arrays import quoted_value
 from telespring._core import Trace
 from telespring._errors import InvalidInput
 
@@ -50,7 +51,12 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
     >>> trace.delay, trace.statistics().loss
     (array([0.024,   nan, 0.026]), 0.333...)
     """
-    path = Path(path)
+    try:
+        path = Path(path)
+    except TypeError:
+        raise InvalidInput(
+            "path", quoted_value(path), "the name of a file is required", "Give it as text or as a Path."
+        ) from None
     content = path.read_bytes()
     for encoding in ("utf-8", "utf-16") if content[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8",):
         try:
