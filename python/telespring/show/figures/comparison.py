@@ -137,7 +137,13 @@ def delay_figure(
         grid[0, 0].set_xticks(_delay_ticks(longest))
         grid[0, 0].set_yticks([tick for tick in grid[0, 0].get_yticks() if tick <= 1e3 * limit])
         figure.legend(
-            handles=_legend(curves, looks, panels, alone, has_far=lines > 0),
+            handles=_legend(
+                curves,
+                looks,
+                panels,
+                alone,
+                has_far=any(note.note.text[0] == "▲" for notes in above for note in notes),
+            ),
             loc="outside upper center",
             ncols=4 if len(curves) > 2 else 3,
             columnspacing=1.4,
