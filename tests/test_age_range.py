@@ -236,7 +236,7 @@ def test_law_a_session_of_more_than_a_spring_is_told_apart() -> None:
     plain = ts.decide(study)
     assert not any("bare spring" in note for note in plain.notes)
     guarded = ts.decide(study.replace(session={"strategy": "guard"}))
-    assert "Above its limits the study's guard weakens the force" in " ".join(str(guarded).split())
+    assert "Above its limits the guard weakens the force" in " ".join(str(guarded).split())
     assert guarded.to_dict()["status"] == plain.to_dict()["status"]
     waves = ts.decide(study.replace(session={"strategy": "wave-variables"}))
     assert any("not of the study's session (wave-variables)" in note for note in waves.notes)

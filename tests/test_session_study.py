@@ -16,8 +16,9 @@ from telespring.cli import app
 from telespring.paper.scene import Scene
 from telespring.paper.sections.laboratory.section import find_laboratory
 from telespring.rehearsal.preflight import LateWarning, preflight_warnings
+from telespring.show.screens.questions import session_notes
 from telespring.show.screens.rehearsal import preflight_sentence
-from telespring.show.sessions import describe_bare_verdict, describe_strategy
+from telespring.show.strategies import describe_strategy
 
 STRATEGIES = (
     "spring",
@@ -246,11 +247,19 @@ def test_ref_a_guarded_rehearsal_says_whose_verdict_it_prints(root: Path, tmp_pa
     assert shown.exit_code == 0, shown.output
     words = " ".join(shown.output.split())
     assert "bare spring with arms limited completed" in words
-    assert f"This study runs guard + shared-target: {describe_strategy(study.session)}." in words
+    assert f"This study runs guard + shared target: {describe_strategy(study.session)}." in words
     assert "Warning" not in words
-    plain = ts.Study.paper()
-    assert describe_bare_verdict(plain.session) is None
-    assert "the bare spring" in str(describe_bare_verdict(study.session))
+
+
+def test_ref_a_verdict_says_when_the_session_is_not_what_it_judges() -> None:
+    assert session_notes(ts.Architecture()) == ()
+    for session, words in (
+        (ts.Architecture(strategy="guard"), "Above its limits the guard weakens the force"),
+        (ts.Architecture(predictor="linear"), "not of the study's session (spring + linear)"),
+        (ts.Architecture(playout={"kind": "fixed", "delay": 0.1}), "when it is 100 ms old"),
+    ):
+        [note] = session_notes(session)
+        assert words in note
 
 
 def test_ref_the_report_lists_the_session_and_does_not_take_it_for_the_papers(root: Path) -> None:

@@ -36,7 +36,7 @@ def test_law_a_constant_trace_gives_the_stiffness_of_one_constant_delay() -> Non
     assert best.ages == ((0.105, 0.105), (0.105, 0.105))
     assert best.stiffness_limit == decided.delays[0].stiffness_limit
     assert best.usable_stiffness == decided.delays[0].usable_stiffness
-    # tier 4 of the x axis at 105 ms: 98.9 N/m with continuous controllers (docs/age-range.md); sampling costs 1 %
+    # tier 4 of the x axis at 105 ms is 98.9 N/m (docs/age-range.md); sampling costs 1 %
     assert 0.98 * 98.9 < best.stiffness_limit < 98.9
     assert found.settings()["network"] == {"delay": 0.105}
     assert not found.needs_guard

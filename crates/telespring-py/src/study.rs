@@ -174,8 +174,8 @@ impl Study {
     ///     restarts its section, and the `conditions` of a protocol exclude its lists of `stiffness` and
     ///     `delay`. An `Agent`, `Arm`, `Task`, `LaboratorySettings`, `Architecture`, `Coupling`, `Operator` or `Robot` may
     ///     replace its section, a robot with all that was known of the old one, such as its friction; a
-    ///     `Network` replaces network and controller, `LaboratorySettings` also `jitter` and `loss` of the network; `name` is the study's name, and
-    ///     `allow_unusual=True` accepts values that no laboratory has.
+    ///     `Network` replaces network and controller, and `LaboratorySettings` also `jitter` and `loss` of the
+    ///     network; `name` is the study's name, and `allow_unusual=True` accepts values that no laboratory has.
     ///
     /// Returns
     /// -------

@@ -145,7 +145,9 @@ pub fn replacements(sections: &Bound<'_, PyDict>) -> Outcome<BTreeMap<String, Re
     if !of_the_network.is_empty() {
         let network = out.entry("network".to_owned()).or_insert_with(|| Replacement::Keys(BTreeMap::new()));
         if let Replacement::Keys(keys) = network {
-            of_the_network.into_iter().for_each(|(key, value)| drop(keys.entry(key).or_insert(value)));
+            for (key, value) in of_the_network {
+                keys.entry(key).or_insert(value);
+            }
         }
     }
     Ok(out)

@@ -288,3 +288,30 @@ fn law_an_architecture_that_cannot_run_is_refused() {
     let predictor = PredictorDesign::of_kind("kalman").unwrap();
     assert_eq!(refused(Architecture { predictor, ..Architecture::default() }, 0.0), Ok(()));
 }
+
+/// A target given by samples has the velocity between two of them; with a damper in the coupling it enters the force.
+#[test]
+fn law_a_sampled_target_is_shared_like_the_one_of_a_formula() {
+    let architecture = Architecture {
+        strategy: StrategyDesign::Guard(GuardDesign::default()),
+        predictor: PredictorDesign::SharedTarget,
+        ..Architecture::default()
+    };
+    let run = |sampled: bool| {
+        let mut laboratory = laboratory(architecture);
+        if sampled {
+            let times: Vec<f64> = (0..=10_000).map(|n| f64::from(n) * PERIOD).collect();
+            let positions = telespring::rig::figure_eight_positions([0.05, 0.1], 2.59, &times);
+            laboratory.target = telespring::rig::Target::Sampled(positions);
+        }
+        let coupling = ConnectedMode { damping: 3.0, ..coupling(STIFFNESS, DELAY).unwrap() };
+        let schedule = Schedule::new(10.0, 100.0, PERIOD).unwrap();
+        let trial = Trial { laboratory: &laboratory, coupling: Some(coupling), seed: 1, schedule };
+        trial.record::<InvalidInput>([None, None]).unwrap()
+    };
+    let (formula, samples) = (run(false), run(true));
+    let places = |recording: &Recording| recording.position.concat().concat();
+    let apart = places(&formula).iter().zip(places(&samples)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // the velocity is half a period ahead: 3 N·s/m · 0.5 ms · 2.7 m/s² against the stiffness of hand and spring
+    assert!(apart > 0.0 && apart < 1e-4, "{apart}");
+}

@@ -112,7 +112,7 @@ fn ref_messages_verbatim() {
             with("[network]", "[netwrok]"),
             "netwrok = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
              [operator2], [coupling], [network], [controller], [arm1], [arm2], [agent1], [agent2], [task], \
-             [laboratory], [protocol]. Did you mean \"network\"? See line 10.",
+             [laboratory], [protocol], [session], [comparison]. Did you mean \"network\"? See line 10.",
         ),
         (
             with("stiffness = 20", "stiffness = 20\njitter = 0.01"),

@@ -295,7 +295,7 @@ fn ref_messages_verbatim() {
             "[network2]\nloss = 0.1",
             "network2 = a section: a study has a name and the sections [robot1], [robot2], [operator1], \
              [operator2], [coupling], [network], [controller], [arm1], [arm2], [agent1], [agent2], [task], \
-             [laboratory], [protocol]. Did you mean \"network\"? See line 5.",
+             [laboratory], [protocol], [session], [comparison]. Did you mean \"network\"? See line 5.",
         ),
     ];
     for (text, message) in cases {

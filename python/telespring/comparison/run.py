@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -156,43 +157,49 @@ def _run_cells(
     modules: Path | None,
 ) -> xr.Dataset:
     """Run what is missing of all rehearsals, and lay their numbers side by side."""
-    done = 0
-    if progress is not None:
-        progress(0, schedule.trials)
-
-    def run(cell_study: Study, folder: str, measure: Callable[[Path], xr.Dataset]) -> xr.Dataset:
-        nonlocal done
-        experiment = cell_study.experiment
-        assert experiment is not None  # the schedule has checked it
-        measured = store.read_cell(folder)
-        if measured is None:
-            before = done
-
-            def show_progress(finished: int, _trials: int) -> None:
-                if progress is not None:
-                    progress(before + finished, schedule.trials)
-
-            outcome = run_protocol(
-                cell_study, store.path / folder, show_progress, workers, replace_others=True, modules=modules
-            )
-            measured = measure(outcome.dataset)
-            store.write_cell(folder, measured)
-        done += experiment.trials * len(experiment.conditions)
-        if progress is not None:
-            progress(done, schedule.trials)
-        return measured
-
-    unconnected = run(schedule.unconnected, UNCONNECTED_FOLDER, measure_unconnected)
     ages = [SpringVerdicts(each) for each in schedule.network_studies]
 
-    def run_cell(cell: Cell) -> xr.Dataset:
-        damping = cell.experiment.coupling_damping
-        return run(
-            cell.study, cell.folder, lambda dataset: measure_connected(dataset, damping, ages[cell.network])
-        )
+    def measure_cell(dataset: Path, cell: Cell) -> xr.Dataset:
+        return measure_connected(dataset, cell.experiment.coupling_damping, ages[cell.network])
 
-    cells = {cell.folder: run_cell(cell) for cell in schedule.cells}
-    return assemble_comparison(schedule, unconnected, cells)
+    jobs: dict[str, tuple[Study, Callable[[Path], xr.Dataset]]] = {
+        UNCONNECTED_FOLDER: (schedule.unconnected, measure_unconnected),
+        **{cell.folder: (cell.study, partial(measure_cell, cell=cell)) for cell in schedule.cells},
+    }
+    measured = {folder: found for folder in jobs if (found := store.read_cell(folder)) is not None}
+    done = sum(_trials(jobs[folder][0]) for folder in measured)
+    if progress is not None:
+        progress(done, schedule.trials)
+    for folder, (study, measure) in jobs.items():
+        if folder in measured:
+            continue
+        outcome = run_protocol(
+            study,
+            store.path / folder,
+            None if progress is None else _later(progress, done, schedule.trials),
+            workers,
+            replace_others=True,
+            modules=modules,
+        )
+        measured[folder] = measure(outcome.dataset)
+        store.write_cell(folder, measured[folder])
+        done += outcome.trials
+    return assemble_comparison(schedule, measured.pop(UNCONNECTED_FOLDER), measured)
+
+
+def _trials(study: Study) -> int:
+    experiment = require_experiment(study)
+    return experiment.trials * len(experiment.conditions)
+
+
+def _later(progress: Progress, before: int, total: int) -> Progress:
+    """Return the progress of one rehearsal as that of the whole comparison."""
+
+    def told(done: int, _trials: int) -> None:
+        if done:
+            progress(before + done, total)
+
+    return told
 
 
 def _finish(schedule: ComparisonSchedule, store: ComparisonStore, companions: list[Companion]) -> Comparison:

@@ -26,6 +26,8 @@ class SpringVerdicts:
 
     def __init__(self, study: Study) -> None:
         self._study = study
+        # A study may leave the delay to its protocol.
+        self._controllers = study.replace(network={"delay": 0.0}).network
         self._statuses: dict[tuple[float, Network, bool], str] = {}
         self._bounds: dict[tuple[tuple[float, float], tuple[float, float]], float | None] = {}
 
@@ -100,7 +102,7 @@ class SpringVerdicts:
         longest = shortest[0] + width, shortest[1] + width
         key = (shortest, longest)
         if key not in self._bounds:
-            network = _network_of_ages(self._study.network, shortest, longest)
+            network = _network_of_ages(self._controllers, shortest, longest)
             judged = verdicts(
                 self._study.dyad, stiffness, network, operator_range=self._study.operator_ranges
             )

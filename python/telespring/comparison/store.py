@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
+from telespring.comparison.cell_file import CELL_FILE, read_cell_file, write_cell_file
 from telespring.rehearsal.run import remove_rehearsal
 from telespring.rehearsal.store import LOCK_FILE
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMPARISON_FILES", "UNCONNECTED_FOLDER", "ComparisonIdentity", "ComparisonStore"]
 
-_DATASET, _IDENTITY, _MEASURED = "comparison.nc", "comparison.json", "measured.nc"
+_DATASET, _IDENTITY = "comparison.nc", "comparison.json"
 _SUMMARY, _STUDY = "compare.json", "recommended.toml"
 #: What a comparison writes into its folder, besides the folders of its rehearsals.
 COMPARISON_FILES = (_DATASET, _IDENTITY, _SUMMARY, _STUDY, LOCK_FILE)
@@ -127,20 +128,11 @@ class ComparisonStore:
 
     def read_cell(self, folder: str) -> xr.Dataset | None:
         """Read what was measured in a finished rehearsal; None if it is not finished."""
-        import xarray as xr
-
-        file = self.path / folder / _MEASURED
-        if not file.exists():
-            return None
-        try:
-            return xr.load_dataset(file, engine="h5netcdf")
-        except (OSError, ValueError, KeyError):  # what a power cut left
-            return None
+        return read_cell_file(self.path / folder / CELL_FILE)
 
     def write_cell(self, folder: str, measured: xr.Dataset) -> None:
         """Keep what was measured in a rehearsal, and remove the rehearsal."""
-        with replacing(self.path / folder / _MEASURED) as beside:
-            measured.to_netcdf(beside, engine="h5netcdf")
+        write_cell_file(self.path / folder / CELL_FILE, measured)
         remove_rehearsal(self.path / folder)
 
     def write_dataset(self, comparison: xr.Dataset) -> None:
@@ -178,7 +170,7 @@ class ComparisonStore:
 
     def _remove_cells(self, identity: str) -> None:
         for folder in self._cells(identity):
-            (folder / _MEASURED).unlink(missing_ok=True)
+            (folder / CELL_FILE).unlink(missing_ok=True)
             remove_rehearsal(folder)
             for file in (folder / LOCK_FILE, *folder.glob(".unfinished-*")):
                 file.unlink(missing_ok=True)
@@ -213,7 +205,7 @@ class ComparisonStore:
 def _finished(folder: Path) -> Iterator[Path]:
     """List what finished trials left in the folder of a rehearsal."""
     yield from folder.glob("trials/*.trial")
-    yield from folder.glob("*.nc")
+    yield from (file for file in (folder / "rehearsal.nc", folder / CELL_FILE) if file.exists())
 
 
 def _stored_identity(dataset: Path) -> str | None:

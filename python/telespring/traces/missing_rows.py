@@ -12,6 +12,8 @@ __all__ = ["MissingRows", "complete_trace"]
 
 #: A step of more periods than this is not one step of the sender.
 _ONE_STEP = 1.5
+#: Times in whole ms are not exact in s: 24 ms are not more than 1.5 times 16 ms.
+_ROUNDING = 1.0 + 1e-9
 #: Unless told otherwise, a step of up to so many seconds, or periods, lost its packets.
 _LONGEST_LOSS, _PERIODS_OF_LOSS = 1.0, 10.0
 
@@ -57,13 +59,13 @@ def complete_trace(trace: Trace, longest_loss: float | None = None) -> tuple[Tra
     """
     period = trace.statistics().interval
     steps = np.diff(trace.time)
-    is_long = steps > _ONE_STEP * period
+    is_long = steps > _ONE_STEP * period * _ROUNDING
     if trace.losses_recorded or period == 0.0 or not is_long.any():
         return trace, None
     if longest_loss is None:
         longest_loss = max(_LONGEST_LOSS, _PERIODS_OF_LOSS * period)
     is_pause = is_long & (steps > longest_loss)
-    complete = trace.with_missing_rows(period, max(longest_loss, _ONE_STEP * period))
+    complete = trace.with_missing_rows(period * _ROUNDING, max(longest_loss, _ONE_STEP * period * _ROUNDING))
     found = MissingRows(
         period=period,
         longest_loss=longest_loss,

@@ -6,5 +6,5 @@ mod bare_spring;
 mod guard;
 mod handed_over;
 #[allow(dead_code, reason = "the guard's tests use more of it")]
-#[path = "../law_guard/support/plant.rs"]
+#[path = "../withstand_common/plant.rs"]
 mod plant;

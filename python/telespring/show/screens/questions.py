@@ -186,12 +186,20 @@ def session_notes(session: Architecture) -> tuple[str, ...]:
     if session.strategy == "guard":
         return (
             (
-                "The answer is that of the bare spring. Above its limits the study's guard weakens the force, so "
-                "that no side gives out more energy than it has, whatever the network does."
+                "The answer is that of the bare spring. Above its limits the guard weakens the force, "
+                "so that no side gives out more energy than it has, whatever the network does."
             ),
         )
-    if session.label == "spring":
+    if session == Architecture():
         return ()
+    if session.label == "spring":
+        assert session.playout_delay is not None  # what else differs
+        return (
+            (
+                "The answer is for the delay of the network. The study's sides use a motion when it is "
+                f"{format_time(session.playout_delay, 6)} old, or older if it comes later."
+            ),
+        )
     return (f"The answer is that of the bare spring, not of the study's session ({session.label}).",)
 
 

@@ -13,7 +13,7 @@ from rich.text import Text
 from telespring._core import Architecture
 from telespring.rehearsal.preflight import JitterWarning, LateWarning, LossWarning, PreflightWarning
 from telespring.show.screens.arms import describe_arm_stability, describe_arm_verdict
-from telespring.show.sessions import describe_strategy
+from telespring.show.strategies import describe_strategy, name_strategy
 
 if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
@@ -152,7 +152,7 @@ def rehearsed_conditions_screen(
     console.print(f"With arms: {describe_arm_stability(stability)}", markup=False)
     if not is_bare:
         console.print(
-            f"This study runs {session.label}: {describe_strategy(session)}. "
+            f"This study runs {name_strategy(session.label)}: {describe_strategy(session)}. "
             "Limited: the share of the time in which it changed the spring's force.",
             markup=False,
         )

@@ -14,7 +14,7 @@ pub struct AccountSettings {
     pub share: f64,
     /// What the account holds at the start, and at most beyond the energy of the spring, J.
     pub capacity: f64,
-    /// The largest power at which energy of the partner is taken in, W.
+    /// The largest power at which energy of the partner is taken in, W. What would have to wait longer than 5 s is lost.
     pub intake: f64,
     /// The step of the position sensor, m; 0 for none.
     pub encoder_step: f64,
