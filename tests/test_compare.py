@@ -18,6 +18,7 @@ from typer.testing import CliRunner, Result
 import telespring as ts
 from telespring import cli
 from telespring.analysis import measure
+from telespring.comparison.schedule import schedule_comparison
 from telespring.comparison.store import UNCONNECTED_FOLDER
 from telespring.rehearsal.store import LOCK_FILE
 
@@ -372,3 +373,118 @@ def test_law_a_quick_comparison_is_of_the_spring_and_the_guard(short: ts.Study, 
     assert quick.dataset.architecture.values.tolist() == ["spring", "guard", "guard + shared-target"]
     assert quick.dataset.sizes["trial"] == 4
     assert quick.dataset.network.values.tolist() == ["quiet", "5G, urban"]
+
+
+def test_law_usual_architectures_without_a_place_for_a_damper_are_left_out_and_named() -> None:
+    study = ts.Study.from_toml(study_text(more="[coupling]\nstiffness = 71.2\ndamping = 1.0"))
+    schedule = schedule_comparison(study)
+    usual = [architecture.label for architecture in ts.Study.paper().comparison.architectures]
+    left_out = [each.architecture for each in schedule.left_out]
+    assert left_out
+    assert "wave-variables" in left_out
+    assert sorted([*left_out, *schedule.labels]) == sorted(usual)
+    assert all(each.reason for each in schedule.left_out)
+
+
+def test_law_an_architecture_that_the_study_names_and_cannot_have_is_refused(tmp_path: Path) -> None:
+    # Its damper must be at least the stiffness times half a sample period.
+    more = '[comparison]\narchitectures = ["spring", "set-position-modulation"]\n'
+    more += "[laboratory]\nsample_period = 0.05"
+    study = ts.Study.from_toml(study_text(more=more)).replace(protocol={"record_rate": 20.0})
+    with pytest.raises(ts.InvalidInput) as refused:
+        ts.compare(study.replace(protocol={"stiffness": [2000.0]}), tmp_path / "out")
+    assert refused.value.field == "comparison.architectures[1]"
+    assert "leave it out" in refused.value.remedy
+    assert not (tmp_path / "out").exists()
+
+
+def test_law_a_comparison_needs_a_spring(short: ts.Study, tmp_path: Path) -> None:
+    with pytest.raises(ts.InvalidInput, match="at least one condition with a spring"):
+        ts.compare(short.replace(protocol={"conditions": []}), tmp_path)
+
+
+TRACED = """
+[agent2]
+kind = "python"
+class = "pull:Pull"
+[comparison]
+architectures = ["guard"]
+networks = [{name = "recorded", trace = "delays.csv", delay = 0.03}]
+"""
+PULL = """
+class Pull:
+    def __init__(self, seed):
+        pass
+    def __call__(self, time, position, velocity, target):
+        return 120.0 * (target - position)
+"""
+
+
+@pytest.fixture
+def traced(tmp_path: Path) -> Path:
+    """Write a study with an agent in Python and a recorded trace, every tenth packet of which is late."""
+    study = written(tmp_path / "study", study_text(more=TRACED, duration=3.0))
+    (study.parent / "pull.py").write_text(PULL)
+    rows = [f"{0.01 * i:.3f},{45.0 if i % 10 == 0 else 22.0 + i % 3}" for i in range(100)]
+    (study.parent / "delays.csv").write_text("\n".join(["time_s,delay_ms", *rows]))
+    return study
+
+
+def test_law_traces_and_agents_go_where_the_recommended_study_goes(traced: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    comparison = ts.compare(traced, out)
+    assert comparison.dataset.network.values.tolist() == ["recorded"]
+    assert comparison.dataset.delay.values.tolist() == [0.03, 0.03]
+    # Late packets are held for, so the ages vary.
+    high, low = comparison.dataset.age_high, comparison.dataset.age_low
+    assert float(high.min()) > 0.03 >= float(low.max()) - 1e-9
+    assert ((comparison.dataset.within_age_range >= 0.0) & (comparison.dataset.within_age_range <= 1.0)).all()
+    assert left_in(out) == sorted([*RESULTS, "delays.csv", "pull.py"])
+    moved = tmp_path / "moved"
+    out.rename(moved)
+    trials = ts.rehearse(moved / "recommended.toml", tmp_path / "again")
+    assert (trials.status == 0).all()
+    assert trials.delay.values.tolist()[1:] == [0.03]
+
+
+def test_law_another_file_of_a_copied_ones_name_is_refused(traced: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "pull.py").write_text("mine")
+    with pytest.raises(ts.InvalidInput, match=r"pull\.py of the study is copied there"):
+        ts.compare(traced, tmp_path / "out")
+    assert left_in(tmp_path / "out") == ["pull.py"]
+
+
+def test_law_a_trace_that_changed_is_another_comparison(traced: Path, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        ts.compare(traced, tmp_path / "out", progress=interrupted_after(3))
+    (traced.parent / "delays.csv").write_text("time_s,delay_ms\n0,20\n0.01,21\n")
+    with pytest.raises(ts.InvalidInput, match="another version of a Python file or a recorded trace"):
+        ts.compare(traced, tmp_path / "out")
+
+
+def test_law_the_command_says_what_it_recommends_and_how_to_go_on(tiny: ts.Study, tmp_path: Path) -> None:
+    study, out = written(tmp_path, tiny.to_toml()), tmp_path / "out"
+    done = command(study, "--out", out, "--workers", "2")
+    assert done.exit_code == 0, done.output
+    assert "RECOMMENDED: guard + shared target" in done.stdout
+    assert f"telespring rehearse {out / 'recommended.toml'}" in "".join(done.stdout.split("\n"))
+    figures = sorted(path.name for path in out.glob("*.png"))
+    assert figures == ["account.png", "delays.png", "plane.png"]
+    refused = command(out / "recommended.toml", "--out", out)
+    assert refused.exit_code == 2
+    assert "is an input of the command" in " ".join(refused.output.split())
+
+
+def test_law_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(
+    tiny: ts.Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study, out = written(tmp_path, tiny.to_toml()), tmp_path / "out"
+
+    def interrupt(*_: object) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("telespring.comparison.run.measure_connected", interrupt)
+    stopped = command(study, "--out", out)
+    assert stopped.exit_code == 130
+    assert "10 of 18 trials are kept; run the same command again to resume." in stopped.output

@@ -24,12 +24,11 @@ _DIMENSIONS = "dimensions"
 def write_cell_file(path: Path, measured: xr.Dataset) -> None:
     """Write values and dimensions of all variables, complete or absent; units are given to them later."""
     arrays = {str(name): variable.values for name, variable in measured.variables.items()}
-    arrays = {
-        name: values.astype(str) if values.dtype == object else values for name, values in arrays.items()
-    }
+    words = {name: values.astype(str) for name, values in arrays.items() if values.dtype == object}
     dimensions = {str(name): list(variable.dims) for name, variable in measured.variables.items()}
     with replacing(path) as beside:
-        np.savez(beside, allow_pickle=False, **{_DIMENSIONS: np.array(json.dumps(dimensions))}, **(arrays | words))
+        arrays |= words | {_DIMENSIONS: np.array(json.dumps(dimensions))}
+        np.savez(beside, allow_pickle=False, **arrays)
 
 
 def read_cell_file(path: Path) -> xr.Dataset | None:

@@ -122,7 +122,6 @@ def schedule_comparison(
             changed = _with_delays(changed, experiment, delays)
         if network:
             changed = changed.replace(network=network)
-        changed = _without_repetitions(changed)
         names.append(name)
         network_studies.append(changed)
     architectures, left_out = _possible_architectures(
@@ -172,17 +171,6 @@ def _with_delays(study: Study, experiment: Experiment, delays: Sequence[float]) 
     """Combine every stiffness of an experiment with the delays of one network."""
     stiffness = dict.fromkeys(k for k, _ in experiment.conditions if k is not None)
     return study.replace(protocol={"conditions": None, "stiffness": list(stiffness), "delay": list(delays)})
-
-
-def _without_repetitions(study: Study) -> Study:
-    """Leave out conditions that a protocol repeats."""
-    experiment = require_experiment(study)
-    pairs = [(k, delay) for k, delay in experiment.conditions if k is not None]
-    distinct = list(dict.fromkeys(pairs))
-    if len(distinct) == len(pairs):
-        return study
-    conditions = [{"stiffness": k, "delay": delay} for k, delay in distinct]
-    return study.replace(protocol={"stiffness": None, "delay": None, "conditions": conditions})
 
 
 def _quick_architectures(study: Study) -> list[Architecture]:
