@@ -36,8 +36,8 @@ _FAR = 2.6
 _COLUMNS, _HEIGHT, _AROUND = 4, 1.75, 1.0
 #: Height of a line of text above the scale, as a share of the scale.
 _LINE = 0.085
-#: Of these lines: size of the letters, and about how wide a panel is, pt.
-_NOTE_SIZE, _PANEL_WIDTH = 6.0, 112.0
+#: Size of the letters of these lines, pt; and what the panels leave: beside all of them and beside each, pt.
+_NOTE_SIZE, _BESIDE_ALL, _BESIDE = 6.0, 45.0, 8.0
 _LEVEL, _ALONE = "#303030", (0.0, (1.0, 1.5))
 
 
@@ -90,6 +90,21 @@ class DelayPanel:
     undelayed: tuple[float, float] | None = None
 
 
+@dataclass(frozen=True)
+class _Reach:
+    """From which delay, s, to which an axis reaches, and about how wide it is, pt."""
+
+    low: float
+    high: float
+    width: float
+
+    def share(self, delay: float) -> float:
+        return (delay - self.low) / (self.high - self.low)
+
+    def at(self, share: float) -> float:
+        return self.low + share * (self.high - self.low)
+
+
 def delay_figure(
     panels: Sequence[DelayPanel],
     looks: Mapping[str, StrategyLook],
@@ -107,8 +122,9 @@ def delay_figure(
     curves = {curve.label: curve for panel in panels for curve in panel.curves}
     limit = _scale_limit(panels, alone)
     longest = max(float(curve.delay[-1]) for panel in panels for curve in panel.curves) or 0.1
-    reach = -0.06 * longest, 1.06 * longest
+    reach = _Reach(-0.06 * longest, 1.06 * longest, (72.0 * FULL_WIDTH - _BESIDE_ALL) / columns - _BESIDE)
     above = [_notes_above(panel, person, limit, reach) for panel in panels for person in (0, 1)]
+    has_far = any(each.note.text[0] == "▲" for notes in above for each in notes)
     lines = 1 + max((note.row for notes in above for note in notes), default=-1)
     top = limit * (1.0 + _LINE * (lines + 0.5)) if lines else limit
     with figure_style():
@@ -133,11 +149,17 @@ def delay_figure(
                 if person == 1:
                     axes.set_xlabel("One-way delay δ, ms")
                     axes.tick_params(labelbottom=True)
-        grid[0, 0].set(xlim=(1e3 * reach[0], 1e3 * reach[1]), ylim=(0.0, 1e3 * top))
+        grid[0, 0].set(xlim=(1e3 * reach.low, 1e3 * reach.high), ylim=(0.0, 1e3 * top))
         grid[0, 0].set_xticks(_delay_ticks(longest))
         grid[0, 0].set_yticks([tick for tick in grid[0, 0].get_yticks() if tick <= 1e3 * limit])
         figure.legend(
-            handles=_legend(curves, looks, panels, alone, has_far=lines > 0),
+            handles=_legend(
+                curves,
+                looks,
+                panels,
+                alone,
+                has_far=has_far,
+            ),
             loc="outside upper center",
             ncols=4 if len(curves) > 2 else 3,
             columnspacing=1.4,
@@ -151,7 +173,7 @@ def _draw_panel(
     person: int,
     looks: Mapping[str, StrategyLook],
     limit: float,
-    reach: tuple[float, float],
+    reach: _Reach,
     alone: tuple[float, float] | None,
 ) -> None:
     if alone is not None:
@@ -191,7 +213,7 @@ def _draw_panel(
     for each in notes:
         axes.annotate(
             each.note.text,
-            (1e3 * (reach[0] + each.middle * (reach[1] - reach[0])), _height_of_row(each.row, limit)),
+            (1e3 * reach.at(each.middle), _height_of_row(each.row, limit)),
             ha="center",
             va="bottom",
             fontsize=_NOTE_SIZE,
@@ -204,10 +226,8 @@ def _height_of_row(row: int, limit: float) -> float:
     return 1e3 * limit * (1.0 + _LINE * (row + 0.25))
 
 
-def _notes_above(
-    panel: DelayPanel, person: int, limit: float, reach: tuple[float, float]
-) -> list[PlacedNote]:
-    """Write what lies above the scale, and how many trials failed; `reach` is that of the axis, s."""
+def _notes_above(panel: DelayPanel, person: int, limit: float, reach: _Reach) -> list[PlacedNote]:
+    """Write what lies above the scale, and how many trials failed; `reach` is that of the axis."""
     notes = []
     for curve in panel.curves:
         for i, mean in enumerate(curve.mean[:, person].tolist()):
@@ -217,9 +237,10 @@ def _notes_above(
                 parts.append(f"{failed}/{curve.trials[i]}")
             if parts:
                 sign = "✕" if ran_away else "†" if failed else "▲"
-                place = (float(curve.delay[i]) - reach[0]) / (reach[1] - reach[0])
-                notes.append(Note(place, f"{sign} {', '.join(parts)}", curve.label))
-    return place_notes(notes, _PANEL_WIDTH, _NOTE_SIZE)
+                notes.append(
+                    Note(reach.share(float(curve.delay[i])), f"{sign} {', '.join(parts)}", curve.label)
+                )
+    return place_notes(notes, reach.width, _NOTE_SIZE)
 
 
 def _scale_limit(panels: Sequence[DelayPanel], alone: tuple[float, float] | None) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 __all__ = ["Note", "PlacedNote", "place_notes"]
 
 #: Width of a letter of a note, and distance between two notes, in multiples of its font size.
-_LETTER, _APART = 0.6, 0.9
+_LETTER, _APART = 0.68, 0.9
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def place_notes(notes: Sequence[Note], width: float, font_size: float) -> list[P
     --------
     >>> notes = [Note(0.0, "212", "a"), Note(0.1, "999", "a"), Note(0.9, "174", "a")]
     >>> [(round(each.middle, 2), each.row) for each in place_notes(notes, 100.0, 6.0)]
-    [(0.05, 0), (0.1, 1), (0.9, 0)]
+    [(0.06, 0), (0.1, 1), (0.9, 0)]
     """
     placed: list[PlacedNote] = []
     ends: list[float] = []

@@ -58,6 +58,7 @@ def comparison_numbers(
     numbers = {
         "architectures": [{"key": key, "label": label} for key, label in labels.items()],
         "best": best,
+        "delayed": sum(row["delay"] > 0.0 for row in rows),
         "trials": min(row[key]["trials"] for row in rows for key in labels if row[key] is not None),
         "conditions": rows,
         "shown": shown,
@@ -107,6 +108,7 @@ def _entry(one: xr.Dataset, undelayed: FloatArray | None) -> dict[str, Any] | No
     return {
         **entry,
         "trials": int(was_run.sum()),
+        "completed": len(finished),
         "ran_away": int(ran_away.sum()),
         "ended_early": int(((one.status.values[was_run] > 0) & ~ran_away).sum()),
         "limited_share": finite_or_none(float(one.limited_share.values[was_run].mean())),
