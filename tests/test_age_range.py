@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import pickle
 
 import numpy as np
@@ -124,7 +123,7 @@ def test_law_a_network_with_two_jitters_is_kept_whole() -> None:
     assert ts.Study.from_toml(f"{text}network.delay = 0.02").replace(network=network).network == network
     assert ts.Study.from_toml(study.to_toml()).network == network
     with pytest.raises(ts.InvalidInput, match="a jitter is one number for both ways"):
-        ts.Network(0.08, jitter=(0.01, 0.02, 0.03))  # type: ignore[arg-type]
+        ts.Network(0.08, jitter=(0.01, 0.02, 0.03))
 
 
 def test_law_decide_allows_more_where_only_one_way_jitters() -> None:
@@ -196,7 +195,7 @@ def test_law_an_attack_is_searched_only_on_request() -> None:
     assert "if no sample is played after a newer one" in " ".join(str(attacked).split())
     for given in ({"delay": 0.08}, {"delay": network}):
         with pytest.raises(ts.InvalidInput, match="attack_seed"):
-            ts.decide(ts.hman(), 80.0 if given["delay"] == 0.08 else None, attack_seed=1, **given)  # type: ignore[arg-type]
+            ts.decide(ts.hman(), 80.0 if given["delay"] == 0.08 else None, attack_seed=1, **given)
 
 
 def test_law_the_command_attacks_a_delay_that_varies() -> None:
