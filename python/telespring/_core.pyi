@@ -907,6 +907,18 @@ class Recording(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: float,
+        passivity_minimum: float,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -918,6 +930,18 @@ class Recording(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[float]
+    passivity_minimum: Final[float]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -933,6 +957,18 @@ class Recordings(_Record):
         agent_force: FloatArray,
         handle_force: FloatArray,
         aim: FloatArray,
+        account: FloatArray,
+        limited_share: FloatArray,
+        withheld_share: FloatArray,
+        given_out: FloatArray,
+        energy_sent: FloatArray,
+        age_mean: FloatArray,
+        age_low: FloatArray,
+        age_high: FloatArray,
+        held_share: FloatArray,
+        lost: FloatArray,
+        passivity_final: FloatArray,
+        passivity_minimum: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -944,6 +980,18 @@ class Recordings(_Record):
     agent_force: Final[FloatArray]
     handle_force: Final[FloatArray]
     aim: Final[FloatArray]
+    account: Final[FloatArray]
+    limited_share: Final[FloatArray]
+    withheld_share: Final[FloatArray]
+    given_out: Final[FloatArray]
+    energy_sent: Final[FloatArray]
+    age_mean: Final[FloatArray]
+    age_low: Final[FloatArray]
+    age_high: Final[FloatArray]
+    held_share: Final[FloatArray]
+    lost: Final[FloatArray]
+    passivity_final: Final[FloatArray]
+    passivity_minimum: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 

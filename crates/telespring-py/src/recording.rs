@@ -27,6 +27,32 @@ record! {
         handle_force: Array<f64, Ix3>,
         /// Where each agent takes the target to be, m.
         aim: Array<f64, Ix3>,
+        /// Energy in the account of each side's strategy, J, (n, 2 robots); NaN if it keeps none, or unconnected.
+        account: Array<f64, Ix2>,
+        /// Share of the instants with a partner at which the strategy changed the force of the spring, (2 robots,); this and
+        /// the following are NaN where nothing can be said, as in the unconnected mode.
+        limited_share: Array<f64, Ix1>,
+        /// Mean share of the spring's force that was withheld at those instants; above 1 where the strategy pushed the
+        /// other way, below 0 where a damper made the force larger.
+        withheld_share: Array<f64, Ix1>,
+        /// Energy that each side gave out to its own handle, as it measured it, J.
+        given_out: Array<f64, Ix1>,
+        /// Energy that each side's strategy sent to its partner, J.
+        energy_sent: Array<f64, Ix1>,
+        /// Mean age of the partner's motion in use, s.
+        age_mean: Array<f64, Ix1>,
+        /// Smallest age of a partner's sample in use, s.
+        age_low: Array<f64, Ix1>,
+        /// Largest age of a partner's sample in use, s.
+        age_high: Array<f64, Ix1>,
+        /// Share of the instants at which an old motion was held because no later one had come.
+        held_share: Array<f64, Ix1>,
+        /// Packets that had not come although later ones had.
+        lost: Array<f64, Ix1>,
+        /// Energy that the coupling took from both people, less what it gave them, J; negative if it gave more.
+        passivity_final: f64,
+        /// The smallest value of this energy during the trial, J.
+        passivity_minimum: f64,
         /// "completed", "diverged" (a handle went beyond 10 m), "out of reach" (of a two-link arm) or "too
         /// stiff" (time constants of a robot in a two-link arm too short to integrate).
         status: String,
@@ -57,6 +83,32 @@ record! {
         handle_force: Array<f64, Ix4>,
         /// Where each agent takes the target to be, m.
         aim: Array<f64, Ix4>,
+        /// Energy in the account of each side's strategy, J, (trials, n, 2 robots); NaN if it keeps none, or unconnected.
+        account: Array<f64, Ix3>,
+        /// Share of the instants with a partner at which the strategy changed the force of the spring, (trials, 2 robots); this and
+        /// the following are NaN where nothing can be said, as in the unconnected mode.
+        limited_share: Array<f64, Ix2>,
+        /// Mean share of the spring's force that was withheld at those instants; above 1 where the strategy pushed the
+        /// other way, below 0 where a damper made the force larger.
+        withheld_share: Array<f64, Ix2>,
+        /// Energy that each side gave out to its own handle, as it measured it, J.
+        given_out: Array<f64, Ix2>,
+        /// Energy that each side's strategy sent to its partner, J.
+        energy_sent: Array<f64, Ix2>,
+        /// Mean age of the partner's motion in use, s.
+        age_mean: Array<f64, Ix2>,
+        /// Smallest age of a partner's sample in use, s.
+        age_low: Array<f64, Ix2>,
+        /// Largest age of a partner's sample in use, s.
+        age_high: Array<f64, Ix2>,
+        /// Share of the instants at which an old motion was held because no later one had come.
+        held_share: Array<f64, Ix2>,
+        /// Packets that had not come although later ones had.
+        lost: Array<f64, Ix2>,
+        /// Energy that the coupling took from both people, less what it gave them, J, (trials,); negative if it gave more.
+        passivity_final: Array<f64, Ix1>,
+        /// The smallest value of this energy during the trial, J.
+        passivity_minimum: Array<f64, Ix1>,
         /// How each trial ended, as in `Recording`.
         status: Vec<String>,
         /// Time of the first tick that is left out, s, (trials,); NaN if a trial was completed.

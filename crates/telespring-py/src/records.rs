@@ -115,9 +115,15 @@ impl<T, D> From<Bound<'_, PyArray<T, D>>> for Array<T, D> {
 }
 
 impl<T: Element + PartialEq, D: numpy::ndarray::Dimension> PartialEq for Array<T, D> {
-    /// Whether the arrays of two records are equal.
+    /// Whether the arrays of two records are equal; a missing number (NaN) equals another one.
     fn eq(&self, other: &Self) -> bool {
-        Python::attach(|py| self.0.bind(py).readonly().as_array() == other.0.bind(py).readonly().as_array())
+        #[expect(clippy::eq_op, reason = "of all values only NaN differs from itself")]
+        let same = |(one, other): (&T, &T)| one == other || (one != one && other != other);
+        Python::attach(|py| {
+            let (own, other) = (self.0.bind(py).readonly(), other.0.bind(py).readonly());
+            let (own, other) = (own.as_array(), other.as_array());
+            own.shape() == other.shape() && own.iter().zip(other.iter()).all(same)
+        })
     }
 }
 

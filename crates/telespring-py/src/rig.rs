@@ -5,8 +5,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayon::prelude::*;
 use telespring::rig::{
-    self, Agent, ConnectedMode, Observation, Record, Row, Schedule, Status, Target, Trial, TrialOutcome,
+    self, Agent, ConnectedMode, Observation, PassivityReport, Record, Row, Schedule, Status, Target, Trial,
+    TrialOutcome,
 };
+use telespring::session::playout::Ages;
+use telespring::session::{SessionReport, Span};
 use telespring::{Delay, InvalidInput, quantity};
 
 use crate::arguments::{Argument, DelayChoice, Number, hash, rows, written};
@@ -210,6 +213,7 @@ impl Laboratory {
             agent_force,
             handle_force,
             aim,
+            account,
         } = recording;
         let rows = outcome.rows;
         let signal = |values: Vec<Row>| -> PyResult<_> {
@@ -217,6 +221,20 @@ impl Laboratory {
             Ok(flat.into_pyarray(py).reshape([rows, 2, 2])?.into())
         };
         let (status, ended_at) = ended(&outcome);
+        let mut accounts = account.into_flattened();
+        accounts.resize(2 * rows, f64::NAN);
+        let told = told_by_sides(&outcome).map(|values| values.to_vec().into_pyarray(py).into());
+        let [
+            limited_share,
+            withheld_share,
+            given_out,
+            energy_sent,
+            age_mean,
+            age_low,
+            age_high,
+            held_share,
+            lost,
+        ] = told;
         Ok(Recording {
             time: times(py, &schedule, rows, laboratory.controller.sample_period).into(),
             target: target.into_flattened().into_pyarray(py).reshape([rows, 2])?.into(),
@@ -226,6 +244,18 @@ impl Laboratory {
             agent_force: signal(agent_force)?,
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
+            account: accounts.into_pyarray(py).reshape([rows, 2])?.into(),
+            limited_share,
+            withheld_share,
+            given_out,
+            energy_sent,
+            age_mean,
+            age_low,
+            age_high,
+            held_share,
+            lost,
+            passivity_final: outcome.passivity.total,
+            passivity_minimum: outcome.passivity.minimum,
             status: status.to_owned(),
             ended_at,
         })
@@ -303,10 +333,11 @@ impl Laboratory {
             .collect::<Outcome<Vec<_>>>()?;
         let rows = schedule.rows();
         check_rows(rows, trials)?;
-        let (targets, blocks, outcomes) = in_parallel(py, |stop| -> telespring::Result<_> {
+        let (targets, blocks, accounts, outcomes) = in_parallel(py, |stop| -> telespring::Result<_> {
             laboratory.check()?;
             let mut targets = vec![[f64::NAN; 2]; trials * rows];
             let mut blocks = [(); 6].map(|()| vec![[[f64::NAN; 2]; 2]; trials * rows]);
+            let mut accounts = vec![[f64::NAN; 2]; trials * rows];
             let looked = || match stop.is_set() {
                 // never seen: the exception of the signal is raised instead
                 true => Err(InvalidInput::new("run_many", "a signal", "it was interrupted", "Run it again.")),
@@ -322,13 +353,34 @@ impl Laboratory {
                 agent_force.par_chunks_mut(rows),
                 handle_force.par_chunks_mut(rows),
                 aim.par_chunks_mut(rows),
+                accounts.par_chunks_mut(rows),
             )
                 .into_par_iter()
-                .map(|(job, target, position, velocity, coupling_force, agent_force, handle_force, aim)| {
-                    let mut record =
-                        Record { target, position, velocity, coupling_force, agent_force, handle_force, aim };
-                    job.run_interruptible::<InvalidInput>([None, None], &mut record, &mut { looked })
-                })
+                .map(
+                    |(
+                        job,
+                        target,
+                        position,
+                        velocity,
+                        coupling_force,
+                        agent_force,
+                        handle_force,
+                        aim,
+                        account,
+                    )| {
+                        let mut record = Record {
+                            target,
+                            position,
+                            velocity,
+                            coupling_force,
+                            agent_force,
+                            handle_force,
+                            aim,
+                            account,
+                        };
+                        job.run_interruptible::<InvalidInput>([None, None], &mut record, &mut { looked })
+                    },
+                )
                 .collect();
             let outcomes = outcomes
                 .into_iter()
@@ -340,7 +392,7 @@ impl Laboratory {
                     })
                 })
                 .collect::<telespring::Result<Vec<TrialOutcome>>>()?;
-            Ok((targets, blocks, outcomes))
+            Ok((targets, blocks, accounts, outcomes))
         })??;
         let signal = |values: Vec<Row>| -> PyResult<_> {
             let flat = values.into_flattened().into_flattened();
@@ -349,6 +401,16 @@ impl Laboratory {
         let [position, velocity, coupling_force, agent_force, handle_force, aim] = blocks;
         let (status, ended_at): (Vec<_>, Vec<_>) = outcomes.iter().map(ended).unzip();
         let status = status.into_iter().map(str::to_owned).collect();
+        let told: Vec<_> = outcomes.iter().map(told_by_sides).collect();
+        let mut told = (0..9).map(|quantity| -> PyResult<_> {
+            let values: Vec<_> = told.iter().flat_map(|trial| trial[quantity]).collect();
+            Ok(values.into_pyarray(py).reshape([trials, 2])?.into())
+        });
+        let passivity = |of: fn(&PassivityReport) -> f64| {
+            let values: Vec<_> = outcomes.iter().map(|outcome| of(&outcome.passivity)).collect();
+            values.into_pyarray(py).into()
+        };
+        let mut next = || told.next().expect("there are nine quantities");
         let ended_at: Vec<_> = ended_at.into_iter().map(|time| time.unwrap_or(f64::NAN)).collect();
         Ok(Recordings {
             time: times(py, &schedule, rows, laboratory.controller.sample_period).into(),
@@ -359,6 +421,18 @@ impl Laboratory {
             agent_force: signal(agent_force)?,
             handle_force: signal(handle_force)?,
             aim: signal(aim)?,
+            account: accounts.into_flattened().into_pyarray(py).reshape([trials, rows, 2])?.into(),
+            limited_share: next()?,
+            withheld_share: next()?,
+            given_out: next()?,
+            energy_sent: next()?,
+            age_mean: next()?,
+            age_low: next()?,
+            age_high: next()?,
+            held_share: next()?,
+            lost: next()?,
+            passivity_final: passivity(|of_trial| of_trial.total),
+            passivity_minimum: passivity(|of_trial| of_trial.minimum),
             status,
             ended_at: ended_at.into_pyarray(py).into(),
         })
@@ -473,6 +547,27 @@ fn times<'py>(
     sample_period: f64,
 ) -> Bound<'py, PyArray1<f64>> {
     (0..rows).map(|row| schedule.time(row, sample_period)).collect::<Vec<_>>().into_pyarray(py)
+}
+
+/// What both sides tell of a laboratory's trial, per robot, in the order of the attributes of `Recording`; NaN where
+/// nothing can be said.
+fn told_by_sides(outcome: &TrialOutcome) -> [[f64; 2]; 9] {
+    let Some(sessions) = &outcome.sessions else { return [[f64::NAN; 2]; 9] };
+    let of = |value: fn(&SessionReport) -> f64| sessions.each_ref().map(value);
+    let age = |of: fn(&Ages) -> Span| {
+        sessions.each_ref().map(|side| side.playout.ages.as_ref().map_or(f64::NAN, |ages| of(ages).seconds()))
+    };
+    [
+        of(|side| side.strategy.limited_ticks as f64 / side.strategy.ticks as f64),
+        of(|side| if side.strategy.ticks == 0 { f64::NAN } else { side.strategy.withheld }),
+        of(|side| side.strategy.given_out),
+        of(|side| side.strategy.energy_sent),
+        age(|ages| ages.mean),
+        age(|ages| ages.smallest),
+        age(|ages| ages.largest),
+        of(|side| side.playout.held_ticks as f64 / side.playout.ticks as f64),
+        of(|side| side.playout.lost as f64),
+    ]
 }
 
 /// The status of a laboratory's trial by its name, and the time (s) of an early end.

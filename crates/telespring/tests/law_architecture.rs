@@ -22,7 +22,7 @@ const FLOORS: [(&str, &[&str]); 16] = [
     ("criteria", &["error", "quantity", "model", "poly", "characteristic", "prediction", "spectrum"]),
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
     ("verdicts", &["error", "quantity", "model", "poly", "characteristic", "criteria"]),
-    ("study", &["error", "quantity", "model", "criteria", "verdicts", "rig"]),
+    ("study", &["error", "quantity", "session", "model", "criteria", "verdicts", "rig"]),
 ];
 
 /// All Rust files under a folder.

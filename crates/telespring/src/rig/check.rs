@@ -1,6 +1,8 @@
 //! Checks of the values of a laboratory.
 
-use super::{Agent, Arm, Controller, Handle, Laboratory, Network, NetworkModel, Spots, Station, Target};
+use super::{
+    Agent, Arm, Controller, Handle, Laboratory, Network, NetworkModel, SessionPlan, Spots, Station, Target,
+};
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
 
@@ -21,9 +23,9 @@ impl Laboratory {
     /// wider cloud would hide the target rather than blur it. The paper gives no lifetime.
     pub fn paper() -> Self {
         let dyad = crate::model::hman();
+        let per_axis = |values: &[f64]| [values[0], values[1]];
         let side = |index: usize, agent| {
             let robot = &dyad.robots()[index];
-            let per_axis = |values: &[f64]| [values[0], values[1]];
             Station {
                 handle: Handle {
                     mass: per_axis(robot.mass()),
@@ -48,6 +50,7 @@ impl Laboratory {
                 encoder_resolution: 0.0,
             },
             network: Network::each_way(NetworkModel::ideal()),
+            session: SessionPlan::spring(dyad.robots().each_ref().map(|robot| per_axis(robot.damping()))),
         }
     }
 
@@ -76,6 +79,7 @@ impl Laboratory {
         self.target.check().map_err(|refusal| refusal.within("task"))?;
         self.controller.check().map_err(|refusal| refusal.within("laboratory"))?;
         self.network.check().map_err(|refusal| refusal.within("network"))?;
+        self.session.check().map_err(|refusal| refusal.within("session"))?;
         let period = self.controller.sample_period;
         for (index, side) in self.stations.iter().enumerate() {
             if let Agent::Blurred { spots, .. } = side.agent
@@ -89,6 +93,17 @@ impl Laboratory {
                 ));
             }
         }
+        Ok(())
+    }
+}
+
+impl SessionPlan {
+    /// Checks what the controllers of a laboratory may count on; its architecture is checked with a trial's condition.
+    fn check(&self) -> Result<()> {
+        for (index, damping) in self.least_damping.into_iter().enumerate() {
+            check_per_axis(quantity::DAMPING, &format!("least_damping[{index}]"), damping)?;
+        }
+        quantity::SPAN.check("lateness", self.lateness)?;
         Ok(())
     }
 }

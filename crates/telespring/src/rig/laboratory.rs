@@ -2,6 +2,7 @@
 //! fills them in and checks them.
 
 use super::Network;
+use crate::session::Architecture;
 
 /// A planar robot at its handle, with two independent axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,6 +136,27 @@ pub struct Controller {
     pub encoder_resolution: f64,
 }
 
+/// What both controllers do with the partner's motion, and what they may count on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SessionPlan {
+    /// Strategy, predictor and play-out of both sides.
+    pub architecture: Architecture,
+    /// The damping that each robot has at least, per robot and axis, N·s/m.
+    pub least_damping: [[f64; 2]; 2],
+    /// The most by which a motion may be older than the delay of the condition, s: jitter and gap.
+    pub lateness: f64,
+    /// Whether a fixed play-out without a delay of its own waits that much longer, so that the age of a motion is constant.
+    pub has_playout_buffer: bool,
+}
+
+impl SessionPlan {
+    /// The bare spring for robots that have at least this damping (N·s/m), over a network without jitter and gaps.
+    pub fn spring(least_damping: [[f64; 2]; 2]) -> Self {
+        let architecture = Architecture::default();
+        Self { architecture, least_damping, lateness: 0.0, has_playout_buffer: false }
+    }
+}
+
 /// The virtual laboratory: everything that is the same in all conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laboratory {
@@ -146,6 +168,8 @@ pub struct Laboratory {
     pub controller: Controller,
     /// What the network does to packets, besides the constant delay of a condition.
     pub network: Network,
+    /// What the controllers do in the connected mode.
+    pub session: SessionPlan,
 }
 
 /// The protocol of an experiment: which trials are run.

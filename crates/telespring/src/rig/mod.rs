@@ -40,7 +40,8 @@ mod trial;
 
 pub use agent::Observation;
 pub use laboratory::{
-    Agent, Arm, Controller, Elbow, Handle, Laboratory, Protocol, Spots, Station, Target, TwoLinkArm,
+    Agent, Arm, Controller, Elbow, Handle, Laboratory, Protocol, SessionPlan, Spots, Station, Target,
+    TwoLinkArm,
 };
 pub use network::{
     Adversary, Blackout, Channel, Datagram, GilbertElliott, JitterDistribution, Network, NetworkModel,

@@ -1,6 +1,7 @@
 //! The recorded signals of a trial and how it ended.
 
 use super::PassivityReport;
+use crate::session::SessionReport;
 
 /// One value per robot and axis.
 pub type Row = [[f64; 2]; 2];
@@ -22,6 +23,8 @@ pub struct Record<'a> {
     pub handle_force: &'a mut [Row],
     /// The point each agent aims at, m: the mean of its spots, or the target itself.
     pub aim: &'a mut [Row],
+    /// The energy in the account of each side's strategy, J; NaN if it keeps none, or unconnected.
+    pub account: &'a mut [[f64; 2]],
 }
 
 impl Record<'_> {
@@ -35,6 +38,7 @@ impl Record<'_> {
             self.agent_force.len(),
             self.handle_force.len(),
             self.aim.len(),
+            self.account.len(),
         ]
         .into_iter()
         .min()
@@ -74,6 +78,8 @@ pub struct TrialOutcome {
     pub rows: usize,
     /// The energy that passed between the coupling and the two people.
     pub passivity: PassivityReport,
+    /// What both sides of the coupling did; `None` in the unconnected mode.
+    pub sessions: Option<[SessionReport; 2]>,
 }
 
 /// A recorded trial in its own memory.
@@ -95,6 +101,8 @@ pub struct Recording {
     pub handle_force: Vec<Row>,
     /// As in [`Record`].
     pub aim: Vec<Row>,
+    /// As in [`Record`]; empty if the strategy keeps no account, or unconnected.
+    pub account: Vec<[f64; 2]>,
 }
 
 impl Recording {
@@ -102,7 +110,12 @@ impl Recording {
     pub(super) fn new(rows: usize) -> Self {
         let empty = || vec![Row::default(); rows];
         Self {
-            outcome: TrialOutcome { status: Status::Completed, rows, passivity: PassivityReport::default() },
+            outcome: TrialOutcome {
+                status: Status::Completed,
+                rows,
+                passivity: PassivityReport::default(),
+                sessions: None,
+            },
             target: vec![[0.0; 2]; rows],
             position: empty(),
             velocity: empty(),
@@ -110,6 +123,7 @@ impl Recording {
             agent_force: empty(),
             handle_force: empty(),
             aim: empty(),
+            account: vec![[f64::NAN; 2]; rows],
         }
     }
 
@@ -123,6 +137,7 @@ impl Recording {
             agent_force: &mut self.agent_force,
             handle_force: &mut self.handle_force,
             aim: &mut self.aim,
+            account: &mut self.account,
         }
     }
 
@@ -130,6 +145,8 @@ impl Recording {
     pub(super) fn truncate(&mut self, outcome: TrialOutcome) {
         self.outcome = outcome;
         self.target.truncate(outcome.rows);
+        let has_account = outcome.sessions.is_some_and(|[first, _]| first.strategy.balance.is_some());
+        self.account.truncate(if has_account { outcome.rows } else { 0 });
         for rows in [
             &mut self.position,
             &mut self.velocity,

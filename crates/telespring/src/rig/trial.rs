@@ -15,7 +15,7 @@ use super::{Agent, Controller, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::model::Delay;
 use crate::quantity;
-use crate::session::{Endpoint, EndpointSettings, Law, LocalTime, Motion, Span, motion};
+use crate::session::{Endpoint, EndpointSettings, Law, LocalTime, Motion, SideFacts, Span, motion};
 
 /// A trial diverges if a handle is farther than this from the origin along an axis, m: no robot reaches
 /// that far.
@@ -110,6 +110,12 @@ impl RunningStation {
         Motion { position, velocity: self.plant.velocity() }
     }
 
+    /// The energy in the account of the strategy, J; NaN if there is none.
+    fn balance(&self) -> f64 {
+        let report = self.endpoint.as_ref().map(Endpoint::strategy_report);
+        report.and_then(|report| report.balance).unwrap_or(f64::NAN)
+    }
+
     /// Receives all packets that have arrived and returns the force of the spring, N.
     fn spring_force(&mut self, now: LocalTime, measured: Motion) -> [f64; 2] {
         let (Some(link), Some(endpoint)) = (&mut self.link, &mut self.endpoint) else { return [0.0; 2] };
@@ -159,24 +165,40 @@ impl RunningStation {
 }
 
 impl Trial<'_> {
+    /// What one side of the coupling knows in the trial.
+    fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
+        let Laboratory { controller, session, .. } = self.laboratory;
+        let ConnectedMode { stiffness, damping, delay } = *coupling;
+        // Robot 2 receives in the forward direction.
+        let [first, second] = [delay.backward(), delay.forward()];
+        let delays = if side == 0 { [first, second] } else { [second, first] };
+        SideFacts {
+            session: side as u64 + 1,
+            law: Law { stiffness, damping },
+            delays,
+            lateness: session.lateness,
+            has_playout_buffer: session.has_playout_buffer,
+            sample_period: controller.sample_period,
+            computing_tick: controller.computing_tick,
+            encoder_step: controller.encoder_resolution,
+            least_damping: [session.least_damping[side], session.least_damping[1 - side]],
+        }
+    }
+
     /// Both stations at the start of the trial.
     fn start_stations(&self) -> Result<[RunningStation; 2]> {
-        let Laboratory { stations: sides, target, controller, network } = self.laboratory;
+        let Laboratory { stations: sides, target, controller, network, .. } = self.laboratory;
         let period = Span::from_seconds(controller.sample_period);
         let start = target.at_tick(0, controller.sample_period).position;
         let station = |side: usize| -> Result<RunningStation> {
-            let linked = self.coupling.map(|ConnectedMode { stiffness, damping, delay }| -> Result<_> {
-                // Robot 2 receives in the forward direction.
-                let delay = if side == 1 { delay.forward() } else { delay.backward() };
-                let delay = Span::from_seconds(delay);
-                let travel = (delay - period).max(Span(0));
+            let linked = self.coupling.map(|coupling| -> Result<_> {
+                let facts = self.side_facts(side, &coupling);
                 let settings = EndpointSettings {
                     // the laboratory asks what the coupling does, on however old a motion
                     watchdog: None,
-                    sample_period: period,
-                    computing_tick: controller.computing_tick,
-                    ..EndpointSettings::new(side as u64 + 1, Law { stiffness, damping }, delay)
+                    ..self.laboratory.session.architecture.endpoint_settings(&facts)?
                 };
+                let travel = (Span::from_seconds(facts.delays[0]) - period).max(Span(0));
                 Ok((Endpoint::new(settings)?, network.towards(side).channel(travel, self.seed, side)))
             });
             let (endpoint, link) = linked.transpose()?.unzip();
@@ -276,10 +298,11 @@ impl Trial<'_> {
             let time = tick as f64 * period;
             let now = LocalTime::from_seconds(time);
             let aim_here = target.at_tick(tick, period);
+            let shown = Motion { position: aim_here.position, velocity: aim_here.velocity };
             // Also if the motion cannot be sent in a packet.
-            let diverged = TrialOutcome { status: Status::Diverged { at: time }, rows, passivity };
+            let diverged = Status::Diverged { at: time };
             if stations.iter().any(RunningStation::has_diverged) {
-                return Ok(diverged);
+                return Ok(outcome(diverged, rows, passivity, &stations));
             }
             if tick % TICKS_BETWEEN_CHECKS == 0 {
                 check_interrupt()?;
@@ -289,8 +312,9 @@ impl Trial<'_> {
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
                     if endpoint.handle_measurement(now, measured[side]).is_err() {
-                        return Ok(diverged);
+                        return Ok(outcome(diverged, rows, passivity, &stations));
                     }
+                    endpoint.handle_target(now, shown);
                     if let (Some(packet), Some(link)) =
                         (endpoint.poll_transmit(now), &mut stations[1 - side].link)
                     {
@@ -326,6 +350,7 @@ impl Trial<'_> {
                     record.position[rows][side] = station.plant.position();
                     record.velocity[rows][side] = station.plant.velocity();
                     record.handle_force[rows][side] = station.plant.handle_force(robot, hand);
+                    record.account[rows][side] = station.balance();
                 }
                 rows += 1;
             }
@@ -341,13 +366,29 @@ impl Trial<'_> {
                         Halt::OutOfReach(_) => Status::OutOfReach { at },
                         Halt::TooStiff { .. } => Status::TooStiff { at },
                     };
-                    return Ok(TrialOutcome { status, rows, passivity });
+                    return Ok(outcome(status, rows, passivity, &stations));
                 }
                 given += held_force_energy(force, from, station.plant.position());
             }
             passivity = passivity.after(given);
         }
-        Ok(TrialOutcome { status: Status::Completed, rows, passivity })
+        Ok(outcome(Status::Completed, rows, passivity, &stations))
+    }
+}
+
+/// The outcome of a trial whose stations are at its end.
+fn outcome(
+    status: Status,
+    rows: usize,
+    passivity: PassivityReport,
+    stations: &[RunningStation; 2],
+) -> TrialOutcome {
+    let [first, second] = stations.each_ref().map(|station| station.endpoint.as_ref().map(Endpoint::report));
+    TrialOutcome {
+        status,
+        rows,
+        passivity,
+        sessions: first.zip(second).map(|(first, second)| [first, second]),
     }
 }
 

@@ -18,6 +18,7 @@
 //! | [`watchdog`] | whether the force may act: hold, ramp out, begin again from zero |
 //! | [`event`] | what happened, and why |
 //! | [`endpoint`] | one side: all of it together |
+//! | [`architecture`] | strategy, predictor and play-out by name, as plain data |
 //!
 //! After its construction an endpoint allocates nothing, takes no lock, reads no clock and does not panic, whatever
 //! comes in. It is written for the control loop of a robot.
@@ -28,6 +29,7 @@
 )]
 
 pub mod account;
+pub mod architecture;
 pub mod clock;
 pub mod endpoint;
 pub mod event;
@@ -43,6 +45,7 @@ pub mod watchdog;
 pub mod wire;
 
 pub use account::{AccountSettings, EnergyAccount};
+pub use architecture::{Architecture, SideFacts};
 pub use clock::{Clock, ClockSettings};
 pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport};
 pub use event::{Event, EventKind};

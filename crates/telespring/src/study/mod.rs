@@ -58,6 +58,7 @@ use crate::criteria::paper_critical_stiffness;
 use crate::error::{InvalidInput, Result};
 use crate::model::{Delay, Dyad, hman};
 use crate::quantity;
+use crate::session::Architecture;
 use crate::verdicts::{Network, OperatorRange};
 use changes::Changes;
 use emulated_network::{MovedKeys, read_emulated_network};
@@ -119,6 +120,7 @@ pub struct Study {
     emulated_network: EmulatedNetwork,
     setup: Setup,
     protocol: ProtocolChoice,
+    session: Architecture,
     allows_unusual: bool,
     holders: NamedHolders,
     moved_keys: MovedKeys,
@@ -162,6 +164,7 @@ impl Study {
             emulated_network: EmulatedNetwork::ideal(),
             setup: Setup::paper(),
             protocol: ProtocolChoice::paper(),
+            session: Architecture::default(),
             allows_unusual: false,
             holders: NamedHolders(false),
             moved_keys: MovedKeys::default(),
@@ -223,6 +226,7 @@ impl Study {
             emulated_network,
             setup: laboratory::read_setup(&reader)?,
             protocol: protocol::read_protocol(&reader)?,
+            session: Architecture::default(),
             allows_unusual: reader.allows_unusual(),
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
             moved_keys: MovedKeys::of(&reader),

@@ -12,6 +12,8 @@ use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
+/// The quantile of the normal distribution at 97.5 %: the ends of a 95 % interval are this many standard deviations away.
+const QUANTILE: f64 = 1.959_963_984_540_054;
 
 impl Study {
     /// Each robot's Coulomb friction per axis in the rehearsal, N.
@@ -132,7 +134,23 @@ impl Study {
                 encoder_resolution: self.setup.encoder_resolution,
             },
             network: self.emulated_network.model.clone(),
+            session: self.session_plan(),
         })
+    }
+
+    /// What the controllers of the laboratory do, and what they may count on.
+    fn session_plan(&self) -> rig::SessionPlan {
+        let least_damping = [0, 1].map(|robot| {
+            let damping = self.dyad.robots()[robot].damping();
+            let sd = self.robots[robot].uncertainty.as_ref().map(|known| &known.damping_sd);
+            [0, 1].map(|axis| (damping[axis] - sd.map_or(0.0, |sd| QUANTILE * sd[axis])).max(0.0))
+        });
+        rig::SessionPlan {
+            architecture: self.session,
+            least_damping,
+            lateness: self.network.jitter() + self.network.max_gap(),
+            has_playout_buffer: self.has_playout_buffer,
+        }
     }
 
     /// The complete protocol of the rehearsal; missing values follow from robots, task and controllers.

@@ -259,7 +259,8 @@ impl Endpoint {
         let now = self.begin(now);
         match target.impossible_value() {
             Some(value) => self.note_impossible(now, value),
-            None => self.targets.show(now, target),
+            None if self.predictor.uses_target() => self.targets.show(now, target),
+            None => {}
         }
     }
 
@@ -535,6 +536,11 @@ impl Endpoint {
     /// All energy that the partner says it has sent to this side, J: the largest total of each of its sessions.
     pub fn partner_energy(&self) -> f64 {
         self.partner.energy_sent()
+    }
+
+    /// The strategy's account so far: a part of the report that costs little.
+    pub fn strategy_report(&self) -> StrategyReport {
+        self.strategy.report()
     }
 
     /// What the session has done so far.

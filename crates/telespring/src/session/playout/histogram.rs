@@ -42,6 +42,11 @@ impl Histogram {
         Self { counts: vec![0; BINS].into_boxed_slice(), total: 0 }
     }
 
+    /// The largest quantile that spans up to this one can have: the end of its bin.
+    pub fn largest_quantile(longest: Span) -> Span {
+        end(bin(longest))
+    }
+
     /// Counts a span.
     pub fn add(&mut self, span: Span) {
         if let Some(count) = self.counts.get_mut(bin(span)) {

@@ -71,6 +71,11 @@ impl Default for PredictorChoice {
 }
 
 impl PredictorChoice {
+    /// Whether the predictor uses the target that both sides show.
+    pub fn uses_target(&self) -> bool {
+        matches!(self, Self::SharedTarget(_))
+    }
+
     fn chosen_mut(&mut self) -> &mut dyn Predictor {
         match self {
             Self::Hold(predictor) => predictor,

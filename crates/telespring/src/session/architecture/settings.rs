@@ -1,0 +1,191 @@
+//! From an architecture to the settings of one live side.
+
+#![cfg_attr(not(test), deny(clippy::indexing_slicing))]
+
+use super::{Architecture, PlayoutDesign, PredictorDesign, StrategyDesign};
+use crate::error::{InvalidInput, Result};
+use crate::quantity;
+use crate::session::playout::Histogram;
+use crate::session::predictor::{Hold, Kalman, Linear, PredictorChoice, SharedTarget};
+use crate::session::strategy::{
+    Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings, Spring,
+    StrategyChoice, TankSettings, TimeDomainPassivity, TwoLayer, WaveSettings, WaveVariables,
+};
+use crate::session::{AccountSettings, EndpointSettings, Law, PlayoutSettings, Span};
+
+/// What one side knows of both robots and of the network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SideFacts {
+    /// The id of the session; see [`EndpointSettings::session`].
+    pub session: u64,
+    /// The coupling law.
+    pub law: Law,
+    /// The one-way delays from the measurement of a motion to its arrival, s: of the partner's motion here, and of the own
+    /// motion there.
+    pub delays: [f64; 2],
+    /// The most by which a motion may be older than its delay, s: jitter and gap.
+    pub lateness: f64,
+    /// Whether a fixed play-out without a delay of its own waits for the latest motion.
+    pub has_playout_buffer: bool,
+    /// The time between two measurements, on both sides, s.
+    pub sample_period: f64,
+    /// Whether a force acts one measurement after the one that it was computed from.
+    pub computing_tick: bool,
+    /// The step of the position sensor, m; 0 for none.
+    pub encoder_step: f64,
+    /// The damping that the own robot and the partner's have at least, per axis, N·s/m.
+    pub least_damping: [[f64; 2]; 2],
+}
+
+impl Architecture {
+    /// The settings of one side: strategy, predictor and play-out of this architecture, watched, on a shared clock.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if a value is out of range, or the law has a damper and the strategy no place for it.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::session::architecture::{Architecture, SideFacts};
+    /// use telespring::session::{Endpoint, Law, PlayoutSettings, Span};
+    ///
+    /// let facts = SideFacts {
+    ///     session: 0x5eed,
+    ///     law: Law { stiffness: 71.2, damping: 0.0 },
+    ///     delays: [0.084, 0.084],
+    ///     lateness: 0.0,
+    ///     has_playout_buffer: false,
+    ///     sample_period: 0.001,
+    ///     computing_tick: false,
+    ///     encoder_step: 0.0,
+    ///     least_damping: [[7.7, 10.1]; 2],
+    /// };
+    /// let settings = Architecture::default().endpoint_settings(&facts)?;
+    /// assert_eq!(settings.playout, PlayoutSettings::Fixed { delay: Span::from_seconds(0.084) });
+    /// let side = Endpoint::new(settings)?;
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn endpoint_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
+        let [incoming, _] = facts.delays;
+        let playout = match self.playout {
+            PlayoutDesign::Fixed { .. } => {
+                PlayoutSettings::Fixed { delay: Span::from_seconds(self.fixed_delay(facts, incoming)) }
+            }
+            PlayoutDesign::Adaptive(adaptive) => PlayoutSettings::Adaptive(adaptive),
+        };
+        Ok(EndpointSettings {
+            strategy: self.strategy_choice(facts)?,
+            predictor: self.predictor.choice()?,
+            playout,
+            sample_period: Span::from_seconds(facts.sample_period),
+            computing_tick: facts.computing_tick,
+            ..EndpointSettings::new(facts.session, facts.law, Span(0))
+        })
+    }
+
+    /// The delay of a fixed play-out over a network with this delay, s.
+    fn fixed_delay(&self, facts: &SideFacts, delay: f64) -> f64 {
+        match self.playout {
+            PlayoutDesign::Fixed { delay: Some(delay) } => delay,
+            _ if facts.has_playout_buffer => delay + facts.lateness,
+            _ => delay,
+        }
+    }
+
+    /// The largest age of a motion in use over a network with this delay, s, if the network keeps what is known of it.
+    fn largest_age(&self, facts: &SideFacts, delay: f64) -> f64 {
+        let latest = delay + facts.lateness;
+        let played = match self.playout {
+            PlayoutDesign::Fixed { .. } => self.fixed_delay(facts, delay),
+            PlayoutDesign::Adaptive(adaptive) => {
+                let quantile = Histogram::largest_quantile(Span::from_seconds(latest)).seconds();
+                let wanted = quantile + facts.sample_period + adaptive.margin.seconds();
+                wanted.min(adaptive.largest.seconds()).max(adaptive.smallest.seconds())
+            }
+        };
+        played.max(latest) + facts.sample_period
+    }
+
+    fn strategy_choice(&self, facts: &SideFacts) -> Result<StrategyChoice> {
+        let SideFacts { law, computing_tick, encoder_step, .. } = *facts;
+        let Law { stiffness, damping } = law;
+        if damping != 0.0 && !self.strategy.has_coupling_damper() {
+            return Err(InvalidInput::new(
+                "coupling_damping",
+                damping,
+                format!(
+                    "the strategy {} has dampers of its own, and none in the coupling",
+                    self.strategy.kind()
+                ),
+                "Set the coupling damping to 0, or choose another strategy.",
+            ));
+        }
+        let [own_damping, partner_damping] = facts.least_damping;
+        Ok(match self.strategy {
+            StrategyDesign::Spring => StrategyChoice::Spring(Spring::new(law)),
+            StrategyDesign::Guard(design) => {
+                let settings = AccountSettings {
+                    stiffness,
+                    damping: own_damping,
+                    share: design.share,
+                    capacity: design.capacity,
+                    intake: design.intake,
+                    encoder_step,
+                    computing_tick,
+                };
+                StrategyChoice::Guard(Guard::new(law, settings)?)
+            }
+            StrategyDesign::InjectedDamping => {
+                let [incoming, outgoing] = facts.delays;
+                let settings = InjectedDampingSettings {
+                    own_damping,
+                    partner_damping,
+                    round_trip: self.largest_age(facts, incoming) + self.largest_age(facts, outgoing),
+                    own_age: facts.sample_period * if computing_tick { 2.0 } else { 1.0 },
+                };
+                StrategyChoice::InjectedDamping(InjectedDamping::new(stiffness, settings)?)
+            }
+            StrategyDesign::WaveVariables(design) => {
+                let settings = WaveSettings { stiffness, impedance: design.impedance, filter: design.filter };
+                StrategyChoice::WaveVariables(WaveVariables::new(settings)?)
+            }
+            StrategyDesign::TimeDomainPassivity(design) => {
+                let strategy = TimeDomainPassivity::new(law, design.largest_damping)?;
+                StrategyChoice::TimeDomainPassivity(strategy)
+            }
+            StrategyDesign::TwoLayer(design) => {
+                quantity::STIFFNESS.check("saturation", design.saturation * stiffness)?;
+                let settings = TankSettings {
+                    level: design.level,
+                    transfer_rate: design.transfer_rate,
+                    filling: design.filling,
+                    largest_damping: design.largest_damping,
+                    saturation_stiffness: design.saturation * stiffness,
+                };
+                StrategyChoice::TwoLayer(TwoLayer::new(law, settings)?)
+            }
+            StrategyDesign::SetPositionModulation(design) => {
+                let settings = SetPositionSettings {
+                    stiffness,
+                    damping: design.damping,
+                    ceiling: design.ceiling,
+                    computing_tick,
+                };
+                StrategyChoice::SetPositionModulation(SetPositionModulation::new(settings)?)
+            }
+        })
+    }
+}
+
+impl PredictorDesign {
+    /// The predictor of a session.
+    fn choice(self) -> Result<PredictorChoice> {
+        Ok(match self {
+            Self::Hold => PredictorChoice::Hold(Hold),
+            Self::Linear => PredictorChoice::Linear(Linear),
+            Self::Kalman(design) => PredictorChoice::Kalman(Kalman::new(design.model, design.noise)?),
+            Self::SharedTarget => PredictorChoice::SharedTarget(SharedTarget),
+        })
+    }
+}
