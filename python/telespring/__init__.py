@@ -30,9 +30,11 @@ from telespring.model import (
 from telespring.rehearsal import rehearse
 from telespring.theory.criteria import (
     Crossing,
+    NoiseFit,
     critical_stiffness,
     crossings,
     decay_stiffness,
+    fit_noise,
     maximum_delay,
     maximum_stiffness,
     minimum_damping,
@@ -100,6 +102,7 @@ __all__ = [
     "InvalidInput",
     "LaboratorySettings",
     "Network",
+    "NoiseFit",
     "Nyquist",
     "Operator",
     "OperatorPoint",
@@ -129,6 +132,7 @@ __all__ = [
     "decay_stiffness",
     "decide",
     "delay_limit",
+    "fit_noise",
     "frequency_grid",
     "frequency_response",
     "hman",

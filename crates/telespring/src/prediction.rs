@@ -16,7 +16,8 @@ use num_complex::Complex64;
 
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
-use crate::session::predictor::{Kalman, MotionModel, Noise};
+use crate::session::architecture::{KalmanDesign, PredictorDesign};
+use crate::session::predictor::{Kalman, MotionModel};
 
 /// The coefficients of a polynomial of degree up to 3 in s, constant first.
 pub(crate) type Cubic = [f64; 4];
@@ -25,43 +26,41 @@ pub(crate) type Cubic = [f64; 4];
 const LARGEST_CUTOFF: f64 = 1.0;
 
 /// A predictor as a part of the loop, for its verdicts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Prediction {
-    /// The partner's motion as played.
-    #[default]
-    Hold,
-    /// The partner goes on at its velocity.
-    Linear,
-    /// A Kalman filter that has settled.
-    Kalman {
-        /// What the filter takes for constant.
-        model: MotionModel,
-        /// Its noise.
-        noise: Noise,
-        /// The time from one sample to the next, s.
-        sample_period: f64,
-    },
-    /// The partner keeps its distance from a target that both sides show.
-    SharedTarget,
+///
+/// # Examples
+///
+/// ```
+/// use telespring::prediction::Prediction;
+/// use telespring::session::architecture::PredictorDesign;
+/// let linear = Prediction::new(PredictorDesign::Linear, 1e-3)?;
+/// let response = linear.response(10.0, 0.1); // (1 + 1j) e^(−1j)
+/// assert!((response.norm() - 2.0_f64.sqrt()).abs() < 1e-15);
+/// # Ok::<(), telespring::InvalidInput>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    predictor: PredictorDesign,
+    sample_period: f64,
 }
 
 impl Prediction {
-    /// Checks the numbers of a predictor.
+    /// A predictor that gets a sample every `sample_period` (s). Only a Kalman filter depends on it.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if a noise is not positive and finite, if the sample period (s) is out of range, or if the filter
+    /// [`InvalidInput`] if a noise is not positive and finite, if the sample period is out of range, or if the filter
     /// follows its samples so closely that its settled form in continuous time says too little about it.
-    pub fn check(&self) -> Result<()> {
-        let Self::Kalman { model, noise, sample_period } = *self else { return Ok(()) };
-        Kalman::new(model, noise)?;
+    pub fn new(predictor: PredictorDesign, sample_period: f64) -> Result<Self> {
         quantity::SAMPLE_PERIOD.check("sample_period", sample_period)?;
-        let cutoff = self.cutoff().unwrap_or(0.0);
+        let prediction = Self { predictor, sample_period };
+        let PredictorDesign::Kalman(KalmanDesign { model, noise }) = predictor else { return Ok(prediction) };
+        Kalman::new(model, noise)?;
+        let cutoff = prediction.cutoff().unwrap_or(0.0);
         if cutoff * sample_period <= LARGEST_CUTOFF {
-            return Ok(());
+            return Ok(prediction);
         }
         Err(InvalidInput::new(
-            "position",
+            "predictor.position",
             noise.position,
             format!(
                 "the filter follows its samples with {cutoff:.0} rad/s, and the verdict holds up to \
@@ -72,20 +71,15 @@ impl Prediction {
         ))
     }
 
+    /// The predictor.
+    pub fn predictor(&self) -> PredictorDesign {
+        self.predictor
+    }
+
     /// The cut-off frequency of a Kalman filter that has settled, rad/s; `None` for the other predictors.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use telespring::prediction::Prediction;
-    /// use telespring::session::predictor::{MotionModel, Noise};
-    /// let noise = Noise { process: 16.0, position: 1e-3 };
-    /// let filter = Prediction::Kalman { model: MotionModel::ConstantVelocity, noise, sample_period: 1e-3 };
-    /// assert!((filter.cutoff().unwrap() - (16.0_f64 / 1e-9).powf(0.25)).abs() < 1e-9);
-    /// ```
     pub fn cutoff(&self) -> Option<f64> {
-        let Self::Kalman { model, noise, sample_period } = *self else { return None };
-        let ratio = noise.process / (noise.position * noise.position * sample_period);
+        let PredictorDesign::Kalman(KalmanDesign { model, noise }) = self.predictor else { return None };
+        let ratio = noise.process / (noise.position * noise.position * self.sample_period);
         Some(match model {
             MotionModel::ConstantVelocity => ratio.sqrt().sqrt(),
             MotionModel::ConstantAcceleration => ratio.sqrt().cbrt(),
@@ -95,14 +89,6 @@ impl Prediction {
     /// The predicted position over the true one at a frequency (rad/s) and an age (s): 1 for a perfect prediction.
     ///
     /// For a shared target this is the response to a partner that leaves the target.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use telespring::prediction::Prediction;
-    /// let response = Prediction::Linear.response(10.0, 0.1); // (1 + 1j) e^(−1j)
-    /// assert!((response.norm() - 2.0_f64.sqrt()).abs() < 1e-15);
-    /// ```
     pub fn response(&self, frequency: f64, age: f64) -> Complex64 {
         let s = Complex64::new(0.0, frequency);
         let delayed = (-s * age).exp();
@@ -114,13 +100,13 @@ impl Prediction {
     /// The filter of a predictor; `None` if it leaves the loop as it is.
     pub(crate) fn filter(&self) -> Option<PredictionFilter> {
         let cutoff = self.cutoff().unwrap_or(0.0);
-        let (denominator, order) = match self {
-            Self::Hold | Self::SharedTarget => return None,
-            Self::Linear => ([1.0, 0.0, 0.0, 0.0], 1),
-            Self::Kalman { model: MotionModel::ConstantVelocity, .. } => {
+        let (denominator, order) = match self.predictor {
+            PredictorDesign::Hold | PredictorDesign::SharedTarget => return None,
+            PredictorDesign::Linear => ([1.0, 0.0, 0.0, 0.0], 1),
+            PredictorDesign::Kalman(KalmanDesign { model: MotionModel::ConstantVelocity, .. }) => {
                 ([1.0, 2.0_f64.sqrt() / cutoff, cutoff.powi(-2), 0.0], 1)
             }
-            Self::Kalman { model: MotionModel::ConstantAcceleration, .. } => {
+            PredictorDesign::Kalman(KalmanDesign { model: MotionModel::ConstantAcceleration, .. }) => {
                 ([1.0, 2.0 / cutoff, 2.0 * cutoff.powi(-2), cutoff.powi(-3)], 2)
             }
         };

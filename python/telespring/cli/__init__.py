@@ -17,6 +17,7 @@ from telespring.cli.common import refusals
 from telespring.cli.decide import decide_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
+from telespring.cli.predictor import predictor_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
@@ -37,6 +38,7 @@ app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("predictor", cls=Command)(predictor_command)
 app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)
 

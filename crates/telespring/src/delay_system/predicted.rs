@@ -17,14 +17,16 @@ impl DyadAxis {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) if the stiffness, the predictor or a field of the axis is out of range.
+    /// [`InvalidInput`](crate::InvalidInput) if the stiffness or a field of the axis is out of range.
     ///
     /// # Examples
     ///
     /// ```
     /// use telespring::{Delay, DyadAxis, prediction::Prediction};
+    /// use telespring::session::architecture::PredictorDesign;
+    /// let linear = Prediction::new(PredictorDesign::Linear, 1e-3)?;
     /// let axis = DyadAxis::new(1.0, 4.0, 2.0, 4.0)?;
-    /// let system = axis.predicted_delay_system(10.0, &Delay::new(0.1, 0.2)?, &Prediction::Linear)?;
+    /// let system = axis.predicted_delay_system(10.0, &Delay::new(0.1, 0.2)?, &linear)?;
     /// // robot 2 is pulled towards x₁(t − 0.1) + 0.1 v₁(t − 0.1)
     /// let delayed = &system.delayed()[0].1;
     /// assert_eq!([delayed[(3, 0)], delayed[(3, 1)]], [5.0, 0.5]);
@@ -36,7 +38,6 @@ impl DyadAxis {
         delay: &Delay,
         prediction: &Prediction,
     ) -> Result<DelaySystem> {
-        prediction.check()?;
         let Some(filter) = prediction.filter() else { return self.delay_system(stiffness, delay) };
         quantity::STIFFNESS.check("stiffness", stiffness)?;
         let c = self.coupling_damping;
@@ -83,7 +84,5 @@ impl DyadAxis {
 /// The gains of a Kalman filter that has settled, 1/s, for its scaled states.
 fn gains(filter: &PredictionFilter, states: usize, cutoff: f64) -> Vec<f64> {
     let leading = filter.denominator[states];
-    (0..states)
-        .map(|row| filter.denominator[states - 1 - row] / leading / cutoff.powi(row as i32))
-        .collect()
+    (0..states).map(|row| filter.denominator[states - 1 - row] / leading / cutoff.powi(row as i32)).collect()
 }

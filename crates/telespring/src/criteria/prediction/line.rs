@@ -102,8 +102,7 @@ impl LineFunction for PredictedLine<'_> {
         let (slopes, turn) = match self.unknown {
             Unknown::Stiffness(age) => {
                 let whole = |cubic: [f64; 4]| {
-                    let band: Quintic =
-                        std::array::from_fn(|power| cubic.get(power).copied().unwrap_or(0.0));
+                    let band: Quintic = std::array::from_fn(|power| cubic.get(power).copied().unwrap_or(0.0));
                     on_axis(&between(&band, &band), omega)
                 };
                 let slopes = SideSlopes {

@@ -24,9 +24,8 @@ const STIFFEST: f64 = 1e7;
 const OLDEST: f64 = 100.0;
 
 /// The loop of a predictor that changes it.
-fn predicted_loop<'a>(axis: &'a DyadAxis, prediction: &Prediction) -> Result<Option<PredictedLoop<'a>>> {
-    prediction.check()?;
-    Ok(prediction.filter().map(|filter| PredictedLoop { axis, filter }))
+fn predicted_loop<'a>(axis: &'a DyadAxis, prediction: &Prediction) -> Option<PredictedLoop<'a>> {
+    prediction.filter().map(|filter| PredictedLoop { axis, filter })
 }
 
 /// Counts the roots with positive real part of an axis with a predictor, by the argument principle, without the
@@ -34,19 +33,22 @@ fn predicted_loop<'a>(axis: &'a DyadAxis, prediction: &Prediction) -> Result<Opt
 ///
 /// # Errors
 ///
-/// [`InvalidInput`](crate::InvalidInput) if the stiffness (N/m), the delay (s) or the predictor is out of range, or if the
-/// roots cannot be counted.
+/// [`InvalidInput`](crate::InvalidInput) if the stiffness (N/m) or the delay (s) is out of range, or if the roots cannot be
+/// counted.
 ///
 /// # Examples
 ///
 /// ```
 /// use telespring::{criteria::predicted_unstable_root_count, hman, prediction::Prediction};
+/// use telespring::session::architecture::PredictorDesign;
 /// let x = hman().axis(0)?;
+/// let hold = Prediction::new(PredictorDesign::Hold, 1e-3)?;
+/// let linear = Prediction::new(PredictorDesign::Linear, 1e-3)?;
 /// // At 50 ms a linear prediction makes a stiff spring stable, at 167 ms it makes a soft one unstable.
-/// assert_eq!(predicted_unstable_root_count(&x, &Prediction::Hold, 200.0, 0.05)?, 2);
-/// assert_eq!(predicted_unstable_root_count(&x, &Prediction::Linear, 200.0, 0.05)?, 0);
-/// assert_eq!(predicted_unstable_root_count(&x, &Prediction::Hold, 60.0, 0.167)?, 0);
-/// assert_eq!(predicted_unstable_root_count(&x, &Prediction::Linear, 60.0, 0.167)?, 2);
+/// assert_eq!(predicted_unstable_root_count(&x, &hold, 200.0, 0.05)?, 2);
+/// assert_eq!(predicted_unstable_root_count(&x, &linear, 200.0, 0.05)?, 0);
+/// assert_eq!(predicted_unstable_root_count(&x, &hold, 60.0, 0.167)?, 0);
+/// assert_eq!(predicted_unstable_root_count(&x, &linear, 60.0, 0.167)?, 2);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn predicted_unstable_root_count(
@@ -57,7 +59,7 @@ pub fn predicted_unstable_root_count(
 ) -> Result<u32> {
     STIFFNESS.check("stiffness", stiffness)?;
     DELAY.check("delay", delay)?;
-    match predicted_loop(axis, prediction)? {
+    match predicted_loop(axis, prediction) {
         None => intervals::unstable_root_count(axis, stiffness, delay),
         Some(predicted) => unstable_roots(&predicted, stiffness, delay),
     }
@@ -70,21 +72,23 @@ pub fn predicted_unstable_root_count(
 ///
 /// # Errors
 ///
-/// [`InvalidInput`](crate::InvalidInput) if the delay or the predictor is out of range, or if the search does not end.
+/// [`InvalidInput`](crate::InvalidInput) if the delay is out of range, or if the search does not end.
 ///
 /// # Examples
 ///
 /// ```
 /// use telespring::{criteria::predicted_maximum_stiffness, hman, prediction::Prediction};
+/// use telespring::session::architecture::PredictorDesign;
 /// let x = hman().axis(0)?;
-/// let [hold, linear] = [Prediction::Hold, Prediction::Linear]
-///     .map(|prediction| predicted_maximum_stiffness(&x, &prediction, 0.05));
+/// let [hold, linear] = [PredictorDesign::Hold, PredictorDesign::Linear].map(|predictor| {
+///     predicted_maximum_stiffness(&x, &Prediction::new(predictor, 1e-3)?, 0.05)
+/// });
 /// assert!(linear? > 1.4 * hold?);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn predicted_maximum_stiffness(axis: &DyadAxis, prediction: &Prediction, delay: f64) -> Result<f64> {
     DELAY.check("delay", delay)?;
-    let Some(predicted) = predicted_loop(axis, prediction)? else {
+    let Some(predicted) = predicted_loop(axis, prediction) else {
         return inverse::maximum_stiffness(axis, delay);
     };
     if !intervals::is_stable_without_delay(axis) || unstable_roots(&predicted, SOFTEST, delay)? > 0 {
@@ -109,21 +113,24 @@ pub fn predicted_maximum_stiffness(axis: &DyadAxis, prediction: &Prediction, del
 ///
 /// # Errors
 ///
-/// [`InvalidInput`](crate::InvalidInput) if the stiffness or the predictor is out of range, or if the search does not end.
+/// [`InvalidInput`](crate::InvalidInput) if the stiffness is out of range, or if the search does not end.
 ///
 /// # Examples
 ///
 /// ```
 /// use telespring::{criteria::predicted_maximum_delay, hman, prediction::Prediction};
+/// use telespring::session::architecture::PredictorDesign;
+/// let hold = Prediction::new(PredictorDesign::Hold, 1e-3)?;
+/// let linear = Prediction::new(PredictorDesign::Linear, 1e-3)?;
 /// // Below its critical stiffness the bare spring is stable at every delay, the linear prediction at none that is long.
 /// let x = hman().axis(0)?;
-/// assert_eq!(predicted_maximum_delay(&x, &Prediction::Hold, 30.0)?, f64::INFINITY);
-/// assert!(predicted_maximum_delay(&x, &Prediction::Linear, 30.0)? < 0.3);
+/// assert_eq!(predicted_maximum_delay(&x, &hold, 30.0)?, f64::INFINITY);
+/// assert!(predicted_maximum_delay(&x, &linear, 30.0)? < 0.3);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
 pub fn predicted_maximum_delay(axis: &DyadAxis, prediction: &Prediction, stiffness: f64) -> Result<f64> {
     STIFFNESS.check("stiffness", stiffness)?;
-    let Some(predicted) = predicted_loop(axis, prediction)? else {
+    let Some(predicted) = predicted_loop(axis, prediction) else {
         return intervals::maximum_delay(axis, stiffness);
     };
     if !intervals::is_stable_without_delay(axis) || unstable_roots(&predicted, stiffness, 0.0)? > 0 {
@@ -163,8 +170,10 @@ fn first_unstable(first: f64, last: f64, count: impl Fn(f64) -> Result<u32>) -> 
 ///
 /// ```
 /// use telespring::{criteria::predicted_stability_map, hman, prediction::Prediction};
+/// use telespring::session::architecture::PredictorDesign;
 /// let x = hman().axis(0)?;
-/// let map = predicted_stability_map(&x, &Prediction::Linear, &[60.0, 200.0], &[0.05, 0.167])?;
+/// let linear = Prediction::new(PredictorDesign::Linear, 1e-3)?;
+/// let map = predicted_stability_map(&x, &linear, &[60.0, 200.0], &[0.05, 0.167])?;
 /// assert_eq!(map, [true, false, true, false]);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
@@ -180,7 +189,7 @@ pub fn predicted_stability_map(
     for (i, &value) in delay.iter().enumerate() {
         DELAY.check(&format!("delay[{i}]"), value)?;
     }
-    let Some(predicted) = predicted_loop(axis, prediction)? else {
+    let Some(predicted) = predicted_loop(axis, prediction) else {
         return intervals::stability_map(axis, stiffness, delay);
     };
     let is_damped = intervals::is_stable_without_delay(axis);
