@@ -19,6 +19,7 @@ DOCUMENTS = [
     "NOTATION.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
+    "docs/prediction.md",
     "docs/recorded-trials.md",
     "docs/session.md",
     "docs/wire.md",

@@ -60,6 +60,7 @@ fn read_design(value: &Bound<'_, PyAny>) -> Outcome<(PredictorDesign, f64)> {
     let word = kind.cast::<PyString>().ok().map(|word| word.to_string());
     let design = word.as_deref().and_then(PredictorDesign::of_kind);
     let mut design = design.ok_or_else(|| no_predictor("predictor.kind", written(&kind)))?;
+    let has_settings = matches!(design, PredictorDesign::Kalman(_));
     let mut sample_period = SAMPLE_PERIOD;
     for item in table.items()?.iter() {
         let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
@@ -73,11 +74,10 @@ fn read_design(value: &Bound<'_, PyAny>) -> Outcome<(PredictorDesign, f64)> {
             ("position", PredictorDesign::Kalman(filter)) => filter.noise.position = number.named(&field)?,
             ("sample_period", PredictorDesign::Kalman(_)) => sample_period = number.named(&field)?,
             _ => {
-                let allowed = match design {
-                    PredictorDesign::Kalman(_) => {
-                        "a Kalman filter has the settings kind, model, process, position and sample_period"
-                    }
-                    _ => "only a Kalman filter has settings besides its kind",
+                let allowed = if has_settings {
+                    "a Kalman filter has the settings kind, model, process, position and sample_period"
+                } else {
+                    "only a Kalman filter has settings besides its kind"
                 };
                 return Err(InvalidInput::new(field, written(&value), allowed, "Leave it out.").into());
             }
@@ -93,12 +93,11 @@ pub fn read_prediction(value: &Bound<'_, PyAny>) -> Outcome<Prediction> {
 }
 
 /// The refusal of a setting of a predictor, named by its place in the argument.
-fn in_predictor(error: InvalidInput) -> InvalidInput {
-    let field = error.field.clone();
-    if field.starts_with("predictor") {
-        return error;
+fn in_predictor(mut error: InvalidInput) -> InvalidInput {
+    if !error.field.starts_with("predictor") {
+        error.field = format!("predictor.{}", error.field);
     }
-    InvalidInput { field: format!("predictor.{field}"), ..error }
+    error
 }
 
 /// Takes `predictor` out of the keywords of a criterion; `None` if the loop stays as it is.

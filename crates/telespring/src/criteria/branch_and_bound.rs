@@ -291,12 +291,15 @@ fn examine_box(function: &impl LineFunction, part: &Region) -> BoxContent {
     if ends.iter().any(|&end| function.is_real_at(end)) {
         let slope = by_w.centre.im.abs() - by_w.radius;
         let size = by_w.centre.im.abs() + by_w.radius;
-        let half_turns = 2.0 * dw * size / std::f64::consts::PI;
-        if slope > SLACK * size && half_turns < 0.99 {
+        if slope > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI {
             return BoxContent::Nothing;
         }
-        // With a narrow band of frequencies it is the range of the parameter that leaves the slope unknown.
-        waits_for_parameter = slope <= SLACK * size && half_turns * p < dp;
+        // Where one value of the parameter leaves no doubt about the slope, the range of the parameter does.
+        let single = function.factors(&Region { parameter: (p, p), ..*part });
+        waits_for_parameter = log_derivative(&single.sides, &single.by_frequency).is_some_and(|by_w| {
+            let size = by_w.centre.im.abs() + by_w.radius;
+            by_w.centre.im.abs() - by_w.radius > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI
+        });
     }
 
     // The value at the centre, less the nearest multiple of 2πj, and its possible change over the box.
