@@ -131,10 +131,7 @@ def test_law_every_form_of_a_question_has_the_same_answer() -> None:
     for predictor in ("hold", *PREDICTORS, "shared-target"):
         both = ts.maximum_stiffness(dyad, delays, predictor=predictor)
         single = [
-            min(
-                float(ts.maximum_stiffness(axis.m1, axis.b1, axis.m2, axis.b2, delay, predictor=predictor))
-                for axis in dyad
-            )
+            min(float(ts.maximum_stiffness(axis, delay, predictor=predictor)) for axis in dyad)
             for delay in delays
         ]
         assert both == pytest.approx(single)
@@ -158,7 +155,7 @@ def test_law_with_linear_prediction_no_stiffness_bears_every_delay() -> None:
     k = np.array([2.0, 10.0, 30.0])
     assert np.isinf(ts.maximum_delay(ts.hman(), k)).all()
     longest = ts.maximum_delay(ts.hman(), k, predictor="linear")
-    assert (longest < 2.0).all()
+    assert np.isfinite(longest).all()
     assert (np.diff(longest) < 0).all()
 
 

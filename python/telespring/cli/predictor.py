@@ -92,7 +92,7 @@ def predictor_command(
     """Compare predictors on recorded motion over a range of delays, with Kalman noise fitted to it."""
     with refusals({"delays": "--delay", "motions": str(path)}):
         from telespring.analysis.prediction import DELAYS, compare_predictors
-        from telespring.show.screens.prediction import prediction_screen
+        from telespring.show.screens.prediction import prediction_screen, study_text
 
         if _is_log(path):
             columns = {"time": time, "rate": rate, "time_scale": time_scale, "position_scale": position_scale}
@@ -104,6 +104,7 @@ def predictor_command(
         print_json({"source": str(path)} | comparison.to_json())
         return
     show(prediction_screen(comparison, str(path)))
+    typer.echo(study_text(comparison))
 
 
 def _is_log(path: Path) -> bool:

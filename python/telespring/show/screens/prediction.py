@@ -9,7 +9,7 @@ from telespring.analysis.prediction import PredictorComparison, PredictorErrors
 from telespring.show.quantities import format_in_column, format_number
 from telespring.show.screens.layout import fitting_table
 
-__all__ = ["prediction_screen", "study_lines"]
+__all__ = ["prediction_screen", "study_lines", "study_text"]
 
 _UNITS = {"constant-velocity": "m²/s³", "constant-acceleration": "m²/s⁵"}
 
@@ -34,17 +34,23 @@ def prediction_screen(comparison: PredictorComparison, title: str) -> Renderable
     lines.append(_best_line(comparison, best[0], "Best"))
     if best[1] is not best[0]:
         lines.append(_best_line(comparison, best[1], "Best without a shared target"))
-    lines += [Text(""), Text("For the study:"), *(Text(line) for line in study_lines(best[0]))]
-    if best[1] is not best[0]:
-        lines.append(Text("or, if the sites do not show one target on a shared clock:"))
-        lines.append(Text(study_lines(best[1])[1]))
-    lines.append(
-        Text(
-            "A good prediction can still make the spring unstable: telespring.plot.prediction_map(dyad) "
-            'shows where, and strategy = "guard" keeps it safe.'
-        )
-    )
     return Group(*lines)
+
+
+def study_text(comparison: PredictorComparison) -> str:
+    """Write what goes into the study: lines to copy, whole however narrow the terminal is."""
+    best, without = comparison.best, comparison.best_without_target
+    lines = ["", "For the study:", *study_lines(best)]
+    if without is not best:
+        lines += ["or, if the sites do not show one target on a shared clock:", study_lines(without)[1]]
+    return "\n".join(
+        [
+            *lines,
+            "",
+            "A good prediction can still make the spring unstable: telespring.plot.prediction_map(dyad)",
+            'shows where, and strategy = "guard" keeps it safe.',
+        ]
+    )
 
 
 def study_lines(entry: PredictorErrors) -> list[str]:
