@@ -125,11 +125,10 @@ pub(crate) struct PredictionFilter {
 impl PredictionFilter {
     /// The numerator of the `derivative`-th derivative of the partner's position, as estimated.
     pub fn estimate(&self, derivative: usize) -> Cubic {
-        let mut numerator = [0.0; 4];
-        for power in derivative..=self.order {
-            numerator[power] = self.denominator[power - derivative];
-        }
-        numerator
+        std::array::from_fn(|power| {
+            let is_known = (derivative..=self.order).contains(&power);
+            if is_known { self.denominator[power - derivative] } else { 0.0 }
+        })
     }
 
     /// The numerator of the predicted position at an age (s). No coefficient falls with the age.

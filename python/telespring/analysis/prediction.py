@@ -182,7 +182,7 @@ def compare_predictors(
     >>> circle = HandMotion("circle", t, 0.05 * np.column_stack([np.cos(3 * t), np.sin(3 * t)]).round(4))
     >>> comparison = compare_predictors([circle], [0.1])
     >>> comparison.best.label
-    'kalman, constant acceleration, for these delays'
+    'kalman, constant acceleration, fitted'
     >>> [round(1e3 * entry.errors[0], 1) for entry in comparison.predictors[:2]]  # mm: hold, linear
     [14.9, 2.8]
     """
