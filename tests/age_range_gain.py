@@ -1,4 +1,4 @@
-"""The gain that decides for ages in a range, on a grid of frequencies: an oracle that shares no code with the core."""
+"""The gain that decides for ages in a range, on a grid of frequencies: it shares no code with the core."""
 
 from __future__ import annotations
 

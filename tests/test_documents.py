@@ -20,6 +20,7 @@ DOCUMENTS = [
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "docs/compare.md",
+    "docs/prediction.md",
     "docs/recorded-trials.md",
     "docs/session.md",
     "docs/traces.md",

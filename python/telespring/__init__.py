@@ -31,9 +31,11 @@ from telespring.model import (
 from telespring.rehearsal import rehearse
 from telespring.theory.criteria import (
     Crossing,
+    NoiseFit,
     critical_stiffness,
     crossings,
     decay_stiffness,
+    fit_noise,
     maximum_delay,
     maximum_stiffness,
     minimum_damping,
@@ -120,6 +122,7 @@ __all__ = [
     "LaboratorySettings",
     "MissingRows",
     "Network",
+    "NoiseFit",
     "Nyquist",
     "Operator",
     "OperatorPoint",
@@ -158,6 +161,7 @@ __all__ = [
     "decay_stiffness",
     "decide",
     "delay_limit",
+    "fit_noise",
     "frequency_grid",
     "frequency_response",
     "hman",

@@ -18,6 +18,7 @@ from telespring._types import (
     NyquistStatus,
     OptionValues,
     PerAxis,
+    PredictorChoice,
     SampledCertificate,
     SolverStatus,
     Tier,
@@ -50,6 +51,7 @@ __all__ = [
     "Laboratory",
     "LaboratorySettings",
     "Network",
+    "NoiseFit",
     "Nyquist",
     "Operator",
     "OperatorPoint",
@@ -84,6 +86,7 @@ __all__ = [
     "crossings",
     "decay_stiffness",
     "delay_limit",
+    "fit_noise",
     "frequency_grid",
     "frequency_response",
     "hman",
@@ -98,6 +101,7 @@ __all__ = [
     "partner_response",
     "pose_stability",
     "pose_system",
+    "predict_motion",
     "robot_record",
     "simulate",
     "simulate_handle",
@@ -191,7 +195,9 @@ class Dyad:
     def _repr_html_(self) -> str: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[Robot, Robot, tuple[Operator, Operator], float]: ...
-    def delay_system(self, stiffness: float, delay: Delay, axis: int | str = 0) -> DelaySystem: ...
+    def delay_system(
+        self, stiffness: float, delay: Delay, axis: int | str = 0, *, predictor: PredictorChoice = "hold"
+    ) -> DelaySystem: ...
     def axis(self, axis: int | str) -> DyadAxis: ...
     def __getitem__(self, key: int | str, /) -> DyadAxis: ...
     def __len__(self) -> int: ...
@@ -289,6 +295,17 @@ class Spectrum(_Record):
     complete: Final[bool]
     certificate: Final[str]
     depth: Final[float]
+
+@final
+class NoiseFit(_Record):
+    def __new__(
+        cls, model: str, process: float, position: float, log_likelihood: float, end: str
+    ) -> NoiseFit: ...
+    model: Final[str]
+    process: Final[float]
+    position: Final[float]
+    log_likelihood: Final[float]
+    end: Final[str]
 
 @final
 class Coupling:
@@ -1212,18 +1229,48 @@ def maximum_delay(
     kh1: _A = 0.0,
     kh2: _A = 0.0,
     c: _A = 0.0,
+    predictor: PredictorChoice = "hold",
 ) -> Any: ...
 def maximum_stiffness(
-    m1: _First, b1: _A, m2: _A, b2: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    delay: _A,
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+    predictor: PredictorChoice = "hold",
 ) -> Any: ...
 def minimum_damping(
     m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
 ) -> Any: ...
 def unstable_root_count(
-    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    k: _A,
+    delay: _A,
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+    predictor: PredictorChoice = "hold",
 ) -> Any: ...
 def stability_map(
-    m1: _First, b1: _A, m2: _A, b2: _A, k: _A, delay: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
+    m1: _First,
+    b1: _A,
+    m2: _A,
+    b2: _A,
+    k: _A,
+    delay: _A,
+    *,
+    kh1: _A = 0.0,
+    kh2: _A = 0.0,
+    c: _A = 0.0,
+    predictor: PredictorChoice = "hold",
 ) -> NDArray[np.bool_]: ...
 def crossings(
     m1: _First, b1: _A, m2: _A, b2: _A, k: _A, *, kh1: _A = 0.0, kh2: _A = 0.0, c: _A = 0.0
@@ -1363,5 +1410,14 @@ def pose_system(
     position: ArrayLike,
     agent_stiffness: tuple[float, float],
 ) -> DelaySystem: ...
+def fit_noise(times: ArrayLike, positions: ArrayLike, model: str = "constant-acceleration") -> NoiseFit: ...
+def predict_motion(
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike,
+    age: float,
+    predictor: PredictorChoice,
+    targets: tuple[ArrayLike, ArrayLike] | None = None,
+) -> FloatArray: ...
 def robot_record(robot_file: str | PathLike[str]) -> RobotRecord: ...
 def arm_operator(arm: Arm | Mapping[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Literal, TypeAlias, TypedDict
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ Unavailable: TypeAlias = Literal[
     "not proven over the range",
 ]
 SampledCertificate: TypeAlias = Literal["complete", "upper bound", "incomplete"]
+# the word of a predictor, or its settings
+PredictorChoice: TypeAlias = str | Mapping[str, Any]
 PerAxis: TypeAlias = float | Sequence[float] | FloatArray
 # one-way, s: the same each way, or forward and backward, a row of two
 Delay: TypeAlias = float | Sequence[float] | FloatArray

@@ -4,6 +4,7 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
+use telespring::prediction::Prediction;
 use telespring::quantity::{DELAY, STIFFNESS};
 use telespring::{InvalidInput, Result, Side, criteria, spectrum, verdicts};
 
@@ -116,6 +117,7 @@ pub fn stability_map<'py>(
     axes: &[telespring::DyadAxis],
     k: &Numbers<'py>,
     delay: &Numbers<'py>,
+    prediction: Option<&Prediction>,
 ) -> Outcome<Bound<'py, PyAny>> {
     let named = (k, delay);
     let (k, delay) = (k.row()?, delay.row()?);
@@ -135,7 +137,10 @@ pub fn stability_map<'py>(
                     if stop.is_set() {
                         return Ok(());
                     }
-                    let here = criteria::stability_map(axis, k, delay)?;
+                    let here = match prediction {
+                        None => criteria::stability_map(axis, k, delay)?,
+                        Some(prediction) => criteria::predicted_stability_map(axis, prediction, k, delay)?,
+                    };
                     for (row, here) in stable.chunks_exact_mut(shape[1]).zip(here.chunks_exact(delay.len())) {
                         row[start..].iter_mut().zip(here).for_each(|(all, here)| *all &= here);
                     }
@@ -304,7 +309,7 @@ impl DyadAxis {
         k: &Bound<'py, PyAny>,
         delay: &Bound<'py, PyAny>,
     ) -> Outcome<Bound<'py, PyAny>> {
-        stability_map(py, &[self.axis], &Numbers::read("k", k)?, &Numbers::read("delay", delay)?)
+        stability_map(py, &[self.axis], &Numbers::read("k", k)?, &Numbers::read("delay", delay)?, None)
     }
 
     /// Every crossing of the imaginary axis; see `telespring.crossings`.

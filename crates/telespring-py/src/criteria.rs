@@ -13,6 +13,7 @@ use crate::axis::{self, Crossing, DyadAxis, is_paper};
 use crate::errors::Outcome;
 use crate::interrupt::apart;
 use crate::model::Dyad;
+use crate::prediction::take_predictor;
 
 /// What a criterion is computed for.
 #[expect(clippy::large_enum_variant, reason = "one lives for one call")]
@@ -220,6 +221,17 @@ macro_rules! delay {
     };
 }
 
+/// The last parameter of criteria that cover predictors.
+macro_rules! predictor {
+    () => {
+        "\npredictor : {\"hold\", \"linear\", \"kalman\", \"shared-target\"} or mapping\n    What stands between the \
+         partner's delayed motion and the spring, with the same delay each way and continuous\n    controllers. \
+         Settings of a Kalman filter: {\"kind\": \"kalman\", \"model\": \"constant-velocity\" or\n    \
+         \"constant-acceleration\", \"process\": …, \"position\": …, \"sample_period\": 0.001}. A shared target \
+         changes\n    no root. docs/prediction.md has the theory."
+    };
+}
+
 macro_rules! raises {
     () => {
         "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range (the element is named) or \
@@ -283,6 +295,7 @@ pub fn critical_stiffness<'py>(
     stiffness!("array_like"),
     "\nmethod : {\"exact\", \"paper\"}\n    The exact value, or Eqs. 5 to 9 of [1]_.",
     keywords!("array_like"),
+    predictor!(),
     "\n\nReturns\n-------\nfloat or ndarray\n    Maximum delay δ_m, s: every shorter delay above 0 is stable. \
      inf if no constant delay\n    destabilises, 0 where every short delay is unstable. For a dyad the smallest \
      over its axes.",
@@ -301,15 +314,28 @@ pub fn critical_stiffness<'py>(
 /// array([inf, inf])
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, k, method='exact', *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, k, method='exact', *, kh1=0.0, kh2=0.0, c=0.0, predictor='hold')")]
 pub fn maximum_delay<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Bound<'py, PyAny>> {
-    let (subject, [k, method]) = bind("maximum_delay", args, kwargs, ["k", "method"], 1)?;
+    let (predictor, kwargs) = take_predictor(kwargs)?;
+    let (subject, [k, method]) = bind("maximum_delay", args, kwargs.as_ref(), ["k", "method"], 1)?;
     let paper = paper(method.as_ref())?;
-    subject.evaluate(py, [numbers("k", k)?], f64::min, |axis, [k]| axis::maximum_delay(axis, k, paper))
+    if paper && predictor.is_some() {
+        return Err(InvalidInput::new(
+            "method",
+            "\"paper\"",
+            "the paper has no predictor",
+            "Leave out the method or the predictor.",
+        )
+        .into());
+    }
+    subject.evaluate(py, [numbers("k", k)?], f64::min, |axis, [k]| match &predictor {
+        None => axis::maximum_delay(axis, k, paper),
+        Some(prediction) => criteria::predicted_maximum_delay(axis, prediction, STIFFNESS.check("k", k)?),
+    })
 }
 
 #[doc = concat!(
@@ -317,6 +343,7 @@ pub fn maximum_delay<'py>(
     parameters!("array_like"),
     delay!("array_like"),
     keywords!("array_like"),
+    predictor!(),
     "\n\nReturns\n-------\nfloat or ndarray\n    sup{K : every 0 < k < K is stable at this delay}, N/m; inf at zero \
      delay. Some dyads are stable again at a\n    larger stiffness; that is not counted. For a dyad the smallest \
      over its axes.",
@@ -331,15 +358,19 @@ pub fn maximum_delay<'py>(
 /// 0.1
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, delay, *, kh1=0.0, kh2=0.0, c=0.0, predictor='hold')")]
 pub fn maximum_stiffness<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Bound<'py, PyAny>> {
-    let (subject, [delay]) = bind("maximum_stiffness", args, kwargs, ["delay"], 1)?;
+    let (predictor, kwargs) = take_predictor(kwargs)?;
+    let (subject, [delay]) = bind("maximum_stiffness", args, kwargs.as_ref(), ["delay"], 1)?;
     let others = [numbers("delay", delay)?];
-    subject.evaluate(py, others, f64::min, |axis, [delay]| axis::maximum_stiffness(axis, delay))
+    subject.evaluate(py, others, f64::min, |axis, [delay]| match &predictor {
+        None => axis::maximum_stiffness(axis, delay),
+        Some(prediction) => criteria::predicted_maximum_stiffness(axis, prediction, delay),
+    })
 }
 
 #[doc = concat!(
@@ -378,6 +409,7 @@ pub fn minimum_damping<'py>(
     stiffness!("array_like"),
     delay!("array_like"),
     keywords!("array_like"),
+    predictor!(),
     "\n\nReturns\n-------\nint or ndarray of int\n    The number, without the rigid-body root s = 0 and without roots on \
      the imaginary axis. For a dyad the sum\n    over its axes.",
     raises!(),
@@ -390,16 +422,23 @@ pub fn minimum_damping<'py>(
 /// array([0, 2])
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0, predictor='hold')")]
 pub fn unstable_root_count<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Bound<'py, PyAny>> {
-    let (subject, [k, delay]) = bind("unstable_root_count", args, kwargs, ["k", "delay"], 2)?;
+    let (predictor, kwargs) = take_predictor(kwargs)?;
+    let (subject, [k, delay]) = bind("unstable_root_count", args, kwargs.as_ref(), ["k", "delay"], 2)?;
     let others = [numbers("k", k)?, numbers("delay", delay)?];
     let sum = |one: i64, other: i64| one + other;
-    subject.evaluate(py, others, sum, |axis, [k, delay]| axis::unstable_root_count(axis, k, delay))
+    subject.evaluate(py, others, sum, |axis, [k, delay]| match &predictor {
+        None => axis::unstable_root_count(axis, k, delay),
+        Some(prediction) => {
+            let k = STIFFNESS.check("k", k)?;
+            Ok(criteria::predicted_unstable_root_count(axis, prediction, k, delay)?.into())
+        }
+    })
 }
 
 #[doc = concat!(
@@ -408,6 +447,7 @@ pub fn unstable_root_count<'py>(
     "\nk : array_like, (n,)\n    Stiffnesses of the virtual spring, N/m.",
     "\ndelay : array_like, (d,)\n    One-way delays, s.",
     keywords!("float"),
+    predictor!(),
     "\n\nReturns\n-------\nndarray of bool, (n, d)\n    A row per stiffness, a column per delay. For a dyad whether all \
      its axes are stable.",
     "\n\nRaises\n------\nInvalidInput\n    Where a value is out of its range (the element is named) or `k` or `delay` \
@@ -421,15 +461,16 @@ pub fn unstable_root_count<'py>(
 /// [[True, True], [True, False]]
 #[pyfunction]
 #[pyo3(signature = (*args, **kwargs),
-       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0)")]
+       text_signature = "(m1, b1, m2, b2, k, delay, *, kh1=0.0, kh2=0.0, c=0.0, predictor='hold')")]
 pub fn stability_map<'py>(
     py: Python<'py>,
     args: &Bound<'py, PyTuple>,
     kwargs: Option<&Bound<'py, PyDict>>,
 ) -> Outcome<Bound<'py, PyAny>> {
-    let (subject, [k, delay]) = bind("stability_map", args, kwargs, ["k", "delay"], 2)?;
+    let (predictor, kwargs) = take_predictor(kwargs)?;
+    let (subject, [k, delay]) = bind("stability_map", args, kwargs.as_ref(), ["k", "delay"], 2)?;
     let (k, delay) = (numbers("k", k)?, numbers("delay", delay)?);
-    axis::stability_map(py, &subject.axes()?, &k, &delay)
+    axis::stability_map(py, &subject.axes()?, &k, &delay, predictor.as_ref())
 }
 
 #[doc = concat!(

@@ -20,6 +20,7 @@ mod operator_range;
 mod participants;
 mod plant;
 mod poses;
+mod prediction;
 mod recording;
 mod records;
 mod response;
@@ -76,6 +77,8 @@ mod _core {
     #[pymodule_export]
     use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]
+    use crate::prediction::{NoiseFit, fit_noise, predict_motion};
+    #[pymodule_export]
     use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
     use crate::response::{
@@ -118,6 +121,7 @@ mod _core {
             "critical_stiffness",
             "crossings",
             "decay_stiffness",
+            "fit_noise",
             "hman",
             "maximum_delay",
             "maximum_stiffness",

@@ -9,6 +9,7 @@ use crate::arguments::{Argument, AxisChoice, DelayChoice, Number, PerAxis, hash}
 use crate::axis::DyadAxis;
 use crate::delay_system::DelaySystem;
 use crate::errors::Outcome;
+use crate::prediction::read_prediction;
 use crate::records::html_table;
 
 /// A robot with independent axes, each a mass with viscous damping.
@@ -328,6 +329,9 @@ impl Dyad {
     ///     One-way delay, s, or the pair (forward, backward).
     /// axis : int or str
     ///     The axis by its index or its name.
+    /// predictor : {"hold", "linear", "kalman", "shared-target"} or mapping
+    ///     What predicts the partner's motion, as for `telespring.maximum_stiffness`. A Kalman filter adds its estimates
+    ///     to the states, two or three per side.
     ///
     /// Returns
     /// -------
@@ -346,10 +350,23 @@ impl Dyad {
     /// >>> delay, matrix = dyad.delay_system(10.0, (0.1, 0.2)).delayed[0]
     /// >>> delay, float(matrix[3, 0])  # robot 2 is pulled towards x1(t - 0.1)
     /// (0.1, 5.0)
-    #[pyo3(signature = (stiffness, delay, axis=AxisChoice::FIRST), text_signature = "($self, stiffness, delay, axis=0)")]
-    fn delay_system(&self, stiffness: Number, delay: DelayChoice, axis: AxisChoice) -> Outcome<DelaySystem> {
+    #[pyo3(signature = (stiffness, delay, axis=AxisChoice::FIRST, *, predictor=None),
+           text_signature = "($self, stiffness, delay, axis=0, *, predictor='hold')")]
+    fn delay_system(
+        &self,
+        stiffness: Number,
+        delay: DelayChoice,
+        axis: AxisChoice,
+        predictor: Option<&Bound<'_, PyAny>>,
+    ) -> Outcome<DelaySystem> {
+        let (axis, delay) = (axis.of(&self.0)?, delay.check()?);
         let stiffness = stiffness.named("stiffness")?;
-        Ok(DelaySystem(axis.of(&self.0)?.delay_system(stiffness, &delay.check()?)?))
+        Ok(DelaySystem(match predictor {
+            None => axis.delay_system(stiffness, &delay)?,
+            Some(predictor) => {
+                axis.predicted_delay_system(stiffness, &delay, &read_prediction(predictor)?)?
+            }
+        }))
     }
 
     fn __repr__(&self) -> String {

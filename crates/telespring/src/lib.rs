@@ -12,6 +12,7 @@
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | time response: exact for the linear dyad, adaptive for any right-hand side |
 //! | [`session`] | one side of a live coupling: packets and time in, force and packets out |
+//! | [`prediction`] | what a predictor does to the loop |
 //! | [`rig`] | the virtual laboratory: two sessions, robots, arms and a network in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
 //! | [`poses`] | a dyad held by two-link arms, one frozen pose at a time |
@@ -29,6 +30,7 @@ pub mod delay_system;
 pub mod error;
 pub mod model;
 pub mod poses;
+pub mod prediction;
 pub mod quantity;
 pub mod response;
 pub mod rig;

@@ -6,19 +6,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from the ground up, each with all that it may import.
-const FLOORS: [(&str, &[&str]); 15] = [
+const FLOORS: [(&str, &[&str]); 16] = [
     ("error", &[]),
     ("poly", &[]),
     ("quantity", &["error"]),
     ("session", &["error", "quantity"]),
     ("model", &["error", "quantity"]),
+    ("prediction", &["error", "quantity", "session"]),
     ("characteristic", &["model"]),
     ("dde", &["error", "quantity", "model"]),
     ("rig", &["error", "quantity", "model", "session"]),
     ("spectrum", &["error", "quantity", "model", "characteristic"]),
-    ("delay_system", &["error", "quantity", "model", "spectrum"]),
+    ("delay_system", &["error", "quantity", "model", "prediction", "spectrum"]),
     ("poses", &["error", "quantity", "model", "rig", "spectrum", "delay_system"]),
-    ("criteria", &["error", "quantity", "model", "poly", "characteristic", "spectrum"]),
+    ("criteria", &["error", "quantity", "model", "poly", "characteristic", "prediction", "spectrum"]),
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
     ("verdicts", &["error", "quantity", "model", "poly", "characteristic", "criteria"]),
     ("study", &["error", "quantity", "session", "model", "criteria", "verdicts", "rig"]),

@@ -6,6 +6,13 @@ from telespring._deprecated import old_names
 from telespring.analysis.effect_sizes import superiority_interval
 from telespring.analysis.group_tests import GroupTest, kruskal_wallis
 from telespring.analysis.measures import measure, measure_trials
+from telespring.analysis.prediction import (
+    HandMotion,
+    PredictorComparison,
+    PredictorErrors,
+    compare_predictors,
+    motions_of_trials,
+)
 from telespring.analysis.recordings.reading import read_recorded
 from telespring.analysis.recordings.writing import write_recorded, write_template
 from telespring.analysis.results import analyse_trials, compare_conditions
@@ -21,16 +28,21 @@ from telespring.study.conditions import condition_label
 __all__ = [
     "Comparison",
     "GroupTest",
+    "HandMotion",
+    "PredictorComparison",
+    "PredictorErrors",
     "Trials",
     "analyse_trials",
     "compare",
     "compare_conditions",
     "compare_pairs",
+    "compare_predictors",
     "condition_label",
     "holm",
     "kruskal_wallis",
     "measure",
     "measure_trials",
+    "motions_of_trials",
     "read_recorded",
     "superiority_interval",
     "write_recorded",

@@ -20,7 +20,7 @@ from telespring.cli.units import FORCE, FREQUENCY, LENGTH, TIME, number
 if TYPE_CHECKING:
     from telespring.identification.results import Method
 
-__all__ = ["identify_command"]
+__all__ = ["columns_of", "identify_command"]
 
 
 def identify_command(
@@ -179,7 +179,7 @@ def identify_command(
         check_not_an_input("--figure", check_figure_name(figure), logs)
     if out is not None:
         check_not_an_input("--out", _robot_file(out), logs)
-    columns = _columns_of_axes(_columns(position), _columns(force))
+    columns = _columns_of_axes(columns_of(position), columns_of(force))
     with pointing_elsewhere("identify", logs):
         recordings = [
             read_log(
@@ -288,14 +288,14 @@ def _columns_of_axes(position: list[str], force: list[str]) -> _Columns:
     )
 
 
-def _columns(options: list[str] | None) -> list[str]:
+def columns_of(options: list[str] | None) -> list[str]:
     """Return the columns that options name; several may share one option, 2,3 or x,y.
 
     A comma before a space belongs to a name, such as Fx, N.
 
     Examples
     --------
-    >>> _columns(["x,y"]), _columns(["2, 3"]), _columns(["Fx, N", "Fy, N"])
+    >>> columns_of(["x,y"]), columns_of(["2, 3"]), columns_of(["Fx, N", "Fy, N"])
     (['x', 'y'], ['2', '3'], ['Fx, N', 'Fy, N'])
     """
     columns: list[str] = []

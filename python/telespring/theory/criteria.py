@@ -9,9 +9,11 @@ one number per axis broadcast over arrays.
 
 from telespring._core import (
     Crossing,
+    NoiseFit,
     critical_stiffness,
     crossings,
     decay_stiffness,
+    fit_noise,
     maximum_delay,
     maximum_stiffness,
     minimum_damping,
@@ -22,9 +24,11 @@ from telespring._core import (
 
 __all__ = [
     "Crossing",
+    "NoiseFit",
     "critical_stiffness",
     "crossings",
     "decay_stiffness",
+    "fit_noise",
     "maximum_delay",
     "maximum_stiffness",
     "minimum_damping",

@@ -287,12 +287,19 @@ fn examine_box(function: &impl LineFunction, part: &Region) -> BoxContent {
 
     // Where the function is real its phase is a multiple of π, and leaves it at once if it is monotone.
     let ends = [part.frequency.0, part.frequency.1];
+    let mut waits_for_parameter = false;
     if ends.iter().any(|&end| function.is_real_at(end)) {
         let slope = by_w.centre.im.abs() - by_w.radius;
         let size = by_w.centre.im.abs() + by_w.radius;
         if slope > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI {
             return BoxContent::Nothing;
         }
+        // Where one value of the parameter leaves no doubt about the slope, the range of the parameter does.
+        let single = function.factors(&Region { parameter: (p, p), ..*part });
+        waits_for_parameter = log_derivative(&single.sides, &single.by_frequency).is_some_and(|by_w| {
+            let size = by_w.centre.im.abs() + by_w.radius;
+            by_w.centre.im.abs() - by_w.radius > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI
+        });
     }
 
     // The value at the centre, less the nearest multiple of 2πj, and its possible change over the box.
@@ -334,7 +341,8 @@ fn examine_box(function: &impl LineFunction, part: &Region) -> BoxContent {
     if dw <= 1e-13 * w && dp <= 1e-13 * p {
         return BoxContent::Solution(w, p);
     }
-    BoxContent::Undecided { split_frequency: (w_size + by_w.radius) * dw > (p_size + by_p.radius) * dp }
+    let frequency_matters = (w_size + by_w.radius) * dw > (p_size + by_p.radius) * dp;
+    BoxContent::Undecided { split_frequency: frequency_matters && !waits_for_parameter }
 }
 
 /// Whether the frequency changes the factors of a box more than the parameter does, relative to their size.

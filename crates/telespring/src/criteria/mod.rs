@@ -10,6 +10,7 @@
 //! | which stiffness is stable at every constant delay? | [`critical_stiffness`], [`is_delay_independent`] |
 //! | which delays are stable? | [`maximum_delay`], [`stable_delays`], [`unstable_root_count`], [`stability_map`] |
 //! | which stiffness or damping does a delay allow? | [`maximum_stiffness`], [`minimum_damping`], [`decay_stiffness`] |
+//! | what does a predictor change? | [`predicted_maximum_stiffness`], [`predicted_maximum_delay`], [`predicted_unstable_root_count`], [`predicted_stability_map`] |
 //! | what do the paper's formulas give? | [`paper_critical_stiffness`], [`paper_maximum_delay`] |
 
 pub(crate) mod branch_and_bound;
@@ -23,6 +24,7 @@ mod inverse;
 mod lines;
 mod paper;
 mod polynomial;
+mod prediction;
 mod undamped_resonance;
 
 pub(crate) use intervals::is_in_any;
@@ -33,3 +35,7 @@ pub use decay::decay_stiffness;
 pub use intervals::{intersection, maximum_delay, stability_map, stable_delays, unstable_root_count};
 pub use inverse::{maximum_stiffness, minimum_damping};
 pub use paper::{paper_critical_stiffness, paper_maximum_delay};
+pub use prediction::{
+    predicted_maximum_delay, predicted_maximum_stiffness, predicted_stability_map,
+    predicted_unstable_root_count,
+};

@@ -6,6 +6,7 @@
 mod collocation;
 mod known_roots;
 mod matrix;
+mod predicted;
 mod roots;
 mod search;
 mod zero;

@@ -20,6 +20,25 @@ pub enum MotionModel {
     ConstantAcceleration,
 }
 
+impl MotionModel {
+    /// The words for the models.
+    pub const WORDS: [&'static str; 2] = ["constant-velocity", "constant-acceleration"];
+
+    /// The model with this word; `None` for another one.
+    pub fn of_word(word: &str) -> Option<Self> {
+        [Self::ConstantVelocity, Self::ConstantAcceleration].into_iter().find(|model| model.word() == word)
+    }
+
+    /// The word for this model.
+    pub fn word(self) -> &'static str {
+        let [velocity, acceleration] = Self::WORDS;
+        match self {
+            Self::ConstantVelocity => velocity,
+            Self::ConstantAcceleration => acceleration,
+        }
+    }
+}
+
 /// The noise of a Kalman filter, the same on both axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
