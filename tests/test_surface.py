@@ -19,14 +19,14 @@ FUNCTIONS = [name for name in PUBLIC if not inspect.isclass(getattr(ts, name))]
 # Other tools are written against these; a change here is a breaking change.
 PROMISED = {
     "critical_stiffness": "m1, b1, m2, b2, method, *, kh1, kh2, c",
-    "maximum_delay": "m1, b1, m2, b2, k, method, *, kh1, kh2, c",
-    "maximum_stiffness": "m1, b1, m2, b2, delay, *, kh1, kh2, c",
+    "maximum_delay": "m1, b1, m2, b2, k, method, *, kh1, kh2, c, predictor",
+    "maximum_stiffness": "m1, b1, m2, b2, delay, *, kh1, kh2, c, predictor",
     "stable_delays": "m1, b1, m2, b2, k, horizon, *, kh1, kh2, c",
     "crossings": "m1, b1, m2, b2, k, *, kh1, kh2, c",
     "characteristic_roots": "dyad, stiffness, delay, count, axis",
     "spectral_abscissa": "dyad, stiffness, delay, axis",
-    "unstable_root_count": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
-    "stability_map": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c",
+    "unstable_root_count": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c, predictor",
+    "stability_map": "m1, b1, m2, b2, k, delay, *, kh1, kh2, c, predictor",
     "verdicts": "dyad, stiffness, delay, jitter, max_gap, sample_period, computing_time, operator_range, "
     "attack_seed",
     "transfer_matrix": "dyad, stiffness, delay, s, axis, convention",
