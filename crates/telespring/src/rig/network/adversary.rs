@@ -207,7 +207,7 @@ impl AdversaryChannel {
         self.fastest = [self.fastest[0].max(u.abs()), self.fastest[1].max(v.abs())];
         let swing = if self.fastest[0] >= self.fastest[1] { [u, 0.0] } else { [0.0, v] };
         let mut passing = self.came.partition_point(|came| now - came.at >= longest);
-        let last = self.came.iter().take(passing).last().map(Came::stretch).or(self.passed);
+        let last = self.came.iter().take(passing).next_back().map(Came::stretch).or(self.passed);
         let mut most = last.map_or(f64::NEG_INFINITY, |stretch| dot(stretch, swing));
         for (n, came) in self.came.iter().enumerate().skip(passing) {
             // of two that are equal the newer one: at rest nothing is withheld
