@@ -36,6 +36,8 @@ COMPARISON_FIGURES = ("delays.png", "plane.png", "account.png")
 _COLUMNS, _ROWS = 260, 401
 #: A force is limited where its energy is the whole account, but for what one tick changes.
 _WHOLE_ACCOUNT = 0.97
+#: Points of a curve of one trial, and how much of it `draw_comparison` shows, s.
+_POINTS, _SPAN = 600, (0.0, 12.0)
 
 
 def draw_comparison(
@@ -44,8 +46,9 @@ def draw_comparison(
     """Draw all figures of a comparison, each with the name of its file.
 
     `recommended` is the label of the best safe choice, if there is one: the plane shows it beside the bare
-    spring. The account is of the guarded architecture, network and condition in which most was limited. A
-    figure for which nothing was compared is left out.
+    spring. The account is that of the same architecture, or else of another one that keeps an account, on
+    the network and in the condition in which most was limited. A figure for which nothing was compared is
+    left out.
     """
     alone = comparison.tracking_error_unconnected.transpose("trial", "robot").mean("trial").values.tolist()
     yield COMPARISON_FIGURES[0], draw_delays(comparison, unconnected=(alone[0], alone[1]))
@@ -55,11 +58,16 @@ def draw_comparison(
     strategies = [label for label in dict.fromkeys(("spring", beside)) if label in labels]
     if strategies:
         yield COMPARISON_FIGURES[1], draw_plane(comparison, strategies, dyad=dyad)
-    place = _most_limited(comparison)
+    place = _most_limited(comparison.sel(architecture=[beside])) if beside in labels else None
+    place = place or _most_limited(comparison)
     if place is not None:
         trial = comparison.sel(place)
         bare = comparison.sel(place | {"architecture": "spring"}) if "spring" in labels else None
-        yield COMPARISON_FIGURES[2], draw_account(trial, without_guard=bare)
+        title = (
+            f"{name_strategy(place['architecture'])}, {format_number(float(trial.stiffness))} N/m, "
+            f"{1e3 * float(trial.delay):.0f} ms, beginning of the first trial"
+        )
+        yield COMPARISON_FIGURES[2], draw_account(trial, without_guard=bare, span=_SPAN, title=title)
 
 
 def _most_limited(comparison: xr.Dataset) -> dict[str, str] | None:
@@ -256,7 +264,11 @@ def _account_trial(
         force = trial.coupling_force.transpose("time", "robot", "axis").values
         delivered = np.linalg.norm(force, axis=-1)
         energy = delivered**2 / (2.0 * stiffness)
-        limited = (energy >= _WHOLE_ACCOUNT * balance) & (energy > 0.0)
+        is_limited = (energy >= _WHOLE_ACCOUNT * balance) & (energy > 0.0)
+        limited = (
+            _intervals(trial.time.values, is_limited[:, 0]),
+            _intervals(trial.time.values, is_limited[:, 1]),
+        )
         parts |= {"delivered": delivered, "spring_energy": energy}
     if "position" in trial:
         position = trial.position.transpose("time", "robot", "axis").values
@@ -267,7 +279,20 @@ def _account_trial(
             parts["target"] = trial.target.sel(axis=axis).values
         if without_guard is not None:
             parts["without_guard"] = without_guard.position.sel(axis=axis).transpose("time", "robot").values
-    return AccountTrial(time=trial.time.values, balance=balance, limited=limited, axis=axis, **parts)
+    # More points than a reader can tell apart only make the figure larger.
+    every = slice(None, None, max(1, len(balance) // _POINTS))
+    drawn = {name: values[every] for name, values in parts.items()}
+    return AccountTrial(trial.time.values[every], balance[every], limited=limited, axis=axis, **drawn)
+
+
+def _intervals(time: FloatArray, chosen: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """List from when to when samples are chosen, half a sample more on both sides."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
+    half = 0.5 * float(time[1] - time[0])
+    return [
+        (float(time[first]) - half, float(time[end - 1]) + half)
+        for first, end in zip(edges[::2], edges[1::2], strict=True)
+    ]
 
 
 def _farthest_axis(trial: xr.Dataset) -> str:

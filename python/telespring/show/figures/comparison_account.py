@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from telespring.show.figures.style import (
 __all__ = ["AccountTrial", "account_figure"]
 
 Floats = NDArray[np.float64]
+Intervals = Sequence[tuple[float, float]]
 
 _DASHED = (0.0, (3.5, 1.5))
 _DOTTED = (0.0, (1.0, 1.2))
@@ -43,7 +45,7 @@ class AccountTrial:
     spring_energy
         Energy of a spring that pulls with the force that acted, |F|²/2k, J, (time, robot).
     limited
-        When the account limited the force, (time, robot).
+        From when to when the account limited the force of each robot, s.
     intended, delivered
         Length of the force of a spring without delay, and of the one that acted, N, (time, robot).
     position, target
@@ -57,7 +59,7 @@ class AccountTrial:
     time: Floats
     balance: Floats
     spring_energy: Floats | None = None
-    limited: NDArray[np.bool_] | None = None
+    limited: tuple[Intervals, Intervals] | None = None
     intended: Floats | None = None
     delivered: Floats | None = None
     position: Floats | None = None
@@ -101,19 +103,8 @@ def account_figure(trial: AccountTrial, title: str = "", figure: Figure | None =
 
 def _shade_limited(axes: Axes, trial: AccountTrial, robot: int) -> None:
     """Shade the times at which the account limited the force."""
-    if trial.limited is None:
-        return
-    limited = trial.limited[:, robot]
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], limited, [False]]).astype(int)))
-    step = float(trial.time[1] - trial.time[0])
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        axes.axvspan(
-            float(trial.time[first]) - 0.5 * step,
-            float(trial.time[end - 1]) + 0.5 * step,
-            color=_LIMITED,
-            linewidth=0.0,
-            zorder=0,
-        )
+    for start, end in () if trial.limited is None else trial.limited[robot]:
+        axes.axvspan(start, end, color=_LIMITED, linewidth=0.0, zorder=0)
 
 
 def _draw_energy(axes: Axes, trial: AccountTrial, robot: int) -> None:

@@ -190,6 +190,8 @@ def _limited_cell(one: xr.Dataset) -> str:
     if not np.isfinite(limited).any():
         return "–"
     share = 100.0 * float(np.nanmax(limited))
+    if 0.0 < share < 0.05:
+        return "< 0.1 %"
     return f"{share:.0f} %" if share >= 0.95 or share == 0.0 else f"{share:.1f} %"
 
 
