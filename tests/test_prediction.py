@@ -103,6 +103,8 @@ def sampled_radius(k: float, lag: int, predictor: Any, period: float = 1e-3) -> 
         else:
             estimate = np.zeros((order, 2 * side))
             estimate[:, own + 2 + 2 * lag : own + side] = move
+            assert gain is not None
+            assert ahead is not None
             estimate += np.outer(gain, delayed[0] - estimate[0])
             matrix[own + 2 + 2 * lag : own + side] = estimate
             predicted = ahead @ estimate
@@ -129,7 +131,7 @@ def test_law_every_form_of_a_question_has_the_same_answer() -> None:
     dyad = ts.hman()
     delays = np.array([0.05, 0.167])
     for predictor in ("hold", *PREDICTORS, "shared-target"):
-        both = ts.maximum_stiffness(dyad, delays, predictor=predictor)
+        both = np.asarray(ts.maximum_stiffness(dyad, delays, predictor=predictor))
         single = [
             min(float(ts.maximum_stiffness(axis, delay, predictor=predictor)) for axis in dyad)
             for delay in delays
@@ -198,14 +200,16 @@ def test_law_the_page_prints_the_limits() -> None:
     rows = printed_limits()
     assert len(rows) >= 7
     for column, predictor in enumerate(("hold", *PREDICTORS)):
-        limits = ts.maximum_stiffness(ts.hman(), [delay for delay, _ in rows], predictor=predictor)
+        limits = np.asarray(
+            ts.maximum_stiffness(ts.hman(), [delay for delay, _ in rows], predictor=predictor)
+        )
         # one digit after the point, rounded down
         assert [np.floor(10 * limit) / 10 for limit in limits] == [cells[column] for _, cells in rows]
 
 
 def test_law_the_map_draws_the_limits() -> None:
     ax = ts.plot.prediction_map(ts.hman(), ["hold", "linear"], points=8)
-    hold, linear = (line.get_xydata() for line in ax.get_lines())
+    hold, linear = (np.asarray(line.get_xydata()) for line in ax.get_lines())
     assert hold[2] == pytest.approx([ts.maximum_stiffness(ts.hman(), 1e-3 * hold[2, 1]), 131.25])
     assert linear[2, 0] == pytest.approx(ts.maximum_stiffness(ts.hman(), 0.13125, predictor="linear"))
     with pytest.raises(ts.InvalidInput):

@@ -191,7 +191,7 @@ def compare_predictors(
         if not delay > 0.0:
             raise InvalidInput(
                 f"delays[{i}]",
-                delay,
+                repr(delay),
                 "a delay must be a positive number of seconds",
                 "Leave out a delay of 0.",
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -119,7 +119,7 @@ def _is_log(path: Path) -> bool:
     return not (table.has_names and "file" in {name.strip().lower() for name in table.names})
 
 
-def _motions_of_log(path: Path, position: list[str], columns: dict[str, object]) -> list[HandMotion]:
+def _motions_of_log(path: Path, position: list[str], columns: dict[str, Any]) -> list[HandMotion]:
     """Read the runs of a log; samples without a position are left out."""
     from telespring.analysis.prediction import HandMotion
     from telespring.cli.identify import columns_of
@@ -132,7 +132,7 @@ def _motions_of_log(path: Path, position: list[str], columns: dict[str, object])
     from telespring.identification import read_log
 
     # A log has forces, too, which a prediction does not need: the positions stand in for them.
-    log = read_log(path, position=chosen, force=chosen, **columns)  # type: ignore[arg-type]
+    log = read_log(path, position=chosen, force=chosen, **columns)
     motions = []
     for run, name in zip(log.split(), log.runs, strict=True):
         known = np.isfinite(run.position).all(axis=1)

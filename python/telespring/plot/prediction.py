@@ -90,7 +90,7 @@ def prediction_map(
             "Draw two maps.",
         )
     if points < 2:
-        raise InvalidInput("points", points, "at least two delays are required", "Leave it out.")
+        raise InvalidInput("points", str(points), "at least two delays are required", "Leave it out.")
     delays = np.linspace(delay / points, delay, points)
     limits = [
         PredictionLimit(
