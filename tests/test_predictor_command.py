@@ -55,7 +55,7 @@ def test_law_without_velocities_the_last_two_samples_give_them() -> None:
 def test_ref_the_noise_that_made_the_motion_is_found() -> None:
     random = np.random.default_rng(5)
     step, process, noise = 0.005, 2.0, 2e-4
-    # white acceleration over a step: a kick of the velocity, half of it on the way, and the rest independent of it
+    # white acceleration over a step: a kick of the velocity, half of it on the way, the rest independent
     kicks = random.normal(size=(6000, 2)) * np.sqrt(process * step)
     apart = random.normal(size=(6000, 2)) * np.sqrt(process * step**3 / 12)
     before = np.cumsum(kicks, axis=0) - kicks
