@@ -58,8 +58,8 @@ def compare_command(
 ) -> None:
     """Rehearse a study with different control architectures, and say which is the best safe choice.
 
-    [comparison] of a study lists the architectures and the networks. Without it eleven are compared: the bare
-    spring, the guard with every predictor, and those of the literature.
+    The section comparison of a study lists the architectures and the networks. Without it eleven are
+    compared: the bare spring, the guard with every predictor, and those of the literature.
 
     If interrupted, by Ctrl-C or by a crash, run the same command again to resume.
 
