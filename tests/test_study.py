@@ -366,7 +366,7 @@ def test_law_page_is_self_contained_and_holds_every_figure(analysis: Analysis) -
     assert "@import" not in analysis.html
     drawn = (
         *("dyad", "loop", "map", "nyquist", "frequency", "responses", "laboratory", "trajectories"),
-        *("tracking", "calibration", "arms", "excitation", "regression"),
+        *("tracking", "calibration", "arms", "delays", "plane", "account", "excitation", "regression"),
         *("residuals1", "residuals2", "examples"),
     )
     assert analysis.html.count("<svg ") == len(drawn)

@@ -245,8 +245,8 @@ def decide(
     <Answer: status stable, stiffness 150 N/m, delay each way 0.04 s, sample period 0.001 s, ...>
     >>> ts.decide(mine, delay=0.04).limits.delays[0].usable_stiffness  # N/m
     190.4...
-    >>> jittery = ts.Network(0.04, jitter=0.01, sample_period=0.001)
-    >>> [ts.decide(mine, 150.0, jittery, playout_buffer=given).status for given in (True, False)]
+    >>> jittery = ts.Network(0.04, jitter=0.04, sample_period=0.001)
+    >>> [ts.decide(mine, 100.0, jittery, playout_buffer=given).status for given in (True, False)]
     ['stable', 'not proven']
     """
     values: dict[str, object] = {

@@ -164,8 +164,8 @@ record! {
 /// >>> t = np.arange(4000) * 0.005
 /// >>> circle = 0.05 * np.column_stack([np.cos(3 * t), np.sin(3 * t)])
 /// >>> fit = ts.fit_noise(t, circle.round(4))  # a sensor with steps of 0.1 mm
-/// >>> fit.end, round(1e6 * fit.position)  # µm; a step of 0.1 mm divided by √12 is 29 µm
-/// ('maximum', 28)
+/// >>> fit.end, round(fit.position, 5)  # m; a step of 0.1 mm divided by √12 is 29 µm
+/// ('maximum', 3e-05)
 #[pyfunction]
 #[pyo3(signature = (times, positions, model=None),
        text_signature = "(times, positions, model='constant-acceleration')")]

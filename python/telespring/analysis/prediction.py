@@ -184,7 +184,7 @@ def compare_predictors(
     >>> comparison.best.label
     'kalman, constant acceleration, fitted'
     >>> [round(1e3 * entry.errors[0], 1) for entry in comparison.predictors[:2]]  # mm: hold, linear
-    [14.9, 2.8]
+    [14.9, 2.4]
     """
     asked = tuple(float(delay) for delay in delays)
     for i, delay in enumerate(asked):

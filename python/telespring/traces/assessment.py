@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from telespring._arrays import as_number, quoted_value
 from telespring._core import Trace, TraceFit, TraceStatistics, usual_range
@@ -11,7 +11,6 @@ from telespring._errors import InvalidInput
 from telespring.decision.question import Question, are_axes_independent
 from telespring.decision.usable import LONGEST_USUAL_DELAY
 from telespring.model import Study
-from telespring.study.robot_file import RobotRecord
 from telespring.traces.missing_rows import MissingRows, complete_trace
 from telespring.traces.playouts import (
     PlayoutChoice,
@@ -20,6 +19,9 @@ from telespring.traces.playouts import (
     judge_playouts,
     longest_useful,
 )
+
+if TYPE_CHECKING:
+    from telespring.study.robot_file import RobotRecord
 
 __all__ = ["RecordedWay", "TraceAssessment", "assess_trace"]
 
@@ -227,6 +229,8 @@ def _check_arguments(study: object, records: object) -> None:
         raise InvalidInput(
             "study", quoted_value(study), "a Study is required", "Read one with telespring.Study.read."
         )
+    from telespring.study.robot_file import RobotRecord
+
     match records:
         case (RobotRecord() | None, RobotRecord() | None):
             return
