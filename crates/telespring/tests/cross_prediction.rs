@@ -1,5 +1,7 @@
 //! Verdicts of prediction, against the roots of a delay system, the live predictors, and time simulation.
 
+#![allow(clippy::disallowed_macros, reason = "the tests print what they measure")]
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use telespring::criteria::{

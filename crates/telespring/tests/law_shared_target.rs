@@ -1,5 +1,7 @@
 //! What flattens the tracking errors of guard and shared target where hands and spring resonate (docs/prediction.md).
 
+#![allow(clippy::disallowed_macros, reason = "the tests print what they measure")]
+
 use telespring::Delay;
 use telespring::InvalidInput;
 use telespring::rig::{Agent, ConnectedMode, Laboratory, Recording, Schedule, Status, Trial};

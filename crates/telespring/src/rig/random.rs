@@ -15,6 +15,8 @@ pub(crate) enum RandomStream {
     Network(usize),
     /// Another impairment of the network towards a side.
     Impairment(Impairment, usize),
+    /// Where the recorded traces of both ways begin.
+    TraceStart,
 }
 
 /// The impairments of a network with random numbers of their own.
@@ -35,6 +37,7 @@ pub(crate) fn random_generator(seed: u64, stream: RandomStream) -> ChaCha8Rng {
         RandomStream::Agent(side) => side as u64,
         RandomStream::Network(side) => 2 + side as u64,
         RandomStream::Impairment(impairment, side) => 4 + 2 * impairment as u64 + side as u64,
+        RandomStream::TraceStart => u64::MAX,
     });
     random_generator
 }

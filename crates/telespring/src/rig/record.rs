@@ -85,8 +85,8 @@ pub struct TrialOutcome {
     pub sessions: Option<[SessionReport; 2]>,
 }
 
-/// A recorded trial in its own memory.
-#[derive(Debug, Clone, PartialEq)]
+/// A recorded trial in its own memory. Two are equal if they hold the same numbers, NaN where the other has NaN.
+#[derive(Debug, Clone)]
 pub struct Recording {
     /// How the trial ended; all lists end there.
     pub outcome: TrialOutcome,
@@ -108,6 +108,26 @@ pub struct Recording {
     pub account: Vec<[f64; 2]>,
     /// As in [`Record`].
     pub age: Vec<[f64; 2]>,
+}
+
+impl PartialEq for Recording {
+    fn eq(&self, other: &Self) -> bool {
+        let pairs = |recording: &Self| {
+            let Self { target, account, age, .. } = recording;
+            target.iter().chain(account).chain(age).flatten().map(|value| bits(*value)).collect::<Vec<_>>()
+        };
+        let rows = |recording: &Self| {
+            let Self { position, velocity, coupling_force, agent_force, handle_force, aim, .. } = recording;
+            let all = [position, velocity, coupling_force, agent_force, handle_force, aim];
+            all.into_iter().flatten().flatten().flatten().map(|value| bits(*value)).collect::<Vec<_>>()
+        };
+        self.outcome == other.outcome && pairs(self) == pairs(other) && rows(self) == rows(other)
+    }
+}
+
+/// The bits of a number, the same for every NaN and for both zeros.
+fn bits(value: f64) -> u64 {
+    if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }
 }
 
 impl Recording {

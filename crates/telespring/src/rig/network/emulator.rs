@@ -16,9 +16,10 @@
 //!
 //! A packet meets the impairments in this order: blackout, recorded, bursty or independent loss; the queue and the
 //! link of limited rate; the constant delay (or the recorded one) with the jitter; a copy of its own; the order.
-//! A recorded trace is played in a circle: a packet has the delay and the fate of the recorded packet that was sent
-//! last before it, as time after the start of the trial. With a trace the delay of a condition is only the time at
-//! which the endpoint plays a sample.
+//! A recorded trace is played in a circle, from a place that the seed draws, so that several trials meet all of it: a packet
+//! has the delay and the fate of the recorded packet that was sent last before it. Both ways begin at the same share
+//! of their traces, as they were recorded. With a trace the delay of a condition is only the time at which the endpoint
+//! plays a sample.
 
 use std::collections::VecDeque;
 
@@ -56,6 +57,8 @@ pub struct EmulatedChannel {
     jitter_random: ChaCha8Rng,
     burst: Option<BurstState>,
     copies: ChaCha8Rng,
+    /// Where the recorded trace begins.
+    trace_start: Span,
     /// When the link of limited rate has sent all packets.
     link_free: LocalTime,
     /// When the last packet arrives, in the order of sending.
@@ -75,6 +78,10 @@ impl EmulatedChannel {
             jitter_random: stream(Impairment::Jitter),
             burst: model.burst.map(|burst| BurstState::new(burst, stream(Impairment::Burst))),
             copies: stream(Impairment::Duplicate),
+            trace_start: model.trace.as_ref().map_or(Span(0), |trace| {
+                let share = random_generator(seed, RandomStream::TraceStart).random::<f64>();
+                Span::from_seconds(share * trace.duration())
+            }),
             link_free: LocalTime(0),
             last_arrival: LocalTime(0),
             travelling: VecDeque::new(),
@@ -130,7 +137,7 @@ impl Channel for EmulatedChannel {
             (comes_twice, self.jitter.draw(jitter, &mut self.copies))
         });
         let lost_in_burst = self.burst.as_mut().is_some_and(BurstState::loses);
-        let recorded = self.model.trace.as_ref().map(|trace| trace.at(now));
+        let recorded = self.model.trace.as_ref().map(|trace| trace.at(now + self.trace_start));
         let blacked_out = self.model.blackout.is_some_and(|blackout| blackout.covers(now));
         if fate < loss || lost_in_burst || blacked_out || recorded.is_some_and(|row| row.lost) {
             return;
