@@ -44,10 +44,12 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
 
     Examples
     --------
-    >>> import telespring as ts
+    >>> import tempfile
     >>> from pathlib import Path
-    >>> _ = Path("ping.csv").write_text("time_s,delay_ms,lost\n0.00,48,0\n0.02,,1\n0.04,52,0\n")
-    >>> trace = ts.read_trace("ping.csv", round_trip=True)
+    >>> import telespring as ts
+    >>> path = Path(tempfile.mkdtemp()) / "ping.csv"
+    >>> _ = path.write_text("time_s,delay_ms,lost\n0.00,48,0\n0.02,,1\n0.04,52,0\n")
+    >>> trace = ts.read_trace(path, round_trip=True)
     >>> trace.delay, trace.statistics().loss
     (array([0.024,   nan, 0.026]), 0.333...)
     """
