@@ -12,7 +12,7 @@ from rich.text import Text
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
-from telespring.cli.common import print_json, refusals
+from telespring.cli.common import TaskStudy, print_json, refusals
 from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
@@ -35,10 +35,7 @@ def analyse_command(
         Path | None,
         typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
     ] = None,
-    study: Annotated[
-        Path | None,
-        typer.Option(help="Study whose task defines the target, for trials recorded without one."),
-    ] = None,
+    study: TaskStudy = None,
     discard: Annotated[
         float | None,
         typer.Option(

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from telespring._errors import InvalidInput
 from telespring.cli.terminal import output_trouble, screen_console
-from telespring.cli.units import STIFFNESS, TIME, number
+from telespring.cli.units import FREQUENCY, LENGTH, STIFFNESS, TIME, number
 from telespring.show.screens.refusal import refusal_screen
 
 if TYPE_CHECKING:
@@ -24,12 +24,17 @@ __all__ = [
     "AllowUnusual",
     "Backward",
     "Delay",
+    "LogRate",
     "Ping",
+    "PositionScale",
     "Robot1",
     "Robot2",
     "Robots",
     "Stiffness",
     "StudyFile",
+    "TaskStudy",
+    "TimeScale",
+    "Workers",
     "print_json",
     "print_notes",
     "refusals",
@@ -97,6 +102,38 @@ Robot2 = Annotated[
 AllowUnusual = Annotated[
     bool,
     typer.Option("--allow-unusual", help="Accept values that no laboratory has, such as a delay of 80 s."),
+]
+
+TaskStudy = Annotated[
+    Path | None,
+    typer.Option(help="Study whose task defines the target, for trials recorded without one."),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
+]
+LogRate = Annotated[
+    float | None,
+    typer.Option(
+        parser=number(FREQUENCY),
+        metavar="Hz",
+        help="Samples per second, for a log without times.",
+        show_default=False,
+    ),
+]
+TimeScale = Annotated[
+    float,
+    typer.Option(
+        parser=number(TIME), metavar="TIME", help="One unit of the time column, such as 1ms or 0.001 (s)."
+    ),
+]
+PositionScale = Annotated[
+    float,
+    typer.Option(
+        parser=number(LENGTH),
+        metavar="LENGTH",
+        help="One unit of the position columns, such as 1mm or 0.001 (m).",
+    ),
 ]
 
 

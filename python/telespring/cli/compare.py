@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, Workers
 from telespring.cli.figure_file import check_folder_keeps_inputs, save_figure
 from telespring.cli.question import StudyOptions
 from telespring.cli.resuming import resuming
@@ -44,10 +44,7 @@ def compare_command(
             help="Compare only the bare spring, the guard, and the guard with a shared target. Few trials.",
         ),
     ] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
-    ] = None,
+    workers: Workers = None,
     robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,

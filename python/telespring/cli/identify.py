@@ -11,11 +11,11 @@ import typer
 from rich.text import Text
 
 from telespring._errors import InvalidInput
-from telespring.cli.common import print_json
+from telespring.cli.common import LogRate, PositionScale, TimeScale, print_json
 from telespring.cli.figure_file import check_figure_name, check_not_an_input, save_figure
 from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
-from telespring.cli.units import FORCE, FREQUENCY, LENGTH, TIME, number
+from telespring.cli.units import FORCE, FREQUENCY, TIME, number
 
 if TYPE_CHECKING:
     from telespring.identification.results import Method
@@ -57,35 +57,15 @@ def identify_command(
             "--axis", help="Name of an axis; repeat for each axis, in the same order.", show_default="x, y"
         ),
     ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            parser=number(FREQUENCY),
-            metavar="Hz",
-            help="Samples per second, for a log without times.",
-            show_default=False,
-        ),
-    ] = None,
+    rate: LogRate = None,
     run: Annotated[
         str | None, typer.Option(help="Use one run of several, by number or name.", show_default=False)
     ] = None,
     run_column: Annotated[
         str | None, typer.Option(help="Column that tells the run of a sample.", show_default=False)
     ] = None,
-    time_scale: Annotated[
-        float,
-        typer.Option(
-            parser=number(TIME), metavar="TIME", help="One unit of the time column, such as 1ms or 0.001 (s)."
-        ),
-    ] = 1.0,
-    position_scale: Annotated[
-        float,
-        typer.Option(
-            parser=number(LENGTH),
-            metavar="LENGTH",
-            help="One unit of the position columns, such as 1mm or 0.001 (m).",
-        ),
-    ] = 1.0,
+    time_scale: TimeScale = 1.0,
+    position_scale: PositionScale = 1.0,
     force_scale: Annotated[
         float,
         typer.Option(

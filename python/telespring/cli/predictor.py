@@ -9,10 +9,10 @@ import numpy as np
 import typer
 
 from telespring._errors import InvalidInput
-from telespring.cli.common import print_json, refusals
+from telespring.cli.common import LogRate, PositionScale, TaskStudy, TimeScale, print_json, refusals
 from telespring.cli.other_files import pointing_elsewhere
 from telespring.cli.terminal import show
-from telespring.cli.units import FREQUENCY, LENGTH, TIME, number
+from telespring.cli.units import TIME, number
 from telespring.model import Study
 
 if TYPE_CHECKING:
@@ -38,10 +38,7 @@ def predictor_command(
             show_default="20 to 334 ms",
         ),
     ] = None,
-    study: Annotated[
-        Path | None,
-        typer.Option(help="Study whose task defines the target, for trials recorded without one."),
-    ] = None,
+    study: TaskStudy = None,
     discard: Annotated[
         float | None,
         typer.Option(
@@ -62,29 +59,9 @@ def predictor_command(
             show_default="position_x, position_y",
         ),
     ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            parser=number(FREQUENCY),
-            metavar="Hz",
-            help="Samples per second, for a log without times.",
-            show_default=False,
-        ),
-    ] = None,
-    time_scale: Annotated[
-        float,
-        typer.Option(
-            parser=number(TIME), metavar="TIME", help="One unit of the time column, such as 1ms or 0.001 (s)."
-        ),
-    ] = 1.0,
-    position_scale: Annotated[
-        float,
-        typer.Option(
-            parser=number(LENGTH),
-            metavar="LENGTH",
-            help="One unit of the position columns, such as 1mm or 0.001 (m).",
-        ),
-    ] = 1.0,
+    rate: LogRate = None,
+    time_scale: TimeScale = 1.0,
+    position_scale: PositionScale = 1.0,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,

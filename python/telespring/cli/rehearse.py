@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, Workers
 from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.question import StudyOptions
 from telespring.cli.resuming import resuming
@@ -35,10 +35,7 @@ def rehearse(
     out: Annotated[Path, typer.Option(help="Folder for the trials and for rehearsal.nc.")] = Path(
         "out/rehearsal"
     ),
-    workers: Annotated[
-        int | None,
-        typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
-    ] = None,
+    workers: Workers = None,
     robot: Robots = None,
     robot1: Robot1 = None,
     robot2: Robot2 = None,

@@ -25,7 +25,7 @@ from telespring.comparison.spring_verdicts import SpringVerdicts
 from telespring.comparison.store import UNCONNECTED_FOLDER, ComparisonIdentity, ComparisonStore
 from telespring.rehearsal.identity import core_version
 from telespring.rehearsal.run import require_experiment, run_protocol
-from telespring.rehearsal.store import lock_folder
+from telespring.rehearsal.store import create_folder, lock_folder
 from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.user_code import load_user_code
 
@@ -127,7 +127,7 @@ def run_comparison(
         version=core_version(),
     )
     store = ComparisonStore(Path(folder), identity)
-    store.create_folder()
+    create_folder(store.path)
     if fresh or not store.is_complete():
         with lock_folder(store.path):
             if fresh:

@@ -98,15 +98,6 @@ class ComparisonStore:
         self._identity = identity
         self._identity_file = path / _IDENTITY
 
-    def create_folder(self) -> None:
-        """Create the folder if it is missing; InvalidInput if a file has its name."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise InvalidInput(
-                "out", str(self.path), "a folder is required, but this is a file", "Choose a folder."
-            ) from None
-
     def is_complete(self) -> bool:
         """Check whether the dataset of this comparison exists; InvalidInput if it is that of another."""
         if not self.dataset.exists():

@@ -17,7 +17,7 @@ from telespring._types import FloatArray
 from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, Signal, compress_signal, stored_signals
 from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
 from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
-from telespring.rehearsal.store import RehearsalStore, lock_folder
+from telespring.rehearsal.store import RehearsalStore, create_folder, lock_folder
 from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.trial_file import TrialRecord
 from telespring.rehearsal.user_code import RehearsalStopped, UserCode, UserCodeError, load_user_code
@@ -149,7 +149,7 @@ def run_protocol(
     identity = RehearsalIdentity(study.name, study.to_toml(), provenance, SCHEMA, core_version())
     trials = schedule_trials(experiment)
     store = RehearsalStore(Path(folder), identity)
-    store.create_folder()
+    create_folder(store.path)
     fresh = fresh or (replace_others and store.holds_other_rehearsal())
     if not fresh and store.is_complete():
         _remove_leftover_trials(store)

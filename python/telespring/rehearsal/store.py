@@ -14,7 +14,7 @@ from telespring.rehearsal.identity import RehearsalIdentity
 from telespring.rehearsal.schedule import ScheduledTrial
 from telespring.rehearsal.trial_file import TrialRecord, read_trial_file, write_trial_file
 
-__all__ = ["LOCK_FILE", "REHEARSAL_FILES", "RehearsalStore", "lock_folder"]
+__all__ = ["LOCK_FILE", "REHEARSAL_FILES", "RehearsalStore", "create_folder", "lock_folder"]
 
 #: The locked file in the folder. It stays: without it two processes could lock two files of this name.
 LOCK_FILE = ".rehearsal.lock"
@@ -53,6 +53,16 @@ def lock_folder(folder: Path) -> Iterator[None]:
         lock.release()
 
 
+def create_folder(folder: Path) -> None:
+    """Create the folder of results if it is missing; InvalidInput if a file has its name."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise InvalidInput(
+            "out", str(folder), "a folder is required, but this is a file", "Choose a folder."
+        ) from None
+
+
 def _write_process_id_to_lock(descriptor: int) -> None:
     os.ftruncate(descriptor, 0)
     os.write(descriptor, f"{os.getpid()}\n".encode())
@@ -82,15 +92,6 @@ class RehearsalStore:
         self._identity = identity
         self._identity_file = path / _IDENTITY
         self._trials = path / "trials"
-
-    def create_folder(self) -> None:
-        """Create the folder if it is missing; InvalidInput if a file has its name."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise InvalidInput(
-                "out", str(self.path), "a folder is required, but this is a file", "Choose a folder."
-            ) from None
 
     def is_complete(self) -> bool:
         """Check whether the dataset of this rehearsal exists; InvalidInput if it is that of another."""

@@ -14,9 +14,6 @@ use crate::session::architecture::{
 use crate::session::predictor::{MotionModel, Noise};
 use crate::session::{AdaptiveDelay, Span};
 
-/// The words for the models of a Kalman filter.
-const MODELS: [&str; 2] = ["constant-velocity", "constant-acceleration"];
-
 impl Study {
     /// What both sides do with the partner's motion: in the study's rehearsal, and live.
     ///
@@ -129,8 +126,7 @@ pub(super) fn read_predictor(entry: &Entry<'_, '_>) -> Result<PredictorDesign> {
         entry.parts(["kind", "model", "process", "position"])?.unwrap_or_default();
     let model = match model {
         None => usual_filter.model,
-        Some(model) if model.choice(&MODELS)? == MODELS[0] => MotionModel::ConstantVelocity,
-        Some(_) => MotionModel::ConstantAcceleration,
+        Some(model) => MotionModel::of_word(model.choice(&MotionModel::WORDS)?).unwrap_or(usual_filter.model),
     };
     if model != usual_filter.model && process.is_none() {
         let field = format!("{}.process", entry.field);
@@ -224,9 +220,8 @@ impl PredictorDesign {
     fn to_value(self) -> Value {
         let settings = match self {
             Self::Kalman(KalmanDesign { model, noise }) => {
-                let model = MODELS[usize::from(model == MotionModel::ConstantAcceleration)];
                 vec![
-                    ("model", Value::String(model.to_owned())),
+                    ("model", Value::String(model.word().to_owned())),
                     ("process", Value::Float(noise.process)),
                     ("position", Value::Float(noise.position)),
                 ]

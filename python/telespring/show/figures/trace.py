@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
@@ -70,7 +71,7 @@ def trace_figure(panels: TracePanels) -> Figure:
     return figure
 
 
-def _draw_delays(axes, panels: TracePanels) -> None:  # type: ignore[no-untyped-def]
+def _draw_delays(axes: Axes, panels: TracePanels) -> None:
     came = np.isfinite(panels.delay)
     time, delay = _extremes(panels.time[came], panels.delay[came])
     axes.plot(time, 1e3 * delay, color=COLOURS["blue"], linewidth=0.7, label="delay of a packet")
@@ -91,7 +92,7 @@ def _draw_delays(axes, panels: TracePanels) -> None:  # type: ignore[no-untyped-
     panel_label(axes, "a", panels.name)
 
 
-def _draw_distribution(axes, panels: TracePanels) -> None:  # type: ignore[no-untyped-def]
+def _draw_distribution(axes: Axes, panels: TracePanels) -> None:
     delay = np.sort(panels.delay[np.isfinite(panels.delay)])
     above = 1.0 - np.arange(1, delay.size + 1) / delay.size
     axes.step(1e3 * delay, above, where="post", color=COLOURS["black"], linewidth=1.6, label="recorded")
@@ -106,7 +107,7 @@ def _draw_distribution(axes, panels: TracePanels) -> None:  # type: ignore[no-un
     panel_label(axes, "b", "distribution and fits")
 
 
-def _draw_stiffness(axes, panels: TracePanels) -> None:  # type: ignore[no-untyped-def]
+def _draw_stiffness(axes: Axes, panels: TracePanels) -> None:
     for curve, (colour, dash), mark in zip(panels.tiers, _LINES, _MARKS, strict=False):
         axes.plot(
             1e3 * curve.delay,
@@ -136,7 +137,7 @@ def _draw_stiffness(axes, panels: TracePanels) -> None:  # type: ignore[no-untyp
     panel_label(axes, "c", "what each network model allows")
 
 
-def _log_scale(axes, which: str, values: FloatArray) -> None:  # type: ignore[no-untyped-def]
+def _log_scale(axes: Axes, which: str, values: FloatArray) -> None:
     """Give an axis of delays, s, a logarithmic scale where they spread over more than a factor of 8."""
     low, high = float(values.min()), float(values.max())
     if low > 0.0 and high > 8.0 * low:
