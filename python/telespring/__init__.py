@@ -9,6 +9,7 @@ from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
+    Adversary,
     Agent,
     Architecture,
     Arm,
@@ -94,6 +95,7 @@ from telespring.traces import (
 )
 
 __all__ = [
+    "Adversary",
     "Agent",
     "Answer",
     "ApproximationWarning",

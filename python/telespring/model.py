@@ -1,6 +1,7 @@
 """Robots, the operators who hold them, the two of them as a dyad, and the study that couples it."""
 
 from telespring._core import (
+    Adversary,
     Agent,
     Architecture,
     Arm,
@@ -22,6 +23,7 @@ from telespring._core import (
 )
 
 __all__ = [
+    "Adversary",
     "Agent",
     "Architecture",
     "Arm",

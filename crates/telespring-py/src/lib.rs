@@ -3,6 +3,7 @@
 //! Everything public is documented, broadcast and typed in `python/telespring`; what is here
 //! takes flat contiguous arrays and releases the interpreter while it computes.
 
+mod adversary;
 mod architecture;
 mod arguments;
 mod arrays;
@@ -47,6 +48,8 @@ mod _core {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::adversary::Adversary;
     #[pymodule_export]
     use crate::architecture::{Architecture, ComparisonPlan};
     #[pymodule_export]

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
 
+use crate::adversary::Adversary;
 use crate::architecture::{Architecture, ComparisonPlan};
 use crate::arguments::{Argument, hash, holds_truth_value, written};
 use crate::coupling::Coupling;
@@ -342,6 +343,12 @@ impl Study {
     #[getter]
     fn has_delay(&self) -> bool {
         self.0.has_delay()
+    }
+
+    /// The adversaries on the study's network, forward and backward; None where there is none.
+    #[getter]
+    fn adversaries(&self) -> (Option<Adversary>, Option<Adversary>) {
+        self.0.adversaries().map(|way| way.map(Adversary)).into()
     }
 
     /// Whether the study promises a playout buffer, which makes its delay constant.

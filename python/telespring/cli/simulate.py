@@ -101,6 +101,10 @@ def simulate_command(
                 motion.to_netcdf(unfinished, engine="h5netcdf")
         for line in simulation_summary(motion, read.dyad, asked.title(read), stiffness, delays, forces):
             console.print(line)
+        if any(adversary is not None for adversary in read.adversaries):
+            asked.notes.append(
+                "The adversary of the study's network is left out; `telespring rehearse` runs it."
+            )
         for note in asked.notes:
             console.print(note, markup=False)
         print_notes(console, asked.records())

@@ -26,6 +26,7 @@ class SpringVerdicts:
 
     def __init__(self, study: Study) -> None:
         self._study = study
+        self._has_adversary = any(adversary is not None for adversary in study.adversaries)
         # A study may leave the delay to its protocol.
         self._controllers = study.replace(network={"delay": 0.0}).network
         self._statuses: dict[tuple[float, Network, bool], str] = {}
@@ -44,7 +45,8 @@ class SpringVerdicts:
 
         With a fixed play-out it is the answer for the network that the study states at this delay, as long
         as the ages that were played are those which it promises. Otherwise (an adaptive play-out, a
-        recorded trace with later packets) it is that for ages between those that were played.
+        recorded trace with later packets) it is that for ages between those that were played. Behind an
+        adversary nothing is as the study states it, and the ages are what it claims: "not proven".
 
         Parameters
         ----------
@@ -55,6 +57,8 @@ class SpringVerdicts:
         is_playout_fixed
             Whether samples are played at a fixed age.
         """
+        if self._has_adversary:
+            return "not proven"
         stated = self._study.replace(network={"delay": delay})
         network, has_buffer = stated.network, stated.has_playout_buffer
         # Robot 1 receives on the way backward.
@@ -81,8 +85,10 @@ class SpringVerdicts:
 
         The range begins at `shortest` and is as wide on both ways. It is as long as `longest` or longer only
         if the verdict holds for all ages that were played. If it holds for none, the result is 0; without a
-        verdict (a coupling damper under sampled controllers) it is NaN.
+        verdict (a coupling damper under sampled controllers, an adversary) it is NaN.
         """
+        if self._has_adversary:
+            return math.nan, math.nan
         widest = max(0.0, *(high - low for low, high in zip(shortest, longest, strict=True)))
         holds = self._holds(stiffness, shortest, widest)
         if holds is None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from telespring._core import check_usual
+from telespring._errors import InvalidInput
 from telespring.decision.reserve import RESERVE
 from telespring.model import Dyad, Network, Operator, OperatorRange, Study
 from telespring.theory.verdicts import (
@@ -120,7 +121,11 @@ class Question:
         *,
         has_playout_buffer: bool | None = None,
     ) -> Question:
-        """Ask about the robots of a study; ranges of hands take the place of the study's own operators."""
+        """Ask about the robots of a study; ranges of hands take the place of the study's own operators.
+
+        InvalidInput if an adversary stands behind the study's network: no verdict here is about one.
+        """
+        _refuse_adversaries(study)
         springs = None
         if study.ground_stiffness.any():
             one, other = (Operator(stiffness=spring.tolist()) for spring in study.ground_stiffness)
@@ -224,6 +229,17 @@ def _judged(
 ) -> Verdicts:
     """Return the verdicts; one answer asks for the same ones several times."""
     return verdicts(dyad, stiffness, network, operator_range=ranges, attack_seed=attack_seed)
+
+
+def _refuse_adversaries(study: Study) -> None:
+    kinds = [adversary.kind for adversary in study.adversaries if adversary is not None]
+    if kinds:
+        raise InvalidInput(
+            "network.adversary",
+            kinds[0],
+            "the verdicts are about networks, not about an adversary behind one",
+            "Rehearse the study to see what it does, or remove network.adversary to judge the network.",
+        )
 
 
 def _with_spring(hand: OperatorRange, spring: Operator) -> OperatorRange:

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Study;
+use super::adversary::read_adversary;
 use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
@@ -169,6 +170,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
     })?;
     let rate = each_way(reader, "rate", None, |entry| read_rate(entry).map(Some))?;
     let blackout = each_way(reader, "blackout", None, |entry| read_blackout(entry).map(Some))?;
+    let adversary = each_way(reader, "adversary", None, |entry| read_adversary(entry).map(Some))?;
     let traces = each_way(reader, "trace", None, |entry| read_trace(entry).map(Some))?;
     let way = |i: usize| NetworkModel {
         jitter: jitter[i],
@@ -180,7 +182,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
         rate: rate[i],
         blackout: blackout[i],
         trace: None,
-        adversary: None,
+        adversary: adversary[i],
     };
     let model = Network { forward: way(0), backward: way(1) };
     model.check().map_err(|refusal| reader.with_line_of_field(refusal.within("network")))?;
@@ -194,7 +196,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
 }
 
 /// A number of a network without the sign of −0, which has no meaning and would not be written.
-fn number(entry: &Entry<'_, '_>, quantity: Quantity) -> Result<f64> {
+pub(super) fn number(entry: &Entry<'_, '_>, quantity: Quantity) -> Result<f64> {
     Ok(entry.number(quantity, "a number")? + 0.0)
 }
 
@@ -266,7 +268,7 @@ fn read_distribution(entry: &Entry<'_, '_>) -> Result<JitterDistribution> {
 }
 
 /// The part of a network's table that must be there.
-fn required<'r, 'a>(
+pub(super) fn required<'r, 'a>(
     entry: &Entry<'r, 'a>,
     part: Option<Entry<'r, 'a>>,
     example: &str,

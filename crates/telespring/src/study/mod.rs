@@ -35,6 +35,7 @@
 //! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]`, `[protocol]`, `[session]` and `[comparison]`. `docs/study-file.md` lists
 //! every key with its meaning, unit, range and default.
 
+mod adversary;
 mod changes;
 mod comparison;
 mod emulated_network;

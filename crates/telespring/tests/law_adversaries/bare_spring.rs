@@ -29,7 +29,7 @@ fn free_robots([mass, damping]: [f64; 2], period: f64, network: NetworkModel) ->
     laboratory
 }
 
-fn adversary(adversary: Adversary) -> NetworkModel {
+pub fn adversary(adversary: Adversary) -> NetworkModel {
     NetworkModel { adversary: Some(adversary), ..NetworkModel::ideal() }
 }
 
