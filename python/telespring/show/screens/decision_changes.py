@@ -16,7 +16,9 @@ __all__ = ["suggested_changes"]
 
 def suggested_changes(decision: Decision) -> Padding:
     """List the changes that make an answer STABLE, or what is stable on more networks."""
-    if decision.changes is not None:
+    if decision.ages is not None and decision.ages.unjudged:
+        title, lines = "What to change is not known: not all of the study is judged.", []
+    elif decision.changes is not None:
         title, lines = _changes(decision, decision.changes)
     elif decision.axes_independent is False:
         title, lines = "What to change is not known: the verdicts hold for independent axes only.", []

@@ -41,6 +41,9 @@ __all__ = ["limits_screen"]
 
 _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
 _ANY_STIFFNESS = f"You may use any stiffness that laboratories use (up to {format_stiffness(STIFFEST_USUAL)})"
+_NOT_JUDGED = Text.assemble(
+    ("NOT PROVEN", "bold yellow"), ": something about it is not judged, as said above."
+)
 _PROBABLY = f", and with a probability of at least {100 * LEAST_PROBABILITY:.0f} %"
 
 
@@ -52,7 +55,7 @@ def limits_screen(
     `heading` names the study and its robots, `held` says what holds the handles (empty if they are free), and
     `notes` say how the question was understood.
     """
-    network = found.delays[0].verdicts.network
+    network = found.delays[0].stated or found.delays[0].verdicts.network
     sampling = sampling_clause(network.sample_period)
     if found.is_delay_given:
         asked = f"{network_clause(network)}, {sampling}"
@@ -94,6 +97,12 @@ def _usable(found: Limits, held: str) -> list[Text]:
             buffered = _usable_stiffness(row, kept)
             without = None if row.varying is None else _usable_while_varying(row.varying, kept)
         else:
+            continue
+        if row.ages is not None and row.ages.unjudged:
+            lines += answers_by_buffer(name, _NOT_JUDGED, None, is_promised=True)
+            continue
+        if without is not None and row.ages is not None and not row.ages.is_as_stated:
+            lines += answers_by_buffer(name, without, None, is_promised=True)
             continue
         lines += answers_by_buffer(
             name,
@@ -218,7 +227,7 @@ def _tier_table(found: Limits) -> Fitting:
                 TIERS[own.verdict.tier].formula,
                 own.allowed,
                 own.axis,
-                network_fits(own.verdict.assumption),
+                network_fits(own.verdict, found.delays[0].ages),
             )
             for own in tier_bounds(found.delays[0].verdicts)
         ]
@@ -243,6 +252,9 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
 
 
 def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
+    if row.ages is not None and row.ages.unjudged:
+        return 0.0
+    is_buffered = is_buffered and (row.ages is None or row.ages.is_as_stated)
     return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
 
 
@@ -272,7 +284,7 @@ def _delay_table(found: Limits) -> Fitting:
     varies = found.delays[0].varying is not None and not found.has_playout_buffer
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
-        usable = _usable_cell(row.usable_stiffness)
+        usable = _usable_cell(_usable_of(row, is_buffered=True))
         cells = [usable, format_stiffness(row.stiffness_limit).removesuffix(" N/m")]
         if varies:
             cells = [_usable_cell(_usable_of(row, is_buffered=False)), usable]

@@ -21,7 +21,7 @@ _ATTACK_SEED = 1
 
 def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
     """Compute the key `summary.answer` of `study.json`; programs of a target are looked up in `modules`."""
-    question = Question.of(study, study.network)
+    question = Question.of_study(study, traces=read_traces(study, modules).texts)
     decision = decide(
         question,
         study.stiffness,
