@@ -26,10 +26,10 @@ from telespring.decision.reserve import Status
 from telespring.show.decision_json import decision_json
 from telespring.show.limits_json import limits_json
 from telespring.show.quantities import format_number, format_time
+from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
-from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.questions import delay_clause, describe_robots, session_notes
 
 if TYPE_CHECKING:
@@ -243,8 +243,8 @@ def decide(
     Returns
     -------
     Answer
-        The answer; `print` shows it whole. A study is judged with the ages that its network and session make of
-        each motion: `Study.judged_network`.
+        The answer; `print` shows it whole. A study is judged with the ages that its network and session
+        make of each motion: `Study.judged_network`.
 
     Raises
     ------
@@ -379,7 +379,8 @@ def _answer(
     springs = question.robot_springs
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
     if study is not None:
-        notes = (*notes, *session_notes(study.session), *ages_notes(question.ages, question.stated))
+        said = ages_notes(question.ages, question.stated, is_delay_given=is_delay_given)
+        notes = (*notes, *session_notes(study.session), *said)
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
     if attack_seed is not None and (question.network.is_constant or not question.is_bounded):
         raise InvalidInput(
@@ -473,9 +474,7 @@ def _changed(
     return study.replace(**changes) if changes else study
 
 
-def _question_of(
-    study: Study, ranges: tuple[OperatorRange, OperatorRange] | None, traces: Texts
-) -> Question:
+def _question_of(study: Study, ranges: tuple[OperatorRange, OperatorRange] | None, traces: Texts) -> Question:
     """Return the question of a study; one without a delay is asked at several."""
     return Question.of_study(study, ranges, delay=None if study.has_delay else 0.0, traces=traces)
 

@@ -319,7 +319,7 @@ class Decision:
 
     @property
     def is_as_stated(self) -> bool:
-        """Whether delay, jitter and gap are all that makes the ages, so that a playout buffer takes them up."""
+        """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
         return self.ages is None or self.ages.is_as_stated
 
     @property

@@ -34,9 +34,9 @@ __all__ = [
     "STIFFEST",
     "Question",
     "Texts",
-    "assumption_of",
     "are_axes_independent",
     "are_roots_counted",
+    "assumption_of",
     "constant_delay",
     "constant_delay_tier",
     "is_instability_proven",
@@ -75,7 +75,7 @@ def are_roots_counted(judged: Verdicts) -> bool:
 
 
 def assumption_of(verdict: Verdict, ages: JudgedNetwork | None) -> Assumption:
-    """Return whether the ages in use meet the assumption of a tier: those of a study, or the network's own."""
+    """Return whether the ages in use, a study's or the network's own, meet the assumption of a tier."""
     if ages is None:
         return verdict.assumption
     if ages.unjudged:
@@ -214,7 +214,7 @@ class Question:
 
     @property
     def is_as_stated(self) -> bool:
-        """Whether delay, jitter and gap are all that makes the ages, so that a playout buffer takes them up."""
+        """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
         return self.ages is None or self.ages.is_as_stated
 
     @property

@@ -20,7 +20,14 @@ from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 from telespring.theory.verdicts import DelayBudget, StiffnessAllowed, Verdict
 
-__all__ = ["arm_stability_json", "decision_json", "network_json", "sampled_bound_json", "uncertainty_json", "varying_json"]
+__all__ = [
+    "arm_stability_json",
+    "decision_json",
+    "network_json",
+    "sampled_bound_json",
+    "uncertainty_json",
+    "varying_json",
+]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:

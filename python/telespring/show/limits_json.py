@@ -28,7 +28,10 @@ def limits_json(found: Limits) -> dict[str, Any]:
         "over_operator_ranges": found.over_operator_ranges,
         "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
         "axes_independent": found.axes_independent,
-        "warnings": [*ages_notes(found.delays[0].ages, found.delays[0].stated), *robot_notes(found)],
+        "warnings": [
+            *ages_notes(found.delays[0].ages, found.delays[0].stated, is_delay_given=found.is_delay_given),
+            *robot_notes(found),
+        ],
         "playout_buffer": found.has_playout_buffer,
         "delays": [_delay_json(row, found.axes) for row in found.delays],
         "stiffness": None

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from telespring.model import JudgedNetwork, Network
+from telespring.model import JudgedNetwork, Network, Study
 from telespring.show.quantities import format_time
 
-__all__ = ["ages_clause", "ages_notes"]
+__all__ = ["ages_clause", "ages_notes", "not_simulated"]
 
 _SOURCES = {
     "loss": "lost packets",
@@ -21,19 +21,23 @@ _SOURCES = {
     "adaptive play-out": "the adaptive play-out of [session]",
 }
 _UNJUDGED = {
-    "unread trace": "Nothing is proven: the ages come from the recorded trace, and its content was not given. "
+    "unread trace": "Nothing is proven: the ages come from the recorded trace, whose content was not given: "
     "telespring decide reads it from the study's folder; ts.decide takes it as traces=(text, text).",
     "lying peer": "Nothing is proven: no verdict holds for a partner that lies about its motion.",
-    "predictor": "Nothing is proven: the numbers are those of the spring without the session's predictor, which "
-    "changes the loop. ts.maximum_stiffness(…, predictor=…) judges it at one constant delay.",
+    "predictor": "Nothing is proven: the numbers are those of the spring without the session's predictor, "
+    "which changes the loop; ts.maximum_stiffness(…, predictor=…) judges it at one constant delay.",
     "strategy": "Nothing is proven: the numbers are those of the bare spring, not of the session's strategy "
     "(docs/strategies.md says what it promises).",
 }
 _TOO_SHORT = "max_gap is shorter than the gaps that the losses make: the longer ones count."
 
 
-def ages_notes(ages: JudgedNetwork | None, stated: Network | None) -> tuple[str, ...]:
+def ages_notes(
+    ages: JudgedNetwork | None, stated: Network | None, *, is_delay_given: bool = True
+) -> tuple[str, ...]:
     """Say which ages were judged where they are not those of delay, jitter and gap, and what was not judged.
+
+    Without a delay each row of the answer has its own ages.
 
     Examples
     --------
@@ -52,11 +56,35 @@ def ages_notes(ages: JudgedNetwork | None, stated: Network | None) -> tuple[str,
     why = _join([_SOURCES[word] for word in _said(ages.sources)])
     if ages.ages is None:
         notes.append(f"Nothing bounds the ages ({why}): only what is stable on any network is proven.")
+    elif not is_delay_given:
+        notes.append(f"Each delay is judged for the ages that come of it: {why}.")
     elif not _is_the_same(ages, stated):
         notes.append(f"Judged for {ages_clause(ages.ages)}: {why}.")
     if "stated gap too short" in ages.sources:
         notes.append(_TOO_SHORT)
     return tuple(notes)
+
+
+def not_simulated(study: Study) -> str | None:
+    """Say what of a study `telespring simulate` leaves out; None if it simulates all of it.
+
+    Examples
+    --------
+    >>> import telespring as ts
+    >>> not_simulated(ts.Study.paper().replace(network={"jitter": 0.01, "loss": 0.02}))
+    'Not simulated, since the delay is constant here: jitter and lost packets. Rehearse the study for that.'
+    """
+    ages = study.judged_network()
+    parts = ["jitter"] if study.network.jitter > 0.0 else []
+    parts += ["gaps"] if study.network.max_gap > 0.0 else []
+    parts += [_SOURCES[word] for word in _said(ages.sources)]
+    parts += ["the recorded trace"] if "unread trace" in ages.unjudged else []
+    session = study.session
+    parts += [f"the strategy {session.strategy}"] if session.strategy != "spring" else []
+    parts += [f"the predictor {session.predictor}"] if session.predictor != "hold" else []
+    if not parts:
+        return None
+    return f"Not simulated, since the delay is constant here: {_join(parts)}. Rehearse the study for that."
 
 
 def _is_the_same(ages: JudgedNetwork, stated: Network | None) -> bool:

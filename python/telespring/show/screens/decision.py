@@ -99,7 +99,8 @@ def _verdict_notes(decision: Decision) -> list[Text]:
         notes = []
     if decision.sampled_stable is not None:
         notes.append(Text(CONTINUOUS_TIERS))
-        notes.append(Text(sampling_note(decision.verdicts)))
+        if decision.varying is None or decision.has_playout_buffer:
+            notes.append(Text(sampling_note(decision.verdicts)))
     if any(axis.verdict.sampled_proven is False for axis in decision.axes):
         notes.append(Text(MAYBE_TOO_SMALL))
     if not decision.delay_limit_proven:

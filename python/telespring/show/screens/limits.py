@@ -243,7 +243,8 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
     varies = found.delays[0].varying is not None
     if found.free is None:
         return [_delay_table(found)]
-    if not varies or found.has_playout_buffer:
+    ages = found.delays[0].ages
+    if not varies or found.has_playout_buffer or not (ages is None or ages.is_as_stated):
         return [_hand_table(found.free, found, "", is_buffered=True)]
     return [
         _hand_table(found.free, found, "Without a playout buffer", is_buffered=False),
@@ -281,18 +282,21 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
 
 
 def _delay_table(found: Limits) -> Fitting:
-    varies = found.delays[0].varying is not None and not found.has_playout_buffer
+    first = found.delays[0]
+    varies = first.varying is not None and not found.has_playout_buffer
+    has_choice = varies and (first.ages is None or first.ages.is_as_stated)
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
         usable = _usable_cell(_usable_of(row, is_buffered=True))
-        cells = [usable, format_stiffness(row.stiffness_limit).removesuffix(" N/m")]
-        if varies:
+        limit = row.stiffness_limit if row.varying is None or not varies else row.varying.stiffness_limit
+        cells = [usable, format_stiffness(limit).removesuffix(" N/m")]
+        if has_choice:
             cells = [_usable_cell(_usable_of(row, is_buffered=False)), usable]
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
         for tier in tiers:
             allowed = allowed_stiffness(tier.stiffness_bound, tier.attained, tier.unavailable)
             cells.append(allowed.removeprefix("below ").removeprefix("up to "))
         rows.append((delay_clause(row.delay), *cells))
-    own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
+    own = ("no buffer\nN/m", "with buffer\nN/m") if has_choice else ("you may use\nN/m", "limit\nN/m")
     headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")
     return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4), optional=(3,))

@@ -186,8 +186,10 @@ def session_notes(session: Architecture) -> tuple[str, ...]:
     if session.strategy != "guard":
         return ()
     return (
-        "The answer is that of the bare spring. Above its limits the guard weakens the force, "
-        "so that no side gives out more energy than it has, whatever the network does.",
+        (
+            "The answer is that of the bare spring. Above its limits the guard weakens the force, "
+            "so that no side gives out more energy than it has, whatever the network does."
+        ),
     )
 
 

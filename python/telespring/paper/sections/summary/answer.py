@@ -11,6 +11,7 @@ from telespring.decision.decide import decide
 from telespring.decision.question import Question, is_stable
 from telespring.decision.reserve import RESERVE
 from telespring.model import Study
+from telespring.rehearsal.traces import read_traces
 from telespring.show.decision_json import arm_stability_json, varying_json
 
 __all__ = ["answer_study"]
