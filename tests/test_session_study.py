@@ -251,15 +251,10 @@ def test_ref_a_guarded_rehearsal_says_whose_verdict_it_prints(root: Path, tmp_pa
     assert "Warning" not in words
 
 
-def test_ref_a_verdict_says_when_the_session_is_not_what_it_judges() -> None:
-    assert session_notes(ts.Architecture()) == ()
-    for session, words in (
-        (ts.Architecture(strategy="guard"), "Above its limits the guard weakens the force"),
-        (ts.Architecture(predictor="linear"), "not of the study's session (spring + linear)"),
-        (ts.Architecture(playout={"kind": "fixed", "delay": 0.1}), "when it is 100 ms old"),
-    ):
-        [note] = session_notes(session)
-        assert words in note
+def test_ref_a_verdict_says_that_the_guard_does_more() -> None:
+    assert session_notes(ts.Architecture()) == session_notes(ts.Architecture(predictor="linear")) == ()
+    [note] = session_notes(ts.Architecture(strategy="guard"))
+    assert "Above its limits the guard weakens the force" in note
 
 
 def test_ref_the_report_lists_the_session_and_does_not_take_it_for_the_papers(root: Path) -> None:

@@ -48,6 +48,7 @@ __all__ = [
     "FrequencyResponse",
     "HandleMotion",
     "JitterFit",
+    "JudgedNetwork",
     "Laboratory",
     "LaboratorySettings",
     "Network",
@@ -126,6 +127,8 @@ _Fits: TypeAlias = tuple[list[list[float]], bool]
 
 _A: TypeAlias = ArrayLike
 _First: TypeAlias = ArrayLike | Dyad | DyadAxis
+
+_Ages: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
 class _Record:
     def to_dict(self) -> dict[str, Any]: ...
@@ -411,6 +414,11 @@ class Study:
     @property
     def has_playout_buffer(self) -> bool: ...
     @property
+    def trace_files(self) -> tuple[str | None, str | None]: ...
+    def judged_network(
+        self, delay: Delay | None = None, traces: tuple[str | None, str | None] = (None, None)
+    ) -> JudgedNetwork: ...
+    @property
     def uncertainty(self) -> tuple[Uncertainty | None, Uncertainty | None]: ...
     @property
     def coulomb(self) -> FloatArray: ...
@@ -556,6 +564,36 @@ class Condition(_Record):
     def __len__(self) -> int: ...
     def __getitem__(self, key: int, /) -> Any: ...
     def __iter__(self) -> Iterator[Any]: ...
+
+@final
+class JudgedNetwork(_Record):
+    def __new__(
+        cls,
+        network: Network,
+        has_playout_buffer: bool,
+        is_as_stated: bool,
+        ages: _Ages | None,
+        lasting: tuple[tuple[float, float], ...],
+        sources: tuple[str, ...],
+        unjudged: tuple[str, ...],
+        is_guard_predicted: bool,
+    ) -> JudgedNetwork: ...
+    @property
+    def network(self) -> Network: ...
+    @property
+    def has_playout_buffer(self) -> bool: ...
+    @property
+    def is_as_stated(self) -> bool: ...
+    @property
+    def ages(self) -> _Ages | None: ...
+    @property
+    def lasting(self) -> tuple[tuple[float, float], ...]: ...
+    @property
+    def sources(self) -> tuple[str, ...]: ...
+    @property
+    def unjudged(self) -> tuple[str, ...]: ...
+    @property
+    def is_guard_predicted(self) -> bool: ...
 
 @final
 class LaboratorySettings(_Record):

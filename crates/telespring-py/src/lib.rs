@@ -15,6 +15,7 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod interrupt;
+mod judged_network;
 mod model;
 mod network;
 mod operator_range;
@@ -67,6 +68,8 @@ mod _core {
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
     use crate::experiment::{Condition, Experiment, LaboratorySettings};
+    #[pymodule_export]
+    use crate::judged_network::JudgedNetwork;
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from telespring._core import Study
 from telespring.comparison.growth import GROWTH, have_run_away
 from telespring.comparison.schedule import ComparisonSchedule
 from telespring.comparison.spring_verdicts import SpringVerdicts
@@ -172,8 +173,11 @@ def _verdicts(
     words = np.full(
         (len(schedule.labels), len(schedule.networks), len(schedule.conditions)), "", dtype=object
     )
-    asked = [SpringVerdicts(study) for study in schedule.network_studies]
+    known: dict[Study, SpringVerdicts] = {}
     for cell in schedule.cells:
+        # Of an architecture only the play-out counts for the bare spring.
+        bare = cell.study.replace(session={"strategy": "spring", "predictor": "hold"})
+        asked = known.setdefault(bare, SpringVerdicts(bare))
         measured = cells[cell.folder]
         ages = [
             measured[name].transpose("condition", "robot").values.tolist() for name in ("age_low", "age_high")
@@ -181,12 +185,8 @@ def _verdicts(
         for place, shortest, longest in zip(places[cell.folder], *ages, strict=True):
             stiffness, delay = schedule.conditions[place]
             assert stiffness is not None  # a comparison has connected conditions only
-            words[cell.architecture, cell.network, place] = asked[cell.network].status(
-                stiffness,
-                delay,
-                (shortest[0], shortest[1]),
-                (longest[0], longest[1]),
-                is_playout_fixed=schedule.architectures[cell.architecture].playout == "fixed",
+            words[cell.architecture, cell.network, place] = asked.status(
+                stiffness, delay, (shortest[0], shortest[1]), (longest[0], longest[1])
             )
     return words
 

@@ -103,6 +103,7 @@ impl SessionPlan {
         for (index, damping) in self.least_damping.into_iter().enumerate() {
             check_per_axis(quantity::DAMPING, &format!("least_damping[{index}]"), damping)?;
         }
+        check_per_axis(quantity::SPAN, "missing", self.missing)?;
         check_per_axis(quantity::SPAN, "lateness", self.lateness)
     }
 }

@@ -183,6 +183,7 @@ impl Laboratory {
             law: Law { stiffness, damping },
             delays: seen([delay.forward(), delay.backward()]),
             lateness: seen(session.lateness),
+            missing: seen(session.missing),
             has_playout_buffer: session.has_playout_buffer,
             sample_period: controller.sample_period,
             computing_tick: controller.computing_tick,

@@ -36,6 +36,7 @@
 //! every key with its meaning, unit, range and default.
 
 mod adversary;
+mod ages;
 mod changes;
 mod comparison;
 mod emulated_network;
@@ -55,6 +56,7 @@ mod robot_file;
 mod section;
 mod session;
 mod source;
+mod way_ages;
 mod writer;
 
 use crate::criteria::paper_critical_stiffness;
@@ -71,6 +73,7 @@ use reader::Reader;
 use robot::{RobotSection, read_robots};
 use source::Source;
 
+pub use ages::{AgeSource, JudgedNetwork, Unjudged};
 pub use comparison::{ComparedNetwork, ComparisonChoice};
 pub use emulated_network::{EmulatedNetwork, TraceFile};
 pub use laboratory::{AgentChoice, Setup, Task};
@@ -238,6 +241,7 @@ impl Study {
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
             moved_keys: MovedKeys::of(&reader),
         };
+        study.check_buffer().map_err(|error| reader.with_line_of_field(error))?;
         study.check_rehearsal(&reader)?;
         study.check_dampers(&reader)?;
         study.check_comparison(&reader)?;

@@ -95,13 +95,22 @@ impl Study {
     ///
     /// As [`Study::laboratory_on`] and [`TraceFile::trace`].
     pub fn laboratory_on_texts(&self, texts: [Option<&str>; 2]) -> Result<rig::Laboratory> {
+        self.laboratory_on(self.recorded_traces(texts)?)
+    }
+
+    /// The recorded traces in the text of the files that the study names, forward and backward; see [`TraceFile::trace`].
+    ///
+    /// # Errors
+    ///
+    /// As [`TraceFile::trace`].
+    pub fn recorded_traces(&self, texts: [Option<&str>; 2]) -> Result<[Option<Arc<rig::Trace>>; 2]> {
         let [forward, backward] = &self.emulated_network.traces;
         let unnamed = TraceFile { path: String::new(), is_round_trip: false };
         let read = |file: &Option<TraceFile>, text: Option<&str>, is_forward: bool| {
             let file = file.as_ref().unwrap_or(&unnamed);
             text.map(|text| file.trace(text, is_forward).map(Arc::new)).transpose()
         };
-        self.laboratory_on([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
+        Ok([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
     }
 
     /// The study's laboratory as it is before its recorded traces are read.
@@ -153,6 +162,7 @@ impl Study {
             architecture: self.session,
             least_damping,
             lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
+            missing: self.missing(),
             has_playout_buffer: self.has_playout_buffer,
         }
     }

@@ -25,6 +25,8 @@ pub struct SideFacts {
     pub delays: [f64; 2],
     /// The most by which a motion may be older than these delays, s: jitter and gap.
     pub lateness: [f64; 2],
+    /// How much older still a motion may become because packets are lost or wait at a link, s; no play-out waits for it.
+    pub missing: [f64; 2],
     /// Whether a fixed play-out without a delay of its own waits for the latest motion.
     pub has_playout_buffer: bool,
     /// The time between two measurements, on both sides, s.
@@ -55,6 +57,7 @@ impl Architecture {
     ///     law: Law { stiffness: 71.2, damping: 0.0 },
     ///     delays: [0.084, 0.084],
     ///     lateness: [0.0, 0.0],
+    ///     missing: [0.0, 0.0],
     ///     has_playout_buffer: false,
     ///     sample_period: 0.001,
     ///     computing_tick: false,
@@ -93,8 +96,9 @@ impl Architecture {
         }
     }
 
-    /// The largest age of a motion in use over a way with this delay and lateness, s, if the network keeps them.
-    fn largest_age(&self, facts: &SideFacts, delay: f64, lateness: f64) -> f64 {
+    /// The largest age of a motion in use over a way, s: with its delay, its lateness and what is missing, if the network
+    /// keeps them.
+    fn largest_age(&self, facts: &SideFacts, delay: f64, lateness: f64, missing: f64) -> f64 {
         let latest = delay + lateness;
         let played = match self.playout {
             PlayoutDesign::Fixed { .. } => self.fixed_delay(facts, delay, lateness),
@@ -104,7 +108,7 @@ impl Architecture {
                 wanted.min(adaptive.largest.seconds()).max(adaptive.smallest.seconds())
             }
         };
-        played.max(latest) + facts.sample_period
+        played.max(latest) + missing + facts.sample_period
     }
 
     fn strategy_choice(&self, facts: &SideFacts) -> Result<StrategyChoice> {
@@ -137,9 +141,9 @@ impl Architecture {
                 StrategyChoice::Guard(Guard::new(law, settings)?)
             }
             StrategyDesign::InjectedDamping => {
-                let ([incoming, outgoing], [here, there]) = (facts.delays, facts.lateness);
-                let ages =
-                    [self.largest_age(facts, incoming, here), self.largest_age(facts, outgoing, there)];
+                let ages = [0, 1].map(|way: usize| {
+                    self.largest_age(facts, facts.delays[way], facts.lateness[way], facts.missing[way])
+                });
                 let settings = InjectedDampingSettings {
                     own_damping,
                     partner_damping,
