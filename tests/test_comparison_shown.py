@@ -154,9 +154,9 @@ def test_law_the_account_is_shaded_exactly_where_it_limits() -> None:
 
 def test_law_all_figures_of_a_comparison_are_drawn_if_there_is_something_to_draw() -> None:
     data = made_comparison()
-    assert [name for name, _ in draw_comparison(data, "guard + shared-target")] == list(COMPARISON_FIGURES)
+    assert [name for name, _ in draw_comparison(data, recommend(data))] == list(COMPARISON_FIGURES)
     bare = made_comparison(("spring",))
-    assert [name for name, _ in draw_comparison(bare, None)] == list(COMPARISON_FIGURES[:2])
+    assert [name for name, _ in draw_comparison(bare, recommend(bare))] == list(COMPARISON_FIGURES[:2])
 
 
 def test_law_the_report_compares_with_the_experiments_own_trials(analysis: Analysis) -> None:

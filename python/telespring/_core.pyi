@@ -47,6 +47,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "HandleMotion",
+    "HeldCoupling",
     "JitterFit",
     "Laboratory",
     "LaboratorySettings",
@@ -533,6 +534,14 @@ class Condition(_Record):
     def __iter__(self) -> Iterator[Any]: ...
 
 @final
+class HeldCoupling(_Record):
+    def __new__(
+        cls, stiffness: float, damping: tuple[tuple[float, float], tuple[float, float]]
+    ) -> HeldCoupling: ...
+    stiffness: Final[float]
+    damping: Final[tuple[tuple[float, float], tuple[float, float]]]
+
+@final
 class LaboratorySettings(_Record):
     def __new__(
         cls,
@@ -627,6 +636,7 @@ class Experiment:
     def settings(self) -> LaboratorySettings: ...
     @property
     def coupling_damping(self) -> float: ...
+    def held_coupling(self, stiffness: float, delay: Delay) -> HeldCoupling: ...
     @property
     def laboratory(self) -> Laboratory: ...
     @property

@@ -223,9 +223,9 @@ def decide(
     allow_unusual : bool
         Whether to accept values that no laboratory has, such as a delay of 80 s.
     attack_seed : int, optional
-        Also search, from seeded starts, from which stiffness on a delay that varies by the network's jitter
-        and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second, and
-        several where the ages are spread wide.
+        Also search, from seeded starts, the lowest stiffness at which a delay that varies by the network's
+        jitter and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second,
+        and several where the ages are spread wide.
 
     Returns
     -------
