@@ -93,11 +93,16 @@ def _account_to_show(
 
 
 def _most_limited(comparison: xr.Dataset) -> dict[str, str] | None:
-    """Find where a kept account limited most; None if no account was kept."""
-    limited = comparison.limited_share.mean(("trial", "robot"))
-    limited = limited.where(np.isfinite(comparison.account).any(("time", "robot")))
+    """Find where a kept account limited most, or, if it never did, where the errors were largest; or None."""
+    is_kept = np.isfinite(comparison.account).any(("time", "robot"))
+    limited, errors = (
+        comparison[name].mean(("trial", "robot")).where(is_kept)
+        for name in ("limited_share", "tracking_error")
+    )
     if not np.isfinite(limited).any():
         return None
+    if not (limited > 0.0).any() and np.isfinite(errors).any():
+        limited = errors
     best = limited.fillna(-1.0).argmax(...)
     return {str(name): str(comparison[name].values[int(place)]) for name, place in best.items()}
 

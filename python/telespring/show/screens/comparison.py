@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
+from rich.padding import Padding
 from rich.text import Text
 
 from telespring._quantities import format_count, format_number
@@ -42,7 +43,7 @@ def comparison_screen(console: Console, comparison: Comparison) -> None:
     console.print(Text(comparison.name, style="bold"))
     for i, sentence in enumerate(recommendation_sentences(recommendation, data.sizes["network"])):
         if i:
-            console.print(f"  {sentence}", markup=False)
+            console.print(Padding(Text(sentence), (0, 0, 0, 2)))
         else:
             style = "bold red" if recommendation.recommended is None else "bold green"
             console.print(Text(sentence, style=style))
@@ -258,13 +259,14 @@ def _why_none(rejections: Sequence[Rejection]) -> str:
 
 
 def _left_out_lines(left_out: Sequence[LeftOut]) -> Iterator[str]:
-    """Say which usual strategies the study cannot have, by the reason that they share."""
-    names: dict[tuple[str, str, str, str], list[str]] = {}
+    """Say which usual strategies the study cannot have, those together that need the same."""
+    needs: dict[tuple[str, str], list[LeftOut]] = {}
     for each in left_out:
-        why = each.field, each.value, each.allowed, each.remedy
-        names.setdefault(why, []).append(name_strategy(each.architecture))
-    for (field, value, allowed, remedy), ones in names.items():
-        yield f"Left out: {', '.join(ones)}. {field} = {value}: {allowed}. {remedy}"
+        needs.setdefault((each.field, each.remedy), []).append(each)
+    for (field, remedy), ones in needs.items():
+        names = ", ".join(name_strategy(each.architecture) for each in ones)
+        why = f"{field} = {ones[0].value}: {ones[0].allowed}. " if len(ones) == 1 else f"{field}: "
+        yield f"Left out: {names}. {why}{remedy}"
 
 
 def _ran_away_lines(data: xr.Dataset) -> Iterator[str]:
