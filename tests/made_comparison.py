@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 LABELS = (
     "spring",
@@ -63,6 +64,8 @@ def made_comparison(
         wave = 0.05 + 0.1 * np.sin(5.18 * time) ** 2
         account[i] = wave[:, None] * np.array([1.0, 0.9])
     safe = k * delay < 9.0
+    grounds = _words(np.where(safe, "stable spring", ""), shape[:3])
+    grounds[guarded] = "any network"
     return xr.Dataset(
         {
             "tracking_error": (_PLACE, error, {"units": "m"}),
@@ -81,10 +84,9 @@ def made_comparison(
             "energy_final": (_PLACE[:-1], np.where(diverged, -9.0, 2.0), {"units": "J"}),
             "energy_minimum": (_PLACE[:-1], np.where(diverged, -9.0, -0.01), {"units": "J"}),
             "account": (("architecture", "network", "condition", "time", "robot"), account, {"units": "J"}),
-            "verdict": (
-                _PLACE[:3],
-                np.broadcast_to(np.where(safe, "stable", "unstable").astype(object), shape[:3]).copy(),
-            ),
+            "verdict": (_PLACE[:3], _words(np.where(safe, "stable", "unstable"), shape[:3])),
+            "grounds": (_PLACE[:3], grounds),
+            "lack": (_PLACE[:3], np.where(grounds == "", "stable spring", "").astype(object)),
         },
         coords={
             "architecture": list(labels),
@@ -104,6 +106,10 @@ def made_comparison(
         },
         attrs={"name": "two H-MANs"},
     )
+
+
+def _words(values: NDArray[np.str_], shape: tuple[int, ...]) -> NDArray[Any]:
+    return np.broadcast_to(values.astype(object), shape).copy()
 
 
 def made_account_trial(scale: float = 1.0) -> xr.Dataset:

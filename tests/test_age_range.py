@@ -191,7 +191,7 @@ def test_law_an_attack_is_searched_only_on_request() -> None:
     assert varying.attack is not None
     assert varying.stiffness_limit < varying.attack < 1.1 * varying.stiffness_limit
     assert attacked.to_dict()["varying_delay"]["attack"] == {"stiffness": varying.attack}
-    assert "an attack is known from" in str(attacked)
+    assert "an attack is known at" in str(attacked)
     assert "if no sample is played after a newer one" in " ".join(str(attacked).split())
     for given in ({"delay": 0.08}, {"delay": network}):
         with pytest.raises(ts.InvalidInput, match="attack_seed"):

@@ -6,9 +6,6 @@ import json
 import random
 import signal
 import subprocess
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import telespring as ts
+from resuming import interrupted_after, killed_at, left_in, started, written
 from telespring import cli
 from telespring.analysis import measure
 from telespring.comparison.schedule import schedule_comparison
@@ -50,21 +48,10 @@ def study_text(name: str = "short", more: str = COMPARISON, trials: int = 2, dur
     return STUDY.format(name=name, more=more, trials=trials, duration=duration)
 
 
-def written(folder: Path, text: str) -> Path:
-    folder.mkdir(exist_ok=True)
-    path = folder / "study.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 def command(*arguments: str | Path) -> Result:
     return CliRunner(env={"COLUMNS": "100", "NO_COLOR": "1"}).invoke(
         cli.app, ["compare", *map(str, arguments)]
     )
-
-
-def left_in(folder: Path) -> list[str]:
-    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name != LOCK_FILE)
 
 
 @pytest.fixture(scope="module")
@@ -231,14 +218,6 @@ def test_law_progress_is_told_over_all_trials(tiny: ts.Study, tmp_path: Path) ->
     assert {trials for _, trials in told} == {total}
 
 
-def interrupted_after(trials: int) -> Callable[[int, int], None]:
-    def progress(done: int, _total: int) -> None:
-        if done == trials:
-            raise KeyboardInterrupt
-
-    return progress
-
-
 @pytest.mark.parametrize("trials", [1, 7, 18])
 def test_law_interrupted_it_goes_on_and_ends_the_same(
     trials: int, tiny: ts.Study, tiny_result: ts.Comparison, tmp_path: Path
@@ -272,14 +251,7 @@ def test_law_interrupted_it_goes_on_and_ends_the_same(
 def test_law_killed_at_a_delicate_moment_it_ends_the_same(
     place: str, tiny: ts.Study, tiny_result: ts.Comparison, tmp_path: Path
 ) -> None:
-    code = (
-        "import os, signal, sys, unittest.mock, telespring as ts, telespring.comparison.run\n"
-        "kill = lambda *_, **__: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "with unittest.mock.patch(sys.argv[1], kill):\n"
-        "    ts.compare(ts.Study.from_toml(sys.argv[2]), sys.argv[3])"
-    )
-    call = [sys.executable, "-c", code, place, tiny.to_toml(), str(tmp_path)]
-    assert subprocess.run(call, check=False).returncode == -signal.SIGKILL
+    killed_at(place, "compare", tiny.to_toml(), tmp_path)
     assert ts.compare(tiny, tmp_path).dataset.identical(tiny_result.dataset)
     assert left_in(tmp_path) == RESULTS
 
@@ -291,9 +263,7 @@ def test_law_killed_at_any_moment_it_ends_the_same(
     study, out = written(tmp_path, tiny.to_toml()), tmp_path / "out"
     moments, kept = random.Random(5), 0
     for attempt in range(60):
-        call = [sys.executable, "-m", "telespring", "compare", str(study), "--out", str(out)]
-        process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        _wait_for(lambda process=process: out.exists() or process.poll() is not None)  # type: ignore[misc]
+        process = started("compare", study, "--out", out, until=lambda _: out.exists())
         try:
             process.wait(moments.expovariate(1.0 / (0.3 * (1 + attempt))))
         except subprocess.TimeoutExpired:
@@ -308,14 +278,6 @@ def test_law_killed_at_any_moment_it_ends_the_same(
     assert kept, "no kill met a comparison with finished trials: this shows nothing"
     assert ts.compare(tiny, out).dataset.identical(tiny_result.dataset)
     assert [name for name in left_in(out) if not name.endswith(".png")] == RESULTS
-
-
-def _wait_for(condition: Callable[[], bool]) -> None:
-    for _ in range(3000):
-        if condition():
-            return
-        time.sleep(0.01)
-    pytest.fail("waited half a minute in vain")
 
 
 @pytest.fixture
@@ -354,7 +316,8 @@ def test_law_fresh_starts_anew_and_leaves_files_of_others_alone(tiny: ts.Study, 
     (begun / "7-mine").mkdir()
     (begun / "7-mine" / LOCK_FILE).write_text("")
     (begun / "7-mine" / "rehearsal.nc").write_text("mine")
-    other = tiny.replace(name="other", protocol={"trials": 1}, comparison={"architectures": ["guard"]})
+    guarded = {"architectures": [{"strategy": "guard", "predictor": "shared-target"}]}
+    other = tiny.replace(name="other", protocol={"trials": 1}, comparison=guarded)
     again = ts.compare(other, begun, fresh=True)
     assert again.name == "other"
     kept = [UNCONNECTED_FOLDER, f"{UNCONNECTED_FOLDER}/mine.txt", "7-mine", "7-mine/rehearsal.nc"]
@@ -383,7 +346,11 @@ def test_law_usual_architectures_without_a_place_for_a_damper_are_left_out_and_n
     assert left_out
     assert "wave-variables" in left_out
     assert sorted([*left_out, *schedule.labels]) == sorted(usual)
-    assert all(each.reason for each in schedule.left_out)
+    for each in schedule.left_out:
+        assert each.field in {"session.strategy", "coupling.damping"}
+        assert each.value
+        assert each.allowed
+        assert "another strategy" in each.remedy
 
 
 def test_law_an_architecture_that_the_study_names_and_cannot_have_is_refused(tmp_path: Path) -> None:
@@ -408,7 +375,7 @@ TRACED = """
 kind = "python"
 class = "pull:Pull"
 [comparison]
-architectures = ["guard"]
+architectures = [{strategy = "guard", predictor = "shared-target"}]
 networks = [{name = "recorded", trace = "delays.csv", delay = 0.03}]
 """
 PULL = """

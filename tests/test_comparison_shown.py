@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from made_comparison import LABELS, made_account_trial, made_comparison
+from telespring.comparison import LeftOut
 from telespring.comparison.recommendation import recommend
 from telespring.comparison.results import Comparison
 from telespring.paper import Analysis
@@ -30,8 +31,8 @@ from telespring.show.screens.comparison import comparison_screen
 from telespring.show.strategies import name_strategy
 
 
-def screen(data: xr.Dataset, width: int = 100) -> list[str]:
-    comparison = Comparison(dataset=data, recommendation=recommend(data), left_out=(), folder=Path("nowhere"))
+def screen(data: xr.Dataset, width: int = 100, left_out: tuple[LeftOut, ...] = ()) -> list[str]:
+    comparison = Comparison(data, recommend(data), left_out, Path("nowhere"))
     console = Console(width=width, record=True, file=io.StringIO())
     comparison_screen(console, comparison)
     return console.export_text().splitlines()
@@ -81,6 +82,41 @@ def test_law_a_screen_names_what_ran_away_and_how_often() -> None:
     )
     calm = made_comparison(LABELS[2:5])
     assert "No trial ran away." in screen(calm)
+
+
+def test_law_a_screen_says_first_that_working_alone_is_better() -> None:
+    data = made_comparison()
+    best = recommend(data).candidate
+    assert best is not None
+    data["tracking_error_unconnected"] = 0.5 * data.tracking_error_unconnected
+    lines = screen(data, 120)
+    assert lines[1] == "WORKING ALONE IS BETTER than every coupling that is safe."
+    choice = f"{name_strategy(best.architecture)} at {best.stiffness:.4g} N/m"
+    more = 1e3 * (best.mean_tracking_error - float(data.tracking_error_unconnected.mean()))
+    assert re.match(rf"  The best of them is {re.escape(choice)}: {more:.2f} ± \d\.\d\d mm more", lines[2])
+    assert "RECOMMENDED" not in "".join(lines)
+
+
+@pytest.mark.parametrize(("lack", "words"), [("weaker damper", "damper too strong"), ("", "ran away")])
+def test_law_a_screen_says_what_a_strategy_lacks(lack: str, words: str) -> None:
+    data = made_comparison()
+    here = {"architecture": "wave-variables"}
+    data["grounds"].loc[here] = "" if lack else "honest partner"
+    data["lack"].loc[here] = lack
+    data["diverged"].loc[here] = not lack
+    row = next(line for line in screen(data, 130) if line.startswith("wave variables"))
+    assert f"none: {words}" in row
+
+
+def test_law_what_is_left_out_has_its_field_and_remedy() -> None:
+    out = [
+        LeftOut(name, "session.strategy", f'"{name}"', f"{name} has no place for it", "Remove it.")
+        for name in ("wave-variables", "injected-damping")
+    ]
+    out.append(LeftOut("two-layer", "session.level", "-1", "must be from 0", "Take 0.05."))
+    text = " ".join(line.strip() for line in screen(made_comparison(), 200, tuple(out)))
+    assert "Left out: wave variables, damping injection. session.strategy: Remove it." in text
+    assert "Left out: two layers. session.level = -1: must be from 0. Take 0.05." in text
 
 
 def heights(line: Line2D) -> NDArray[np.float64]:
@@ -136,6 +172,31 @@ def test_law_the_plane_shows_the_larger_of_both_costs() -> None:
     assert texts(figure) == expected
 
 
+def test_law_without_an_undelayed_condition_the_plane_relates_to_working_alone() -> None:
+    data = made_comparison(delays=(0.0836, 0.1672))
+    figure = draw_plane(data, ("guard + shared-target",))
+    means = data.tracking_error.isel(network=0).sel(architecture="guard + shared-target").mean("trial")
+    ratios = (means / data.tracking_error_unconnected.mean("trial")).max("robot")
+    assert texts(figure) == [f"{ratio:.2f}" for ratio in ratios.values]
+    [legend] = figure.legends
+    words = [text.get_text() for text in legend.get_texts()]
+    assert "error up to 1.1 × that without a partner" in words
+    assert not any("undelayed" in word for word in words)
+
+
+@pytest.mark.parametrize(("factor", "role"), [(1.0, "recommended: "), (0.5, "best safe coupling: ")])
+def test_law_the_account_is_that_of_the_recommended_stiffness(factor: float, role: str) -> None:
+    data = made_comparison()
+    data["tracking_error_unconnected"] = factor * data.tracking_error_unconnected
+    found = recommend(data)
+    assert found.candidate is not None
+    figure = dict(draw_comparison(data, found))["account.png"]
+    title = figure.axes[0].get_title(loc="left")
+    assert title.startswith(
+        f"{role}{name_strategy(found.candidate.architecture)}, {found.candidate.stiffness:.4g} N/m, "
+    )
+
+
 def test_law_the_account_is_shaded_exactly_where_it_limits() -> None:
     trial = made_account_trial()
     figure = draw_account(trial)
@@ -154,9 +215,9 @@ def test_law_the_account_is_shaded_exactly_where_it_limits() -> None:
 
 def test_law_all_figures_of_a_comparison_are_drawn_if_there_is_something_to_draw() -> None:
     data = made_comparison()
-    assert [name for name, _ in draw_comparison(data, "guard + shared-target")] == list(COMPARISON_FIGURES)
+    assert [name for name, _ in draw_comparison(data, recommend(data))] == list(COMPARISON_FIGURES)
     bare = made_comparison(("spring",))
-    assert [name for name, _ in draw_comparison(bare, None)] == list(COMPARISON_FIGURES[:2])
+    assert [name for name, _ in draw_comparison(bare, recommend(bare))] == list(COMPARISON_FIGURES[:2])
 
 
 def test_law_the_report_compares_with_the_experiments_own_trials(analysis: Analysis) -> None:

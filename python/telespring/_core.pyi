@@ -47,6 +47,7 @@ __all__ = [
     "FrequencyMargin",
     "FrequencyResponse",
     "HandleMotion",
+    "HeldCoupling",
     "JitterFit",
     "JudgedNetwork",
     "Laboratory",
@@ -596,6 +597,14 @@ class JudgedNetwork(_Record):
     def is_guard_predicted(self) -> bool: ...
 
 @final
+class HeldCoupling(_Record):
+    def __new__(
+        cls, stiffness: float, damping: tuple[tuple[float, float], tuple[float, float]]
+    ) -> HeldCoupling: ...
+    stiffness: Final[float]
+    damping: Final[tuple[tuple[float, float], tuple[float, float]]]
+
+@final
 class LaboratorySettings(_Record):
     def __new__(
         cls,
@@ -690,6 +699,7 @@ class Experiment:
     def settings(self) -> LaboratorySettings: ...
     @property
     def coupling_damping(self) -> float: ...
+    def held_coupling(self, stiffness: float, delay: Delay) -> HeldCoupling: ...
     @property
     def laboratory(self) -> Laboratory: ...
     @property

@@ -233,9 +233,9 @@ def decide(
     allow_unusual : bool
         Whether to accept values that no laboratory has, such as a delay of 80 s.
     attack_seed : int, optional
-        Also search, from seeded starts, from which stiffness on a delay that varies by the network's jitter
-        and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second, and
-        several where the ages are spread wide.
+        Also search, from seeded starts, the lowest stiffness at which a delay that varies by the network's
+        jitter and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second,
+        and several where the ages are spread wide.
     traces : (str or None, str or None)
         The content of the recorded traces that a study names (`Study.trace_files`), forward and backward. The
         command reads the files; without them a study with a trace is "not proven".

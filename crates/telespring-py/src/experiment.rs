@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use telespring::rig::{Network, Protocol, Schedule};
 
-use crate::arguments::{Argument, hash};
+use crate::arguments::{Argument, DelayChoice, Number, hash};
 use crate::errors::Outcome;
 use crate::participants::{Agent, Arm, Task};
 use crate::records::record;
@@ -55,6 +55,25 @@ record! {
         jitter: f64,
         /// Probability that a packet is lost, apart from bursts and blackouts.
         loss: f64,
+    }
+}
+
+record! {
+    /// What a strategy holds on the handles over a sample period, which its proof depends on (docs/strategies.md).
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> damped = ts.Study.paper().replace(session={"strategy": "injected-damping"})
+    /// >>> held = damped.experiment.held_coupling(71.2, 0.334)
+    /// >>> held.stiffness, [round(damping, 2) for damping in held.damping[0]]
+    /// (71.2, [16.26, 14.23])
+    HeldCoupling {
+        /// Stiffness by which a held force F is worth energy, F²/(2 stiffness), N/m: that of the spring on the handle; of two
+        /// layers, that of the saturation.
+        stiffness: f64,
+        /// The strongest damper that the strategy puts on each handle, by robot and axis, N·s/m.
+        damping: [[f64; 2]; 2],
     }
 }
 
@@ -208,6 +227,29 @@ impl Experiment {
     #[getter]
     fn coupling_damping(&self) -> f64 {
         self.study.dyad().coupling_damping()
+    }
+
+    /// What the strategy of the study holds on the handles over a sample period, in one condition of the experiment.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : float
+    ///     Of the virtual spring, N/m.
+    /// delay : float or (float, float)
+    ///     One-way delay, s, or the pair (forward, backward).
+    ///
+    /// Returns
+    /// -------
+    /// HeldCoupling
+    ///     The spring and the strongest damper on each handle.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If a value is out of range, or refused by the strategy.
+    fn held_coupling(&self, stiffness: Number, delay: DelayChoice) -> Outcome<HeldCoupling> {
+        let held = self.study.held_coupling(stiffness.named("stiffness")?, delay.check()?)?;
+        Ok(HeldCoupling { stiffness: held.stiffness, damping: held.damping })
     }
 
     /// The experiment's virtual laboratory: robots, arms, agents, target, controllers and network.

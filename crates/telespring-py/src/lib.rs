@@ -67,7 +67,7 @@ mod _core {
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
-    use crate::experiment::{Condition, Experiment, LaboratorySettings};
+    use crate::experiment::{Condition, Experiment, HeldCoupling, LaboratorySettings};
     #[pymodule_export]
     use crate::judged_network::JudgedNetwork;
     #[pymodule_export]

@@ -75,11 +75,9 @@ def compare_command(
         comparison = run_comparison(
             compared, folder, progress, workers, quick=quick, fresh=fresh, modules=modules
         )
-    best = comparison.recommended
-    label = None if best is None else best.architecture
-    for name, figure in draw_comparison(comparison.dataset, label, compared.dyad):
+    for name, figure in draw_comparison(comparison.dataset, comparison.recommendation, compared.dyad):
         save_figure(figure, folder / name)
     comparison_screen(console, comparison)
-    if best is not None:
+    if comparison.recommended is not None:
         console.print(f"Rehearse it: telespring rehearse {folder / 'recommended.toml'}", markup=False)
     console.print(f"Folder: {folder}", markup=False)

@@ -114,7 +114,7 @@ def decide_command(
         bool,
         typer.Option(
             "--attack",
-            help="Also search from which stiffness on a delay that varies by the jitter and the gaps can "
+            help="Also search the lowest stiffness at which a delay that varies by jitter and gaps can "
             "make the motion grow: about a second, several where they are long.",
         ),
     ] = False,

@@ -3,7 +3,14 @@
 `docs/compare.md` describes the dataset, the folder and the rule of the choice.
 """
 
-from telespring.comparison.choices import Alternative, Candidate, LeftOut, Recommendation, Rejection
+from telespring.comparison.choices import (
+    Alternative,
+    Candidate,
+    LeftOut,
+    Recommendation,
+    Rejection,
+    Unconnected,
+)
 from telespring.comparison.results import Comparison
 from telespring.comparison.run import compare, run_comparison
 
@@ -14,6 +21,7 @@ __all__ = [
     "LeftOut",
     "Recommendation",
     "Rejection",
+    "Unconnected",
     "compare",
     "run_comparison",
 ]

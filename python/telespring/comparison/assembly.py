@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring._core import Study
-from telespring.comparison.growth import GROWTH, have_run_away
+from telespring.comparison.grounds import Place, find_grounds
+from telespring.comparison.growth import GROWTH, PAID, have_run_away
 from telespring.comparison.schedule import ComparisonSchedule
 from telespring.comparison.spring_verdicts import SpringVerdicts
 from telespring.rehearsal.encoding import STATUSES
@@ -37,6 +38,9 @@ _TAKEN: dict[str, tuple[tuple[str, ...], str, str, str]] = {
         ("trial",), "J", "energy taken from both people less what was given to them", "passivity_final",
     ),
     "energy_minimum": (("trial",), "J", "smallest value of that at any tick", "passivity_minimum"),
+    "paid_share": (
+        ("trial",), "1", "what the coupling gave over what the robots' damping took, after a quarter", "",
+    ),
     "held_share": (("trial", "robot"), "1", "share of ticks at which an old sample was held", ""),
     "lost": (("trial", "robot"), "1", "packets that were lost", ""),
     "age_mean": (("robot",), "s", "mean age of the partner's samples as played", ""),
@@ -55,6 +59,13 @@ _TAKEN: dict[str, tuple[tuple[str, ...], str, str, str]] = {
     "position": (("time", "robot", "axis"), "m", "position of the handle, first trial", ""),
     "coupling_force": (("time", "robot", "axis"), "N", "force on the handle, first trial", ""),
 }  # fmt: skip
+
+#: What is judged of every place, and its meaning.
+_JUDGED = {
+    "verdict": "answer of `telespring decide` for the bare spring",
+    "grounds": "why the strategy is safe there; empty if nothing proves it",
+    "lack": "what the strategy lacks for that; empty if nothing",
+}
 
 
 def assemble_comparison(
@@ -87,10 +98,11 @@ def assemble_comparison(
     status = _spread(schedule, cells, places, "status", ("trial",), missing=-1, dtype=np.int8)
     quarters = _spread(schedule, cells, places, "quarter_error", ("trial", "robot", "quarter"))
     words = np.array([*STATUSES, ""])[status]
-    diverged = have_run_away(words, quarters, np.asarray(unconnected["quarter_error"]))
+    paid = np.asarray(variables["paid_share"][1])
+    diverged = have_run_away(words, quarters, np.asarray(unconnected["quarter_error"]), paid)
     with np.errstate(invalid="ignore", divide="ignore"):
         growth = quarters[..., 1] / quarters[..., 0]
-    verdicts = _verdicts(schedule, cells, places)
+    judged = _judge_places(schedule, cells, places)
     variables |= {
         "status": (
             (*_PLACE, "trial"),
@@ -105,18 +117,22 @@ def assemble_comparison(
         "diverged": (
             (*_PLACE, "trial"),
             diverged,
-            {"units": "1", "long_name": "whether the trial ran away", "growth_threshold": GROWTH},
+            {
+                "units": "1",
+                "long_name": "whether the trial ran away",
+                "growth_threshold": GROWTH,
+                "paid_threshold": PAID,
+            },
         ),
         "growth": (
             (*_PLACE, "trial", "robot"),
             growth,
             {"units": "1", "long_name": "error in the last over that in the first quarter of the trial"},
         ),
-        "verdict": (
-            _PLACE,
-            verdicts,
-            {"units": "1", "long_name": "answer of `telespring decide` for the bare spring"},
-        ),
+        **{
+            name: (_PLACE, judged[name], {"units": "1", "long_name": long_name})
+            for name, long_name in _JUDGED.items()
+        },
         "is_rehearsed": (
             ("network", "condition"),
             _is_rehearsed(schedule, places),
@@ -166,13 +182,12 @@ def _is_rehearsed(schedule: ComparisonSchedule, places: Mapping[str, list[int]])
     return found
 
 
-def _verdicts(
+def _judge_places(
     schedule: ComparisonSchedule, cells: Mapping[str, xr.Dataset], places: Mapping[str, list[int]]
-) -> NDArray[Any]:
-    """Ask for the bare spring at every place, with the ages that were played there."""
-    words = np.full(
-        (len(schedule.labels), len(schedule.networks), len(schedule.conditions)), "", dtype=object
-    )
+) -> dict[str, NDArray[Any]]:
+    """Ask at every place, with the ages of the samples that were used there, for spring and strategy."""
+    shape = len(schedule.labels), len(schedule.networks), len(schedule.conditions)
+    words = {name: np.full(shape, "", dtype=object) for name in _JUDGED}
     known: dict[Study, SpringVerdicts] = {}
     for cell in schedule.cells:
         # Of an architecture only the play-out counts for the bare spring.
@@ -182,12 +197,15 @@ def _verdicts(
         ages = [
             measured[name].transpose("condition", "robot").values.tolist() for name in ("age_low", "age_high")
         ]
-        for place, shortest, longest in zip(places[cell.folder], *ages, strict=True):
+        for place, youngest, oldest in zip(places[cell.folder], *ages, strict=True):
             stiffness, delay = schedule.conditions[place]
             assert stiffness is not None  # a comparison has connected conditions only
-            words[cell.architecture, cell.network, place] = asked.status(
-                stiffness, delay, (shortest[0], shortest[1]), (longest[0], longest[1])
+            here = cell.architecture, cell.network, place
+            verdict = asked.status(
+                stiffness, delay, (youngest[0], youngest[1]), (oldest[0], oldest[1])
             )
+            grounds, lack = find_grounds(Place(cell.study, stiffness, delay, (oldest[0], oldest[1]), verdict))
+            words["verdict"][here], words["grounds"][here], words["lack"][here] = verdict, grounds, lack
     return words
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -9,14 +10,31 @@ __all__ = [
     "Alternative",
     "Candidate",
     "Grounds",
+    "Lack",
     "LeftOut",
     "Objection",
     "Recommendation",
     "Rejection",
+    "Unconnected",
 ]
 
-#: Why a choice is safe: whatever the network does, or because the spring is stable on every network compared.
-Grounds: TypeAlias = Literal["any network", "stable spring"]
+#: Why a choice is safe: whatever network and partner do; because the spring is stable on every network that
+#: was compared; because its damper is strong enough for the ages that were met; on any network, if the
+#: partner's program is honest.
+Grounds: TypeAlias = Literal["any network", "stable spring", "bounded ages", "honest partner"]
+
+#: What a strategy lacks for its grounds; `docs/strategies.md` has the conditions.
+Lack: TypeAlias = Literal[
+    "stable spring",
+    "known prediction",
+    "force without a computing tick",
+    "force without a lag",
+    "exact positions",
+    "weaker damper",
+    "stronger damper",
+    "softer spring",
+    "shorter ages",
+]
 
 #: Why a choice is not recommended, in the order in which it is looked for.
 Objection: TypeAlias = Literal["not at every delay", "ran away", "ended early", "not proven"]
@@ -72,7 +90,9 @@ class Rejection:
     trials
         How many trials ran away or ended early there; 0 for other objections.
     verdict
-        The answer for the spring there; "" for other objections.
+        The answer for the bare spring there; "" for other objections.
+    lack
+        What the strategy lacks there; "" for other objections.
     """
 
     stiffness: float
@@ -81,6 +101,7 @@ class Rejection:
     delay: float
     trials: int = 0
     verdict: str = ""
+    lack: Lack | Literal[""] = ""
 
 
 @dataclass(frozen=True)
@@ -110,13 +131,47 @@ class Alternative:
 
 
 @dataclass(frozen=True)
+class Unconnected:
+    """Both people without a partner, and how the best safe choice differs from that.
+
+    Attributes
+    ----------
+    tracking_error
+        Mean of each person, m.
+    difference
+        How much larger the mean tracking error of the choice is, m; NaN without a choice, or if no trial
+        without a partner was completed.
+    difference_error
+        Standard error of that difference over trials of the same number, m; NaN with fewer than two.
+    """
+
+    tracking_error: tuple[float, float]
+    difference: float
+    difference_error: float
+
+    @property
+    def outcome(self) -> Literal["better", "worse", "no difference", ""]:
+        """What the choice is compared with working alone; "" without a choice.
+
+        A difference within two standard errors is none. Without a standard error its sign decides.
+        """
+        if math.isnan(self.difference):
+            return ""
+        if not math.isnan(self.difference_error) and abs(self.difference) <= 2.0 * self.difference_error:
+            return "no difference"
+        return "worse" if self.difference > 0.0 else "better"
+
+
+@dataclass(frozen=True)
 class Recommendation:
     """The best safe choice of a comparison.
 
     Attributes
     ----------
     candidate
-        The choice; None if nothing that was compared is safe.
+        The best safe choice; None if nothing that was compared is safe.
+    unconnected
+        How it differs from working without a partner.
     conditions, trials
         On how many networks and delays together, and by how many trials, every candidate was judged.
     alternatives
@@ -126,10 +181,16 @@ class Recommendation:
     """
 
     candidate: Candidate | None
+    unconnected: Unconnected
     conditions: int
     trials: int
     alternatives: tuple[Alternative, ...]
     rejections: tuple[Rejection, ...]
+
+    @property
+    def recommended(self) -> Candidate | None:
+        """The best safe choice, unless both people track better alone; None if there is none."""
+        return None if self.unconnected.outcome == "worse" else self.candidate
 
     @property
     def next_best(self) -> Alternative | None:
@@ -140,7 +201,20 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """An architecture of the usual list that this study cannot have, and why."""
+    """An architecture of the usual list that this study cannot have, and why.
+
+    Attributes
+    ----------
+    architecture
+        Its label.
+    field, value
+        The key of the study that stands in its way, and the value that it has.
+    allowed, remedy
+        What is allowed, and how the study can have the architecture.
+    """
 
     architecture: str
-    reason: str
+    field: str
+    value: str
+    allowed: str
+    remedy: str

@@ -9,17 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from telespring._types import FloatArray
-from telespring.comparison.choices import Alternative, Candidate, Grounds, Recommendation, Rejection
+from telespring.comparison.choices import Alternative, Candidate, Recommendation, Rejection, Unconnected
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["recommend"]
-
-#: Strategies that are safe whatever network and partner do (docs/guard.md has the proof). The others need
-#: constant delays, stated ages or an honest partner (docs/strategies.md), which nobody can promise; they are
-#: safe where the spring is stable.
-_SAFE_ON_ANY_NETWORK = frozenset({"guard"})
 
 
 @dataclass(frozen=True)
@@ -38,12 +33,10 @@ def recommend(comparison: xr.Dataset) -> Recommendation:
 
     1. it was rehearsed on each of them,
     2. no trial ran away, and none ended early for another reason,
-    3. its strategy is safe on any network (the guard), or `decide` calls the bare spring stable on each of
-       them; that answer is of the spring that follows the motion as played, so a spring with a predictor
-       has none.
+    3. its strategy has grounds of its own on each of them (`telespring.comparison.grounds`).
 
     Of the safe choices the one with the smallest mean tracking error wins: the mean over both people, all
-    networks, delays and trials.
+    networks, delays and trials. It is not recommended if that error is larger than without a partner.
 
     Parameters
     ----------
@@ -53,8 +46,8 @@ def recommend(comparison: xr.Dataset) -> Recommendation:
     Returns
     -------
     Recommendation
-        The choice, and for every other architecture its best safe stiffness with the difference, or why it
-        has none.
+        The choice, how it compares with working alone, and for every other architecture its best safe
+        stiffness with the difference, or why it has none.
     """
     is_rehearsed = np.asarray(comparison["is_rehearsed"])
     delays = comparison["delay"].values
@@ -81,8 +74,10 @@ def recommend(comparison: xr.Dataset) -> Recommendation:
         if judged
     }
     chosen = min(best, key=lambda label: best[label].candidate.mean_tracking_error, default=None)
+    alone = np.asarray(comparison["tracking_error_unconnected"].transpose("trial", "robot").values)
     return Recommendation(
         candidate=None if chosen is None else best[chosen].candidate,
+        unconnected=_unconnected(alone, None if chosen is None else best[chosen]),
         conditions=len(needed),
         trials=len(needed) * comparison.sizes["trial"],
         alternatives=tuple(
@@ -113,15 +108,20 @@ def _judge(
         if count[worst]:
             n, c = worst
             return Rejection(stiffness, objection, networks[n], float(delays[c]), trials=count[worst])  # type: ignore[arg-type]
-    grounds: Grounds = "any network"
-    if str(one["strategy"].values) not in _SAFE_ON_ANY_NETWORK:
-        grounds = "stable spring"
-        predicts = str(one["predictor"].values) != "hold"
-        verdict = one["verdict"].transpose("network", "condition").values
-        for n, c in places:
-            word = "" if predicts else str(verdict[n, c])
-            if word != "stable":
-                return Rejection(stiffness, "not proven", networks[n], float(delays[c]), verdict=word)
+    words = {
+        name: one[name].transpose("network", "condition").values for name in ("grounds", "lack", "verdict")
+    }
+    for n, c in places:
+        if not words["grounds"][n, c]:
+            lack, verdict = str(words["lack"][n, c]), str(words["verdict"][n, c])
+            return Rejection(
+                stiffness,
+                "not proven",
+                networks[n],
+                float(delays[c]),
+                verdict=verdict,
+                lack=lack,  # type: ignore[arg-type]
+            )
     errors = one["tracking_error"].transpose("network", "condition", "trial", "robot").values
     errors = np.array([errors[place] for place in places])
     by_robot, by_place = errors.mean(axis=(0, 1)), errors.mean(axis=1).max(axis=0)
@@ -134,10 +134,22 @@ def _judge(
             stiffness=stiffness,
             tracking_error=(float(by_robot[0]), float(by_robot[1])),
             worst_tracking_error=(float(by_place[0]), float(by_place[1])),
-            grounds=grounds,
+            grounds=str(words["grounds"][places[0]]),  # type: ignore[arg-type]
         ),
         errors,
     )
+
+
+def _unconnected(errors: FloatArray, chosen: _Judged | None) -> Unconnected:
+    """Compare a choice with the trials without a partner, (trial, robot)."""
+    completed = np.isfinite(errors).all(axis=1)
+    one, other = (float(errors[completed, robot].mean()) if completed.any() else math.nan for robot in (0, 1))
+    difference = error = math.nan
+    if chosen is not None and completed.any():
+        difference, error = _mean_and_error(
+            chosen.errors.mean(axis=(0, 2))[completed] - errors[completed].mean(axis=1)
+        )
+    return Unconnected((one, other), difference, error)
 
 
 def _alternative(
@@ -146,10 +158,13 @@ def _alternative(
     difference = error = math.nan
     if judged is not None and chosen is not None:
         # Trials of the same number have the same random numbers, at the same place.
-        pairs = (judged.errors - chosen.errors).mean(axis=(0, 2))
-        difference = float(pairs.mean())
-        if len(pairs) > 1:
-            error = float(pairs.std(ddof=1) / math.sqrt(len(pairs)))
+        difference, error = _mean_and_error((judged.errors - chosen.errors).mean(axis=(0, 2)))
     return Alternative(
         label, None if judged is None else judged.candidate, difference, error, tuple(rejections)
     )
+
+
+def _mean_and_error(pairs: FloatArray) -> tuple[float, float]:
+    """Return the mean of differences over pairs of trials, and its standard error; NaN of one pair."""
+    error = float(pairs.std(ddof=1) / math.sqrt(len(pairs))) if len(pairs) > 1 else math.nan
+    return float(pairs.mean()), error

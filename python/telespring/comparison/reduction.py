@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from telespring._core import Study
 from telespring._types import FloatArray
 from telespring.analysis.measures import tracking_errors
 from telespring.analysis.trials import Trials
@@ -18,7 +19,7 @@ from telespring.comparison.force_fidelity import (
     force_response,
     intended_force,
 )
-from telespring.comparison.growth import quarter_errors
+from telespring.comparison.growth import paid_shares, quarter_errors
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,15 +40,15 @@ class LongestAges(Protocol):
         """Return up to which age, s, robots 1 and 2 may use samples that are no younger than `shortest`."""
 
 
-def measure_connected(dataset: Path, coupling_damping: float, ages: LongestAges) -> xr.Dataset:
+def measure_connected(dataset: Path, study: Study, ages: LongestAges) -> xr.Dataset:
     """Measure the connected conditions of a rehearsal, one after the other, so that memory holds one.
 
     Parameters
     ----------
     dataset
         The file of the rehearsal.
-    coupling_damping
-        Damping in parallel with the spring, N·s/m.
+    study
+        What was rehearsed.
     ages
         The verdict on ages.
 
@@ -59,7 +60,7 @@ def measure_connected(dataset: Path, coupling_damping: float, ages: LongestAges)
     import xarray as xr
 
     measured = [
-        _measure_condition(one, coupling_damping, ages)
+        _measure_condition(one, study, ages)
         for one in _conditions(dataset)
         if np.isfinite(float(one["stiffness"][0]))
     ]
@@ -95,7 +96,7 @@ def _conditions(dataset: Path) -> Iterator[xr.Dataset]:
             yield rest.isel(place).assign({name: rehearsal[name].isel(place).load() for name in signals})
 
 
-def _measure_condition(one: xr.Dataset, coupling_damping: float, ages: LongestAges) -> xr.Dataset:
+def _measure_condition(one: xr.Dataset, study: Study, ages: LongestAges) -> xr.Dataset:
     import xarray as xr
 
     trials = Trials.from_dataset(one)
@@ -104,7 +105,8 @@ def _measure_condition(one: xr.Dataset, coupling_damping: float, ages: LongestAg
         "tracking_error": (("condition", "trial", "robot"), tracking_errors(trials)),
         "quarter_error": (("condition", "trial", "robot", "quarter"), quarter_errors(trials)),
         **{name: one[name].variable for name in (*_PER_TRIAL, *_PER_ROBOT)},
-        **_forces(trials, coupling_damping),
+        "paid_share": (("condition", "trial"), _paid_shares(trials, study)),
+        **_forces(trials, study.dyad.coupling_damping),
         **_ages(one, trials, ages),
         **_first_trial(one),
     }
@@ -112,6 +114,11 @@ def _measure_condition(one: xr.Dataset, coupling_damping: float, ages: LongestAg
     return xr.Dataset(
         variables, coords={**{name: one[name].variable for name in labels}, "frequency": frequency}
     )
+
+
+def _paid_shares(trials: Trials, study: Study) -> FloatArray:
+    damping = np.array([robot.damping for robot in study.dyad.robots])
+    return paid_shares(trials, damping, study.coulomb)
 
 
 def _forces(trials: Trials, coupling_damping: float) -> dict[str, Any]:

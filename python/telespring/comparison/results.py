@@ -26,7 +26,7 @@ class Comparison:
     dataset
         All that was measured; `docs/compare.md` lists its variables.
     recommendation
-        The best safe choice, why, and what became of the others.
+        The best safe choice, why, whether it is better than working alone, and what became of the others.
     left_out
         Usual architectures that this study cannot have.
     folder
@@ -40,8 +40,8 @@ class Comparison:
 
     @property
     def recommended(self) -> Candidate | None:
-        """The best safe choice; None if nothing that was compared is safe."""
-        return self.recommendation.candidate
+        """The best safe choice; None if nothing that was compared is safe, or working alone is better."""
+        return self.recommendation.recommended
 
     @property
     def name(self) -> str:

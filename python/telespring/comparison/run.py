@@ -160,7 +160,7 @@ def _run_cells(
     ages = [SpringVerdicts(each) for each in schedule.network_studies]
 
     def measure_cell(dataset: Path, cell: Cell) -> xr.Dataset:
-        return measure_connected(dataset, cell.experiment.coupling_damping, ages[cell.network])
+        return measure_connected(dataset, cell.study, ages[cell.network])
 
     jobs: dict[str, tuple[Study, Callable[[Path], xr.Dataset]]] = {
         UNCONNECTED_FOLDER: (schedule.unconnected, measure_unconnected),
@@ -212,6 +212,8 @@ def _finish(schedule: ComparisonSchedule, store: ComparisonStore, companions: li
         for each in companions:
             each.copy(store.path)
         _write_changed(store.study, recommended_study(schedule, dataset, comparison.recommended).to_toml())
+    else:
+        store.study.unlink(missing_ok=True)
     summary = json.dumps(json_ready(comparison.to_dict()), indent=1, ensure_ascii=False)
     _write_changed(store.summary, f"{summary}\n")
     # What a process killed at the very end left is of no use, and in nobody's way.

@@ -201,7 +201,9 @@ def _possible_architectures(
         if refused is None:
             possible.append(architecture)
         elif is_usual or chosen:
-            left_out.append(LeftOut(architecture.label, refused.allowed))
+            left_out.append(
+                LeftOut(architecture.label, refused.field, refused.value, refused.allowed, refused.remedy)
+            )
         else:
             raise InvalidInput(
                 f"comparison.architectures[{place}]",

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from telespring._json import finite_or_none, json_ready
 from telespring._types import FloatArray
-from telespring.comparison.choices import Alternative, Candidate, LeftOut, Recommendation, Rejection
+from telespring.comparison.choices import (
+    Alternative,
+    Candidate,
+    LeftOut,
+    Recommendation,
+    Rejection,
+    Unconnected,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +38,7 @@ _UNITS = {
     "difference_error": "mm",
     "limited_share": "1",
     "withheld_share": "1",
+    "paid_share": "1",
     "force_fidelity": "1",
     "energy_minimum": "J",
     "energy_final": "J",
@@ -44,15 +53,16 @@ def comparison_json(
     comparison: xr.Dataset, recommendation: Recommendation, left_out: tuple[LeftOut, ...]
 ) -> dict[str, Any]:
     """Return the content of `compare.json`, which `docs/compare.md` lists."""
-    unconnected = comparison["tracking_error_unconnected"].values
+    unconnected = comparison["tracking_error_unconnected"].transpose("trial", "robot").values
     return {
         "schema": _SCHEMA,
         "study": str(comparison.attrs["name"]),
         "conditions": condition_rows(comparison),
-        "unconnected": _tracking_errors(unconnected),
-        "recommended": _recommended_json(recommendation),
+        "unconnected": {**_tracking_errors(unconnected), **_unconnected_json(recommendation)},
+        "recommended": None if recommendation.recommended is None else _best_json(recommendation),
+        "best_safe": _best_json(recommendation),
         "alternatives": [_alternative_json(each) for each in recommendation.alternatives],
-        "left_out": [{"architecture": each.architecture, "reason": each.reason} for each in left_out],
+        "left_out": [asdict(each) for each in left_out],
         "units": _UNITS,
     }
 
@@ -88,7 +98,8 @@ def condition_rows(comparison: xr.Dataset) -> list[dict[str, Any]]:
                         "age_low": _extreme(np.min, arrays["age_low"][here]),
                         "age_high": _extreme(np.max, arrays["age_high"][here]),
                         "within_age_range": _mean(arrays["within_age_range"][here]),
-                        "verdict": str(arrays["verdict"][here]),
+                        "paid_share": _mean(arrays["paid_share"][here]),
+                        **{name: str(arrays[name][here]) for name in ("verdict", "grounds", "lack")},
                     }
                 )
     return rows
@@ -131,7 +142,13 @@ def _candidate_json(candidate: Candidate) -> dict[str, Any]:
     }
 
 
-def _recommended_json(recommendation: Recommendation) -> dict[str, Any] | None:
+def _unconnected_json(recommendation: Recommendation) -> dict[str, Any]:
+    """Say what the best safe choice is compared with working alone."""
+    unconnected = recommendation.unconnected
+    return {"outcome": unconnected.outcome, **_difference_json(unconnected)}
+
+
+def _best_json(recommendation: Recommendation) -> dict[str, Any] | None:
     candidate, following = recommendation.candidate, recommendation.next_best
     if candidate is None:
         return None
@@ -163,7 +180,7 @@ def _alternative_json(alternative: Alternative) -> dict[str, Any]:
     }
 
 
-def _difference_json(alternative: Alternative) -> dict[str, float | None]:
+def _difference_json(alternative: Alternative | Unconnected) -> dict[str, float | None]:
     return {
         "difference": finite_or_none(_MM * alternative.difference),
         "difference_error": finite_or_none(_MM * alternative.difference_error),

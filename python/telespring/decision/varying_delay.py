@@ -49,9 +49,9 @@ class VaryingDelay:
         The tier that proves it; None if none has a rule. That of an age in a range holds where no sample is
         played after a newer one, as telespring's play-out does.
     attack
-        From this stiffness, N/m, on, a network is known that varies the delay so and makes the motion grow;
+        At this stiffness, N/m, a network was found that varies the delay so and makes the motion grow;
         infinite if the search found none, None if none was searched. It is simulated with the operators that
-        allow the least. Between the limit and it nothing is known.
+        allow the least. At other stiffnesses above the limit nothing is known.
     """
 
     status: Status

@@ -66,7 +66,7 @@ SIGNALS = (
 ACCOUNT = Signal("account", "J", "energy in the account of the side's strategy", 30, has_axes=False)
 
 #: Of what was played, before any prediction; NaN while there is nothing. The step is about 1 ns.
-AGE = Signal("age", "s", "age of the partner's motion that a robot uses, as played", 30, has_axes=False)
+AGE = Signal("age", "s", "age of the oldest partner's sample that a robot uses", 30, has_axes=False)
 
 #: The target of both agents, over (time, axis): the same in every trial.
 TARGET = Signal("target", "m", "position of the target", 30)

@@ -28,6 +28,7 @@
 
 mod agent;
 mod check;
+mod held_coupling;
 mod laboratory;
 pub mod network;
 mod passivity;
@@ -39,6 +40,7 @@ mod target;
 mod trial;
 
 pub use agent::Observation;
+pub use held_coupling::HeldCoupling;
 pub use laboratory::{
     Agent, Arm, Controller, Elbow, Handle, Laboratory, Protocol, SessionPlan, Spots, Station, Target,
     TwoLinkArm,

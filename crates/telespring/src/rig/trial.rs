@@ -116,7 +116,7 @@ impl RunningStation {
         report.and_then(|report| report.balance).unwrap_or(f64::NAN)
     }
 
-    /// The age of the partner's motion in use, s; NaN if there is none.
+    /// The age of the oldest sample of the partner in use, s; NaN if there is none.
     fn partner_age(&self) -> f64 {
         self.endpoint.as_ref().and_then(Endpoint::partner_age).unwrap_or(f64::NAN)
     }
@@ -171,7 +171,7 @@ impl RunningStation {
 
 impl Laboratory {
     /// What one side of the coupling, 0 or 1, knows in a trial of the laboratory.
-    fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
+    pub(super) fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
         let Self { controller, session, .. } = self;
         let ConnectedMode { stiffness, damping, delay } = *coupling;
         // Robot 2 receives in the forward direction.

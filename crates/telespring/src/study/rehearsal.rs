@@ -187,6 +187,27 @@ impl Study {
         self.protocol.resolve(&self.dyad, &self.setup.task, self.sample_period()?)
     }
 
+    /// What the strategy of the study's session holds on the handles over a sample period, in a condition of its rehearsal.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] as [`Study::laboratory`], but not for recorded traces, and for a value that is out of range.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::{Delay, study::Study};
+    ///
+    /// let held = Study::paper().held_coupling(71.2, Delay::each_way(0.084)?)?;
+    /// assert_eq!((held.stiffness, held.damping), (71.2, [[0.0; 2]; 2]));
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn held_coupling(&self, stiffness: f64, delay: Delay) -> Result<rig::HeldCoupling> {
+        quantity::STIFFNESS.check("stiffness", stiffness)?;
+        let coupling = rig::ConnectedMode { stiffness, damping: self.dyad.coupling_damping(), delay };
+        self.laboratory_without_traces()?.held_coupling(&coupling)
+    }
+
     /// Rejects a rehearsal with robots of other axes than x and y.
     fn check_planar(&self) -> Result<()> {
         if self.is_planar() {
@@ -207,6 +228,7 @@ impl Study {
         }
         for (stiffness, delay) in &protocol.conditions {
             let Some(stiffness) = *stiffness else { continue };
+            // `check_dampers` has checked the damper of the coupling, with the strategy's entry in the file
             let coupling = rig::ConnectedMode { stiffness, damping: 0.0, delay: Delay::each_way(*delay)? };
             laboratory.check_session(&coupling).map_err(|refusal| refusal.within("session"))?;
         }

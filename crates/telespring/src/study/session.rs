@@ -49,6 +49,19 @@ fn number(entry: Option<Entry<'_, '_>>, quantity: Quantity, usual: f64) -> Resul
     entry.map_or(Ok(usual), |entry| Ok(entry.number(quantity, "a number")? + 0.0))
 }
 
+/// The damping of a strategy that must take energy from the handle, N·s/m or, per energy, N·s/m per J.
+fn loss(entry: Option<Entry<'_, '_>>, quantity: Quantity, usual: f64, why: &str) -> Result<f64> {
+    let Some(entry) = entry else { return Ok(usual) };
+    let value = entry.number(quantity, "a number")? + 0.0;
+    if value > 0.0 {
+        return Ok(value);
+    }
+    Err(entry.reject(
+        format!("the damper must be stronger than 0: {why}"),
+        format!("{usual:?} is the usual value; or choose another strategy."),
+    ))
+}
+
 /// Reads the strategy of a session: a word, or a table with the kind and its settings.
 pub(super) fn read_strategy(entry: &Entry<'_, '_>) -> Result<StrategyDesign> {
     let kind = entry.kind(&StrategyDesign::KINDS)?;
@@ -76,25 +89,28 @@ pub(super) fn read_strategy(entry: &Entry<'_, '_>) -> Result<StrategyDesign> {
         }
         StrategyDesign::TimeDomainPassivity(usual) => {
             let [_, largest] = entry.parts(["kind", "largest_damping"])?.unwrap_or_default();
-            let largest_damping = number(largest, quantity::DAMPING, usual.largest_damping)?;
+            let why = "it alone repays what came out too much";
+            let largest_damping = loss(largest, quantity::DAMPING, usual.largest_damping, why)?;
             StrategyDesign::TimeDomainPassivity(TimeDomainPassivityDesign { largest_damping })
         }
         StrategyDesign::TwoLayer(usual) => {
             let keys = ["kind", "level", "transfer_rate", "filling", "largest_damping", "saturation"];
             let [_, level, transfer_rate, filling, largest_damping, saturation] =
                 entry.parts(keys)?.unwrap_or_default();
+            let why = "it alone fills a tank that has run empty on both sides";
             StrategyDesign::TwoLayer(TwoLayerDesign {
                 level: number(level, quantity::ENERGY, usual.level)?,
                 transfer_rate: number(transfer_rate, quantity::DECAY_RATE, usual.transfer_rate)?,
-                filling: number(filling, quantity::FILLING, usual.filling)?,
-                largest_damping: number(largest_damping, quantity::DAMPING, usual.largest_damping)?,
+                filling: loss(filling, quantity::FILLING, usual.filling, why)?,
+                largest_damping: loss(largest_damping, quantity::DAMPING, usual.largest_damping, why)?,
                 saturation: number(saturation, quantity::RATIO, usual.saturation)?,
             })
         }
         StrategyDesign::SetPositionModulation(usual) => {
             let [_, damping, ceiling] = entry.parts(["kind", "damping", "ceiling"])?.unwrap_or_default();
+            let why = "it pays for the hold of the spring and fills the reservoir";
             StrategyDesign::SetPositionModulation(SetPositionDesign {
-                damping: number(damping, quantity::DAMPING, usual.damping)?,
+                damping: loss(damping, quantity::DAMPING, usual.damping, why)?,
                 ceiling: number(ceiling, quantity::ENERGY, usual.ceiling)?,
             })
         }

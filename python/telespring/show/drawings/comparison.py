@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from telespring.comparison import Recommendation
     from telespring.model import Dyad
     from telespring.show.figures.comparison_account import AccountTrial
-    from telespring.show.figures.comparison_plane import Boundary
+    from telespring.show.figures.comparison_plane import Boundary, Reference
 
 __all__ = [
     "COMPARISON_FIGURES",
@@ -41,41 +42,67 @@ _POINTS, _SPAN = 600, (0.0, 12.0)
 
 
 def draw_comparison(
-    comparison: xr.Dataset, recommended: str | None, dyad: Dyad | None = None
+    comparison: xr.Dataset, recommendation: Recommendation, dyad: Dyad | None = None
 ) -> Iterator[tuple[str, Figure]]:
     """Draw all figures of a comparison, each with the name of its file.
 
-    `recommended` is the label of the best safe choice, if there is one: the plane shows it beside the bare
-    spring. The account is that of the same architecture, or else of another one that keeps an account, on
-    the network and in the condition in which most was limited. A figure for which nothing was compared is
-    left out.
+    The plane shows the best safe choice beside the bare spring. The account is that of this choice at its
+    stiffness, on the network and at the delay at which most was limited; if it keeps no account, that of
+    another architecture that does. A figure for which nothing was compared is left out.
     """
-    alone = comparison.tracking_error_unconnected.transpose("trial", "robot").mean("trial").values.tolist()
-    yield COMPARISON_FIGURES[0], draw_delays(comparison, unconnected=(alone[0], alone[1]))
-    labels = _names(comparison, "architecture")
+    yield COMPARISON_FIGURES[0], draw_delays(comparison, unconnected=_unconnected_errors(comparison))
+    labels, best = _names(comparison, "architecture"), recommendation.candidate
     guarded = "guard + shared-target" if "guard + shared-target" in labels else "guard"
-    beside = guarded if recommended in (None, "spring") else recommended
+    beside = guarded if best is None or best.architecture == "spring" else best.architecture
     strategies = [label for label in dict.fromkeys(("spring", beside)) if label in labels]
     if strategies:
         yield COMPARISON_FIGURES[1], draw_plane(comparison, strategies, dyad=dyad)
-    place = _most_limited(comparison.sel(architecture=[beside])) if beside in labels else None
-    place = place or _most_limited(comparison)
-    if place is not None:
+    found = _account_to_show(comparison, recommendation, beside)
+    if found is not None:
+        place, role = found
         trial = comparison.sel(place)
         bare = comparison.sel(place | {"architecture": "spring"}) if "spring" in labels else None
+        where = f"{1e3 * float(trial.delay):.0f} ms"
+        if comparison.sizes["network"] > 1:
+            where += f" on {place['network']}"
         title = (
-            f"{name_strategy(place['architecture'])}, {format_number(float(trial.stiffness))} N/m, "
-            f"{1e3 * float(trial.delay):.0f} ms, beginning of the first trial"
+            f"{role}{name_strategy(place['architecture'])}, {format_number(float(trial.stiffness))} N/m, "
+            f"{where}, beginning of the first trial"
         )
         yield COMPARISON_FIGURES[2], draw_account(trial, without_guard=bare, span=_SPAN, title=title)
 
 
+def _account_to_show(
+    comparison: xr.Dataset, recommendation: Recommendation, beside: str
+) -> tuple[dict[str, str], str] | None:
+    """Choose the trial whose account is drawn, and say what it is to the choice; None without an account."""
+    best = recommendation.candidate
+    one = comparison.sel(architecture=[beside]) if beside in comparison.architecture else comparison
+    if best is None:
+        place = _most_limited(one) or _most_limited(comparison)
+        return None if place is None else (place, "")
+
+    def at_its_stiffness(part: xr.Dataset) -> xr.Dataset:
+        return part.isel(condition=np.flatnonzero(part.stiffness.values == best.stiffness))
+
+    place = _most_limited(at_its_stiffness(one))
+    if place is not None and beside == best.architecture:
+        return place, "recommended: " if recommendation.recommended is not None else "best safe coupling: "
+    place = place or _most_limited(at_its_stiffness(comparison))
+    return None if place is None else (place, "not recommended: ")
+
+
 def _most_limited(comparison: xr.Dataset) -> dict[str, str] | None:
-    """Find where a kept account limited most; None if no account was kept."""
-    limited = comparison.limited_share.mean(("trial", "robot"))
-    limited = limited.where(np.isfinite(comparison.account).any(("time", "robot")))
+    """Find where a kept account limited most, or, if it never did, where the errors were largest; or None."""
+    is_kept = np.isfinite(comparison.account).any(("time", "robot"))
+    limited, errors = (
+        comparison[name].mean(("trial", "robot")).where(is_kept)
+        for name in ("limited_share", "tracking_error")
+    )
     if not np.isfinite(limited).any():
         return None
+    if not (limited > 0.0).any() and np.isfinite(errors).any():
+        limited = errors
     best = limited.fillna(-1.0).argmax(...)
     return {str(name): str(comparison[name].values[int(place)]) for name, place in best.items()}
 
@@ -142,23 +169,30 @@ def draw_plane(
 ) -> Figure:
     """Draw what the delay costs over stiffness and delay, a panel for each of some strategies.
 
-    With the boundary of the bare spring at a constant delay, continuous controllers: that of `dyad`, shaded,
+    The errors are relative to the bare spring's without delay at the same stiffness. If a stiffness was not
+    compared without delay, they are relative to working without a partner, and the legend says so. With the
+    boundary of the bare spring at a constant delay, continuous controllers: that of `dyad`, shaded,
     and that of `held`, the same robots with what holds the handles.
     """
     from telespring.show.figures.comparison_plane import PlanePanel, PlanePoint, plane_figure
 
     name = _names(comparison, "network")[0] if network is None else network
+    one = comparison.sel(network=name)
+    reference = _reference_of(one)
     panels = []
     for label in strategies:
-        here = comparison.sel(architecture=label, network=name)
+        here = one.sel(architecture=label)
         trials, ran_away, ended_early = count_trials(here)
         points = []
         for i, (k, delay) in enumerate(zip(here.stiffness.values, here.delay.values, strict=True)):
             if trials[i]:
-                ratio = cost_of_delay(comparison.sel(network=name), label, i)
+                ratio = _error_ratio(one, label, i, reference)
                 failed = int(ran_away[i] + ended_early[i])
                 points.append(PlanePoint(float(k), float(delay), ratio, failed, int(trials[i])))
-        panels.append(PlanePanel(name_strategy(label), points))
+        title = name_strategy(label)
+        if comparison.sizes.get("network", 1) > 1:
+            title += f", {name}"
+        panels.append(PlanePanel(title, points))
     k, delay = (float(comparison[key].max()) for key in ("stiffness", "delay"))
     extent = 1.12 * k, 1.12 * max(delay, 0.05)
     return plane_figure(
@@ -166,6 +200,7 @@ def draw_plane(
         None if dyad is None else spring_boundary(dyad, extent, "bare spring stable, free handles"),
         None if held is None else spring_boundary(held, extent, "its boundary with the handles held"),
         figure,
+        reference=reference,
     )
 
 
@@ -214,14 +249,33 @@ def undelayed_errors(comparison: xr.Dataset, stiffness: float) -> tuple[float, f
     return (one, two) if np.isfinite([one, two]).all() else None
 
 
-def cost_of_delay(comparison: xr.Dataset, label: str, condition: int) -> float:
-    """Return the larger of both people's mean errors relative to the bare spring's without delay; or NaN."""
-    here = comparison.isel(condition=condition)
-    undelayed = undelayed_errors(comparison, float(here.stiffness))
-    if undelayed is None:
+def _unconnected_errors(comparison: xr.Dataset) -> tuple[float, float]:
+    """Return the mean tracking errors of both without a partner, m; NaN without a completed trial."""
+    errors = comparison.tracking_error_unconnected.transpose("trial", "robot").values
+    one, two = _over_trials(np.mean, errors[None])[0].tolist()
+    return one, two
+
+
+def _reference_of(one: xr.Dataset) -> Reference:
+    """Say what errors on one network can be related to, at all its stiffnesses alike."""
+    rehearsed = one.isel(condition=np.flatnonzero(one.is_rehearsed)) if "is_rehearsed" in one else one
+    stiffnesses = np.unique(rehearsed.stiffness.values).tolist()
+    if all(undelayed_errors(one, stiffness) is not None for stiffness in stiffnesses):
+        return "undelayed"
+    return "unconnected" if "tracking_error_unconnected" in one else "undelayed"
+
+
+def _error_ratio(one: xr.Dataset, label: str, condition: int, reference: Reference) -> float:
+    """Return the larger of both people's mean errors relative to what they have without delay or partner."""
+    here = one.isel(condition=condition)
+    if reference == "undelayed":
+        related: tuple[float, float] | None = undelayed_errors(one, float(here.stiffness))
+    else:
+        related = _unconnected_errors(one)
+    if related is None:
         return float("nan")
     errors = here.tracking_error.sel(architecture=label).transpose("trial", "robot").values
-    return float(np.max(_over_trials(np.mean, errors[None])[0] / np.array(undelayed)))
+    return float(np.max(_over_trials(np.mean, errors[None])[0] / np.array(related)))
 
 
 def spring_boundary(dyad: Dyad, extent: tuple[float, float], label: str) -> Boundary:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,11 +25,14 @@ from telespring.show.figures.style import (
     sized_figure,
 )
 
-__all__ = ["COST_CLASSES", "Boundary", "PlanePanel", "PlanePoint", "plane_figure"]
+__all__ = ["COST_CLASSES", "Boundary", "PlanePanel", "PlanePoint", "Reference", "plane_figure"]
 
 Floats = NDArray[np.float64]
 
-#: Errors up to this multiple of the undelayed one, with their marks; the last one is for what is larger.
+#: What errors are relative to: the bare spring without delay at the same stiffness, or no partner.
+Reference: TypeAlias = Literal["undelayed", "unconnected"]
+
+#: Errors up to this multiple of the reference, with their marks; the last one is for what is larger.
 COST_CLASSES: tuple[tuple[float, str, str], ...] = (
     (1.1, COLOURS["green"], "o"),
     (1.3, COLOURS["sky"], "s"),
@@ -46,8 +50,8 @@ class PlanePoint:
     stiffness, delay
         N/m and s, one way.
     ratio
-        The larger of both people's tracking errors, relative to that of the bare spring without delay; NaN if
-        no trial has one.
+        The larger of both people's tracking errors, relative to the figure's reference; NaN if no trial has
+        one.
     failed, trials
         How many of the trials ran away or ended early.
     """
@@ -92,13 +96,15 @@ def plane_figure(
     boundary: Boundary | None = None,
     held: Boundary | None = None,
     figure: Figure | None = None,
+    *,
+    reference: Reference = "undelayed",
 ) -> Figure:
     """Draw what was measured over stiffness and delay, a panel per strategy.
 
     The first panel is that of the bare spring: `boundary` shades where it is stable. `held` is another
     boundary of it, drawn dashed, such as with the handles held. The other panels have both as lines. A mark
-    shows by its shape and colour how much larger the tracking error is than without delay; the number beside
-    it is the ratio, and a cross is drawn through it where trials ran away or ended early.
+    shows by its shape and colour how much larger the tracking error is than that of the `reference`; the
+    number beside it is the ratio, and a cross is drawn through it where trials ran away or ended early.
     """
     points = [point for panel in panels for point in panel.points]
     widest = 1.12 * max(point.stiffness for point in points)
@@ -124,7 +130,7 @@ def plane_figure(
             panel_label(axes, "abcdef"[i], panel.title)
         row[0].set_ylabel("One-way delay δ, ms")
         figure.legend(
-            handles=_legend(points, boundary, held),
+            handles=_legend(points, boundary, held, reference),
             loc="outside upper center",
             ncols=3,
             columnspacing=1.4,
@@ -195,17 +201,18 @@ def _draw_point(axes: Axes, point: PlanePoint) -> None:
 
 
 def _legend(
-    points: Sequence[PlanePoint], boundary: Boundary | None, held: Boundary | None
+    points: Sequence[PlanePoint], boundary: Boundary | None, held: Boundary | None, reference: Reference
 ) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = []
     lower = None
+    related = "the undelayed" if reference == "undelayed" else "that without a partner"
     for limit, colour, marker in COST_CLASSES:
         above = f"above {lower:.4g}" if lower is not None else ""
         words = f"up to {limit:.4g}" if np.isfinite(limit) else above
         lower = limit
         handles.append(
             legend_mark(
-                f"error {words} × the undelayed",
+                f"error {words} × {related}",
                 colour,
                 marker,
                 markersize=6.0,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
+from rich.padding import Padding
 from rich.text import Text
 
 from telespring._quantities import format_count, format_number
@@ -20,9 +22,12 @@ if TYPE_CHECKING:
         Alternative,
         Candidate,
         Comparison,
+        LeftOut,
         Recommendation,
         Rejection,
+        Unconnected,
     )
+    from telespring.comparison.choices import Grounds, Lack
 
 __all__ = ["comparison_screen", "recommendation_sentences"]
 
@@ -38,19 +43,16 @@ def comparison_screen(console: Console, comparison: Comparison) -> None:
     console.print(Text(comparison.name, style="bold"))
     for i, sentence in enumerate(recommendation_sentences(recommendation, data.sizes["network"])):
         if i:
-            console.print(f"  {sentence}", markup=False)
+            console.print(Padding(Text(sentence), (0, 0, 0, 2)))
         else:
-            style = "bold red" if recommendation.candidate is None else "bold green"
+            style = "bold red" if recommendation.recommended is None else "bold green"
             console.print(Text(sentence, style=style))
     console.print()
     console.print(_strategy_table(data, recommendation))
     for line in _ran_away_lines(data):
         console.print(line, markup=False)
-    if comparison.left_out:
-        reasons = "; ".join(
-            f"{name_strategy(left_out.architecture)} ({left_out.reason})" for left_out in comparison.left_out
-        )
-        console.print(f"Left out: {reasons}.", markup=False)
+    for line in _left_out_lines(comparison.left_out):
+        console.print(line, markup=False)
 
 
 def recommendation_sentences(recommendation: Recommendation, networks: int = 1) -> Iterator[str]:
@@ -58,30 +60,68 @@ def recommendation_sentences(recommendation: Recommendation, networks: int = 1) 
     what, plural = "delay", "delays"
     if networks > 1:
         what, plural = "pair of network and delay", "pairs of network and delay"
-    best = recommendation.candidate
+    best, unconnected = recommendation.candidate, recommendation.unconnected
     if best is None:
         yield "NOTHING THAT WAS COMPARED IS SAFE at every delay and on every network."
         yield (
-            "Safe is what the guard limits, or a spring that `telespring decide` calls stable, if no trial "
-            "ran away or ended early."
+            "Safe is what has grounds of its own on each of them, if no trial ran away or ended early; "
+            "docs/strategies.md lists them."
         )
         return
-    yield f"RECOMMENDED: {name_strategy(best.architecture)} at {format_number(best.stiffness)} N/m"
-    yield f"Safe: {_grounds(best)}. None of its trials ran away."
+    choice = f"{name_strategy(best.architecture)} at {format_number(best.stiffness)} N/m"
+    if unconnected.outcome == "worse":
+        yield "WORKING ALONE IS BETTER than every coupling that is safe."
+        yield f"The best of them is {choice}: {_difference_sentence(unconnected)}"
+    else:
+        yield f"RECOMMENDED: {choice}"
+    yield f"Safe: {_GROUNDS[best.grounds]}. None of its trials ran away."
     yield (
         f"Tracking errors of both people {_pair(best.tracking_error)}, and "
         f"{_pair(best.worst_tracking_error)} at the worst of "
         f"{format_count(recommendation.conditions, what, plural)}."
     )
+    if unconnected.outcome == "better":
+        yield f"{_difference_sentence(unconnected).capitalize()}"
+    elif unconnected.outcome == "no difference":
+        yield f"No better than working alone: {_difference_sentence(unconnected)}"
     following = recommendation.next_best
     if following is not None and following.candidate is not None:
         yield _next_sentence(following, following.candidate)
 
 
-def _grounds(candidate: Candidate) -> str:
-    if candidate.grounds == "any network":
-        return "the guard gives out no more energy than it has, on any network"
-    return "the spring is stable at every delay that was compared"
+#: Why a choice is safe.
+_GROUNDS: Mapping[Grounds, str] = MappingProxyType(
+    {
+        "any network": "the guard gives out no more energy than it has, on any network",
+        "stable spring": "the spring is stable at every delay that was compared",
+        "bounded ages": "its dampers are strong enough for every age that was met, and no older one",
+        "honest partner": "on any network, both sides give out no more energy than went in, "
+        "if the partner's program tells the truth about its energy",
+    }
+)
+#: What a strategy lacks for that.
+_LACKS: Mapping[Lack, str] = MappingProxyType(
+    {
+        "stable spring": "spring not stable",
+        "known prediction": "prediction not judged",
+        "force without a computing tick": "force acts a tick late",
+        "force without a lag": "force lags",
+        "exact positions": "positions are rounded",
+        "weaker damper": "damper too strong for the mass",
+        "stronger damper": "damper too weak for the spring",
+        "softer spring": "too stiff for the sample period",
+        "shorter ages": "ages longer than its damper is for",
+    }
+)
+
+
+def _difference_sentence(unconnected: Unconnected) -> str:
+    """Say by how much a choice differs from working alone."""
+    size = f"{1e3 * abs(unconnected.difference):.2f}"
+    if np.isfinite(unconnected.difference_error) and unconnected.difference_error > 0.0:
+        size += f" ± {1e3 * unconnected.difference_error:.2f}"
+    more = "more" if unconnected.difference > 0.0 else "less"
+    return f"{size} mm {more} on average than without a partner ({_pair(unconnected.tracking_error)})."
 
 
 def _next_sentence(following: Alternative, candidate: Candidate) -> str:
@@ -215,8 +255,18 @@ def _why_none(rejections: Sequence[Rejection]) -> str:
     if not rejections:
         return "none"
     softest = min(rejections, key=lambda rejection: rejection.stiffness)
-    words = {"not proven": "nothing proves it"}
-    return f"none: {words.get(softest.objection, softest.objection)}"
+    return f"none: {_LACKS[softest.lack] if softest.lack else softest.objection}"
+
+
+def _left_out_lines(left_out: Sequence[LeftOut]) -> Iterator[str]:
+    """Say which usual strategies the study cannot have, those together that need the same."""
+    needs: dict[tuple[str, str], list[LeftOut]] = {}
+    for each in left_out:
+        needs.setdefault((each.field, each.remedy), []).append(each)
+    for (field, remedy), ones in needs.items():
+        names = ", ".join(name_strategy(each.architecture) for each in ones)
+        why = f"{field} = {ones[0].value}: {ones[0].allowed}. " if len(ones) == 1 else f"{field}: "
+        yield f"Left out: {names}. {why}{remedy}"
 
 
 def _ran_away_lines(data: xr.Dataset) -> Iterator[str]:

@@ -183,7 +183,7 @@ def _describe_attack(decision: Decision) -> list[Text]:
         parts.append(
             f"{name}safe up to {safe}, no attack was found"
             if math.isinf(varying.attack)
-            else f"{name}safe up to {safe}, an attack is known from "
+            else f"{name}safe up to {safe}, an attack is known at "
             f"{format_stiffness(varying.attack, rounding='up')}"
         )
     if not parts:

@@ -533,10 +533,10 @@ impl Endpoint {
         self.begin(now);
     }
 
-    /// The age of the partner's motion that the latest force used, s, as played and before any prediction; `None` if it
-    /// used none.
+    /// The age of the oldest sample in the partner's motion that the latest force used, s, before any prediction; `None` if
+    /// it used none. Where samples are missing between the two that are interpolated, it is older than the played instant.
     pub fn partner_age(&self) -> Option<f64> {
-        self.view.map(|view| view.age)
+        self.view.and(self.playout.oldest_played()).map(Span::seconds)
     }
 
     /// All energy that the partner says it has sent to this side, J: the largest total of each of its sessions.

@@ -98,6 +98,8 @@ struct Played {
     instant: PeerTime,
     /// The instant that was played: earlier if the motion was held.
     shown: PeerTime,
+    /// The age of the oldest sample in it, when it was played.
+    oldest: Span,
 }
 
 impl Playout {
@@ -264,8 +266,13 @@ impl Playout {
         playing.fresh = self.played.is_none_or(|before| playing.time > before.shown);
         // a fixed delay is returned to at once, an adaptive one from where the motion stood still
         let instant = if let Pace::Fixed(_) = self.pace { due } else { playing.time };
-        self.played = Some(Played { at: now, instant, shown: playing.time });
+        self.played = Some(Played { at: now, instant, shown: playing.time, oldest: playing.ages.1 });
         Some(playing)
+    }
+
+    /// The age, when it was played, of the oldest sample in the motion that was played last; `None` before the first.
+    pub fn oldest_played(&self) -> Option<Span> {
+        self.played.map(|before| before.oldest)
     }
 
     /// Counts what was played as used.

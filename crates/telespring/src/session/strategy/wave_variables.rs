@@ -24,6 +24,13 @@ impl WaveSettings {
     pub fn new(stiffness: f64, impedance: f64) -> Self {
         Self { stiffness, impedance, filter: 0.005 }
     }
+
+    /// The damper beside the spring at each end, N·s/m, with this sample period (s): the impedance, or more if the held spring
+    /// of 2k needs it. A held spring creates at most half its stiffness times the square of its change in a period, and this
+    /// damper takes as much.
+    pub fn damper(&self, period: f64) -> f64 {
+        self.impedance.max(self.stiffness * period)
+    }
 }
 
 /// The end of the line at this side, and what travels through it, per axis.
@@ -155,8 +162,7 @@ impl Strategy for WaveVariables {
         let mut line = self.line.unwrap_or_else(|| Self::begin(tick, partner));
         let WaveSettings { stiffness, impedance, .. } = self.settings;
         let spring = 2.0 * stiffness;
-        // a held spring creates at most k/2 times the square of its change: this damper takes as much
-        let damper = impedance.max(0.5 * spring * time);
+        let damper = self.settings.damper(time);
         let force_on = |wave: [f64; 2]| {
             let pull = zip(line.position, tick.own.position, |end, own| spring * (end - own));
             let pull = zip(pull, tick.own.velocity, |pull, velocity| pull - damper * velocity);

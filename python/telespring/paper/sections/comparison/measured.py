@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from telespring._types import FloatArray
 from telespring.analysis.measures import tracking_errors
 from telespring.analysis.trials import Trials
-from telespring.comparison.growth import have_run_away, quarter_errors
+from telespring.comparison.growth import have_run_away, paid_shares, quarter_errors
 from telespring.study.conditions import condition_labels
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["MeasuredRehearsal", "first_trial", "measure_rehearsal", "side_by_side"]
 
 #: What the measures need of a rehearsal; the rest of it, which is larger, stays on the disk.
-_NEEDED = ("position", "target", "status", "ended_at", "limited_share")
+_NEEDED = ("position", "velocity", "coupling_force", "target", "status", "ended_at", "limited_share")
 _OF_A_TRIAL = ("account", "position", "coupling_force")
 
 
@@ -38,6 +39,8 @@ class MeasuredRehearsal:
         Tracking errors, m, (condition, trial, robot); NaN for a trial that ended early.
     quarters
         What `quarter_errors` returns.
+    paid
+        What `paid_shares` returns.
     status
         How the trials ended, (condition, trial), and as the dataset numbers it.
     limited_share
@@ -49,6 +52,7 @@ class MeasuredRehearsal:
     conditions: list[tuple[float, float]]
     errors: FloatArray
     quarters: FloatArray
+    paid: FloatArray
     status: NDArray[np.str_]
     status_numbers: NDArray[np.int8]
     limited_share: FloatArray
@@ -74,11 +78,19 @@ def measure_rehearsal(dataset: Path) -> MeasuredRehearsal:
         conditions=list(zip(trials.stiffness.tolist(), trials.delay.tolist(), strict=True)),
         errors=tracking_errors(trials),
         quarters=quarter_errors(trials),
+        paid=paid_shares(trials, *_losses(needed.attrs)),
         status=trials.status,
         status_numbers=needed.status.values,
         limited_share=needed.limited_share.transpose("condition", "trial", "robot").values,
         target_speed=float(np.hypot(*np.diff(target, axis=0).T).max() / trials.sample_period),
     )
+
+
+def _losses(attributes: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
+    """Return damping (N·s/m) and Coulomb friction (N) of the robots of a rehearsal, (robot, axis)."""
+    robots = json.loads(attributes["robots"])
+    damping = np.array([robot["damping"] for robot in robots], dtype=np.float64)
+    return damping, np.array([robot.get("coulomb", [0.0, 0.0]) for robot in robots], dtype=np.float64)
 
 
 def side_by_side(
@@ -107,7 +119,7 @@ def side_by_side(
     errors, limited = np.full((2, *shape, 2), np.nan)
     for a, parts in enumerate(rehearsals.values()):
         for part in parts:
-            ran_away = have_run_away(part.status, part.quarters, unconnected)
+            ran_away = have_run_away(part.status, part.quarters, unconnected, part.paid)
             for i, condition in enumerate(part.conditions):
                 if np.isfinite(condition[0]):
                     place = (a, 0, conditions.index(condition), slice(part.errors.shape[1]))
