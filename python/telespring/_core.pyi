@@ -22,6 +22,7 @@ from telespring._types import (
     SampledCertificate,
     SolverStatus,
     Tier,
+    TraceFormat,
     Unavailable,
 )
 
@@ -1244,6 +1245,8 @@ class PlayedTrace(_Record):
         sample_period: float,
         ticks: int,
         held_ticks: int,
+        smallest_age: float,
+        largest_age: float,
         newest: FloatArray,
         oldest: FloatArray,
     ) -> PlayedTrace: ...
@@ -1251,6 +1254,8 @@ class PlayedTrace(_Record):
     sample_period: Final[float]
     ticks: Final[int]
     held_ticks: Final[int]
+    smallest_age: Final[float]
+    largest_age: Final[float]
     newest: Final[FloatArray]
     oldest: Final[FloatArray]
     @property
@@ -1264,6 +1269,8 @@ class Trace:
     def __new__(cls, time: ArrayLike, delay: ArrayLike, losses_recorded: bool | None = None) -> Trace: ...
     @staticmethod
     def _read(text: str, name: str, round_trip: bool, is_forward: bool) -> Trace: ...
+    @staticmethod
+    def _format(text: str) -> TraceFormat: ...
     @property
     def time(self) -> FloatArray: ...
     @property

@@ -8,7 +8,7 @@ use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
-use crate::rig::trace::{IrttDelay, TraceUnits, names_round_trips};
+use crate::rig::trace::{IrttDelay, TraceFormat, TraceUnits, names_round_trips};
 use crate::rig::{
     Blackout, GilbertElliott, JitterDistribution, Network, NetworkModel, PacketOrder, RateLimit, Trace,
 };
@@ -23,33 +23,36 @@ pub struct TraceFile {
 }
 
 impl TraceFile {
-    /// The recorded trace in the text of the study's file: a table, or the JSON of IRTT.
+    /// The recorded trace in the text of the study's file: a table, the JSON of IRTT, or the log of `ping -D`.
     ///
     /// Of IRTT's delays it takes the round trip if the study says so, otherwise the one from client to server on the
-    /// way forward and the other on the way backward: the client stands at robot 1.
+    /// way forward and the other on the way backward: the client stands at robot 1. The delays of a ping are round trips
+    /// whatever the study says: where it does not, the trace has half of each, as a way that is not said to be a round trip.
     ///
     /// # Errors
     ///
-    /// As [`Trace::from_csv`] and [`Trace::from_irtt`], with the name of the file; or if a column is named `rtt` and the
-    /// file is not said to have round trips.
+    /// As [`Trace::from_csv`], [`Trace::from_irtt`] and [`Trace::from_ping`], with the name of the file; or if a column is
+    /// named `rtt` and the file is not said to have round trips.
     pub fn trace(&self, text: &str, is_forward: bool) -> Result<Trace> {
-        let read = if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
-            let taken = match (self.is_round_trip, is_forward) {
-                (true, _) => IrttDelay::RoundTrip,
-                (false, true) => IrttDelay::Send,
-                (false, false) => IrttDelay::Receive,
-            };
-            Trace::from_irtt(text, taken)
-        } else if names_round_trips(text) && !self.is_round_trip {
-            Err(InvalidInput::new(
+        let read = match TraceFormat::of(text) {
+            TraceFormat::Irtt => {
+                let taken = match (self.is_round_trip, is_forward) {
+                    (true, _) => IrttDelay::RoundTrip,
+                    (false, true) => IrttDelay::Send,
+                    (false, false) => IrttDelay::Receive,
+                };
+                Trace::from_irtt(text, taken)
+            }
+            TraceFormat::Ping if self.is_round_trip => Trace::from_ping(text),
+            TraceFormat::Ping => Trace::from_ping(text).map(Trace::halved),
+            TraceFormat::Table if names_round_trips(text) && !self.is_round_trip => Err(InvalidInput::new(
                 "trace, column delay",
                 "\"rtt\"",
                 "a round trip is not the delay of one way",
                 "Say that it is a round trip (round_trip = true in a study, --round-trip on the command line), \
                  which takes half of it for each way.",
-            ))
-        } else {
-            Trace::from_csv(text, TraceUnits::default())
+            )),
+            TraceFormat::Table => Trace::from_csv(text, TraceUnits::default()),
         };
         read.map_err(|refusal| InvalidInput { field: format!("{}, {}", self.path, refusal.field), ..refusal })
     }
