@@ -204,7 +204,8 @@ def _judge_places(
             verdict = asked.status(
                 stiffness, delay, (youngest[0], youngest[1]), (oldest[0], oldest[1])
             )
-            grounds, lack = find_grounds(Place(cell.study, stiffness, delay, (oldest[0], oldest[1]), verdict))
+            latest = asked.oldest(delay, (oldest[0], oldest[1]))
+            grounds, lack = find_grounds(Place(cell.study, stiffness, delay, latest, verdict))
             words["verdict"][here], words["grounds"][here], words["lack"][here] = verdict, grounds, lack
     return words
 

@@ -41,7 +41,7 @@ class Place:
     stiffness, delay
         N/m; one way, s.
     oldest
-        Age of the oldest sample that robots 1 and 2 used at any tick, s; NaN where none was used.
+        Age of the oldest sample that robots 1 and 2 may use, s; infinite where nothing bounds it.
     verdict
         What `decide` answers for the bare spring.
     """
@@ -51,6 +51,12 @@ class Place:
     delay: float
     oldest: tuple[float, float]
     verdict: str
+
+    @property
+    def has_forger(self) -> bool:
+        """Whether an adversary hands over other packets than the partner sent."""
+        kinds = {each.kind for each in self.study.adversaries if each is not None}
+        return bool(kinds - {"stretch-timed"})
 
     @cached_property
     def experiment(self) -> Experiment:
@@ -105,6 +111,8 @@ def find_grounds(place: Place) -> tuple[Grounds | Literal[""], Lack | Literal[""
     """
     lack, grounds = STRATEGY_GROUNDS[place.study.session.strategy]
     found = lack(place)
+    if found is None and grounds == "honest partner" and place.has_forger:
+        found = "honest partner"
     return (grounds, "") if found is None else ("", found)
 
 
@@ -126,7 +134,7 @@ def _lack_of_spring(place: Place) -> Lack | None:
 
 
 def _lack_of_injected_damping(place: Place) -> Lack | None:
-    """Apply the rule of bounded delays to the held damper and the ages that were met."""
+    """Apply the rule of bounded delays to the held damper and the oldest samples."""
     if place.study.session.predictor not in _OUTSIDE_OF_THE_LOOP:
         return "known prediction"
     lack = _lack_of_immediate_force(place) or _lack_of_mass(place)

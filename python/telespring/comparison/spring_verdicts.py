@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from telespring._core import Network, Study
 from telespring.decision.decide import decide
 from telespring.decision.question import Question
@@ -56,6 +58,21 @@ class SpringVerdicts:
                 question, stiffness, uncertainty=self._study.uncertainty, compare_free=True
             ).worst_status
         return self._statuses[key]
+
+    def oldest(self, delay: float, longest: tuple[float, float]) -> tuple[float, float]:
+        """Return how old the samples of robots 1 and 2 may be, s; infinite where nothing bounds it.
+
+        `longest` are the ages that were played: those of a recorded trace, and never less.
+        """
+        asked = Question.of_study(self._study, delay=delay)
+        assert asked.ages is not None  # it comes with a study
+        if "unread trace" in asked.unjudged and all(map(math.isfinite, longest)):
+            return longest
+        if asked.unjudged or asked.ages.ages is None:
+            return math.inf, math.inf
+        (_, forward), (_, backward) = asked.ages.ages
+        # Robot 1 receives on the way backward. Without a sample played, fmax leaves what the network makes.
+        return float(np.fmax(backward, longest[0])), float(np.fmax(forward, longest[1]))
 
     def _question(
         self, delay: float, shortest: tuple[float, float], longest: tuple[float, float]
