@@ -210,7 +210,8 @@ fn ref_what_has_no_bound_or_is_not_judged_is_said() {
     assert_eq!((lost.ages, words(&lost).0.as_str()), (None, "loss"));
     assert_eq!(judged("burst = {to_bad = 0.1, to_good = 0}", "").ages, None);
     assert_eq!(judged("blackout = {duration = 101}", "").ages, None);
-    assert_eq!(words(&judged("trace = \"a.csv\"", "")).1, "unread trace");
+    let unread = judged("trace = \"a.csv\"", "");
+    assert_eq!((unread.ages, words(&unread).1.as_str()), (None, "unread trace"));
     assert_eq!(words(&judged("", "predictor = \"linear\"")).1, "predictor");
     assert_eq!(words(&judged("", "predictor = \"shared-target\"")).1, "");
     assert_eq!(words(&judged("", "strategy = \"wave-variables\"")).1, "strategy");
@@ -255,4 +256,21 @@ fn ref_a_promise_of_a_buffer_that_the_playout_breaks_is_refused() {
     for kept in ["\"fixed\"", "{kind = \"fixed\", delay = 0.07}", "{kind = \"fixed\", delay = 0.2}"] {
         Study::from_toml(&text(kept)).unwrap();
     }
+}
+
+/// Damping injection is sized for what is lost and what waits, too.
+#[test]
+fn ref_the_laboratory_counts_on_what_is_missing() {
+    let missing = |network: &str| {
+        let lost = study(&format!("delay = 0.05\n{network}"), "strategy = \"injected-damping\"");
+        lost.laboratory().unwrap().session.missing
+    };
+    assert_eq!(missing("jitter = 0.02"), [0.0; 2]);
+    // six packets in a row, and the period to the next
+    let [forward, backward] = missing("loss = {forward = 0.01}");
+    assert!((forward - 0.007).abs() < 1e-12 && backward == 0.0);
+    // 1.12 ms for a packet behind 100 others; every second one finds the queue full at times
+    let [queued, _] = missing("rate = {bits_per_second = 1e6, queue = 100}");
+    assert!((queued - (101.0 * 1.12e-3 + 2.0 * MS)).abs() < 1e-12, "{queued}");
+    assert_eq!(missing("loss = 1"), [0.0; 2]);
 }

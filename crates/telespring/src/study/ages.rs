@@ -108,8 +108,8 @@ pub struct JudgedNetwork {
     pub has_playout_buffer: bool,
     /// Whether delay, jitter and gap are those that the study states.
     pub is_as_stated: bool,
-    /// The smallest and the largest age of a motion in use at a tick, forward and backward, s; `None` if nothing bounds them.
-    /// Then only what holds on any network is proven.
+    /// The smallest and the largest age of a motion in use at a tick, forward and backward, s; `None` if nothing bounds them,
+    /// or they are not known. Then only what holds on any network is proven.
     pub ages: Option<[[f64; 2]; 2]>,
     /// Constant delays that the network may keep for long, s: if one is unstable, so is the dyad.
     pub lasting: Vec<Delay>,
@@ -185,6 +185,9 @@ impl Study {
             .ages(&mut sources)
         });
         let mut judged = self.with_ages(&stated, ways)?;
+        if unjudged.contains(&Unjudged::UnreadTrace) {
+            judged = JudgedNetwork { ages: None, is_as_stated: false, has_playout_buffer: false, ..judged };
+        }
         sources.0.sort_unstable();
         (judged.sources, judged.unjudged) = (sources.0, unjudged);
         judged.is_guard_predicted = matches!(self.session.strategy, StrategyDesign::Guard(_))

@@ -34,7 +34,7 @@ def decision_details(decision: Decision) -> list[RenderableType]:
     return [
         # They are those of one constant delay.
         *([] if is_varying else _margins(decision)),
-        *([] if not decision.is_bounded else [_describe_delay_budget(decision)]),
+        *([] if is_varying else [_describe_delay_budget(decision)]),
         *_describe_attack(decision),
         *_describe_decay_rate(decision),
         *([] if is_varying else _describe_uncertainty(decision)),
