@@ -97,6 +97,12 @@ fn rate(random: &mut ChaCha8Rng, least: f64, most: f64) -> String {
     format!("rate = {{bits_per_second = {:?}, queue = {}}}\n", 1120.0 / service, random.random_range(0..60))
 }
 
+fn stretch_timed(random: &mut ChaCha8Rng) -> String {
+    let longest = 1e-5 * random.random_range(1..30_000) as f64;
+    let jitter = MS * random.random_range(0..5) as f64;
+    format!("jitter = {jitter:?}\nadversary = {{kind = \"stretch-timed\", longest = {longest:?}}}\n")
+}
+
 fn playout(random: &mut ChaCha8Rng) -> String {
     let later = match random.random_range(0..2) {
         0 => MS * random.random_range(0..150) as f64,
@@ -168,6 +174,11 @@ fn law_trials_keep_the_judged_ages_behind_a_link() {
 }
 
 #[test]
+fn law_trials_keep_the_judged_ages_behind_an_adversary_that_withholds_packets() {
+    assert!(every_network_of(10, stretch_timed) > 0.5);
+}
+
+#[test]
 fn law_trials_keep_the_judged_ages_with_everything_at_once() {
     every_network_of(8, |random| {
         let mut all = String::new();
@@ -208,6 +219,12 @@ fn ref_what_has_no_bound_or_is_not_judged_is_said() {
     };
     let lost = judged("loss = 1", "");
     assert_eq!((lost.ages, words(&lost).0.as_str()), (None, "loss"));
+    for forged in ["oldest-sample", "most-harmful-sample"] {
+        let forged = judged(&format!("adversary = {{kind = \"{forged}\", memory = 0.1}}"), "");
+        assert_eq!((forged.ages, words(&forged)), (None, ("adversary".to_owned(), String::new())));
+    }
+    let liar = judged("adversary = {kind = \"lying-peer\", position = 0.01, stamp = 0, power = 0}", "");
+    assert_eq!((liar.ages, words(&liar).1.as_str()), (None, "lying peer"));
     assert_eq!(judged("burst = {to_bad = 0.1, to_good = 0}", "").ages, None);
     assert_eq!(judged("blackout = {duration = 101}", "").ages, None);
     let unread = judged("trace = \"a.csv\"", "");
