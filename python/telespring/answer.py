@@ -380,7 +380,8 @@ def _answer(
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
     if study is not None:
         said = ages_notes(question.ages, question.stated, is_delay_given=is_delay_given)
-        notes = (*notes, *session_notes(study.session), *said)
+        proven = study.guard_overdraft(1.0).proven_stiffness
+        notes = (*notes, *session_notes(study.session, proven), *said)
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
     if attack_seed is not None and (question.network.is_constant or not question.is_bounded):
         raise InvalidInput(

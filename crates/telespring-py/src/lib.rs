@@ -52,7 +52,7 @@ mod _core {
     #[pymodule_export]
     use crate::adversary::Adversary;
     #[pymodule_export]
-    use crate::architecture::{Architecture, ComparisonPlan};
+    use crate::architecture::{Architecture, ComparisonPlan, GuardOverdraft};
     #[pymodule_export]
     use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]

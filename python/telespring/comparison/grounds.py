@@ -116,8 +116,9 @@ def find_grounds(place: Place) -> tuple[Grounds | Literal[""], Lack | Literal[""
     return (grounds, "") if found is None else ("", found)
 
 
-def _nothing(_place: Place) -> Lack | None:
-    return None
+def _lack_of_guard(place: Place) -> Lack | None:
+    """Check that the account's overdraft is small beside the energy of the robots."""
+    return None if place.study.guard_overdraft(place.stiffness).is_proven else "softer spring"
 
 
 def _lack_of_spring(place: Place) -> Lack | None:
@@ -194,7 +195,7 @@ def _lack_of_damper(place: Place) -> Lack | None:
 STRATEGY_GROUNDS: Mapping[str, tuple[Callable[[Place], Lack | None], Grounds]] = MappingProxyType(
     {
         "spring": (_lack_of_spring, "stable spring"),
-        "guard": (_nothing, "any network"),
+        "guard": (_lack_of_guard, "any network"),
         "injected-damping": (_lack_of_injected_damping, "bounded ages"),
         "wave-variables": (_lack_of_wave_variables, "honest partner"),
         "time-domain-passivity": (_lack_of_an_observer, "honest partner"),
