@@ -3,11 +3,11 @@
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
 use super::Endpoint;
-use crate::session::WatchdogState;
 use crate::session::clock::ClockReport;
 use crate::session::playout::PlayoutReport;
 use crate::session::strategy::{Strategy, StrategyReport};
 use crate::session::wire::Flags;
+use crate::session::{Span, WatchdogState};
 
 /// What a session has done so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
