@@ -227,9 +227,9 @@ def test_law_the_guard_has_grounds_while_its_overdraft_is_small() -> None:
     assert find_grounds(place("guard", 0.999 * limit)) == ("any network", "")
     assert find_grounds(place("guard", 1.001 * limit)) == ("", "softer spring")
     # a computing tick doubles the time for which a force acts
-    late = {"laboratory": {"computing_tick": True}}
-    assert find_grounds(place("guard", 0.2499 * limit, **late)) == ("any network", "")
-    assert find_grounds(place("guard", 0.2501 * limit, **late)) == ("", "softer spring")
+    late = {"computing_tick": True}
+    assert find_grounds(place("guard", 0.2499 * limit, laboratory=late)) == ("any network", "")
+    assert find_grounds(place("guard", 0.2501 * limit, laboratory=late)) == ("", "softer spring")
 
 
 @pytest.mark.parametrize("kind", ["oldest-sample", "most-harmful-sample", "lying-peer", "stretch-timed"])
