@@ -201,9 +201,7 @@ def _judge_places(
             stiffness, delay = schedule.conditions[place]
             assert stiffness is not None  # a comparison has connected conditions only
             here = cell.architecture, cell.network, place
-            verdict = asked.status(
-                stiffness, delay, (youngest[0], youngest[1]), (oldest[0], oldest[1])
-            )
+            verdict = asked.status(stiffness, delay, (youngest[0], youngest[1]), (oldest[0], oldest[1]))
             latest = asked.oldest(delay, (oldest[0], oldest[1]))
             grounds, lack = find_grounds(Place(cell.study, stiffness, delay, latest, verdict))
             words["verdict"][here], words["grounds"][here], words["lack"][here] = verdict, grounds, lack

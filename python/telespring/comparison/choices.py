@@ -19,8 +19,8 @@ __all__ = [
 ]
 
 #: Why a choice is safe: whatever network and partner do; because the spring is stable on every network that
-#: was compared; because its damper is strong enough for the ages that network and play-out make; on any network, if the
-#: partner's program is honest.
+#: was compared; because its damper is strong enough for the ages that network and play-out make; on any
+#: network, if the partner's program is honest.
 Grounds: TypeAlias = Literal["any network", "stable spring", "bounded ages", "honest partner"]
 
 #: What a strategy lacks for its grounds; `docs/strategies.md` has the conditions.
