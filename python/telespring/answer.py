@@ -161,7 +161,7 @@ class Answer:
                 found[2] = ("delay, mean of both ways", 0.5 * sum(decision.delay), "s")
             if decision.varying is None or decision.has_playout_buffer:
                 found.append(("delay limit", decision.delay_limit, "s"))
-            else:
+            elif decision.is_as_stated:
                 found.append(("status with a playout buffer", decision.constant_delay_status, ""))
             return found
         assert self.limits is not None

@@ -261,7 +261,12 @@ class Decision:
 
     @property
     def constant_delay_status(self) -> Status:
-        """The answer at a constant delay, which with jitter or gaps needs a playout buffer."""
+        """The answer at a constant delay, which with jitter or gaps needs a playout buffer.
+
+        Where no buffer can make the delay constant, it is `status`.
+        """
+        if self.varying is not None and not self.is_as_stated:
+            return self.status
         if not self.stable:
             return "unstable" if self.is_instability_proven else "not proven"
         if not self.is_proven:

@@ -13,6 +13,8 @@ from telespring.decision.reserve import RESERVE
 from telespring.model import Study
 from telespring.rehearsal.traces import read_traces
 from telespring.show.decision_json import arm_stability_json, varying_json
+from telespring.show.screens.ages import ages_notes
+from telespring.show.screens.questions import session_notes
 
 __all__ = ["answer_study"]
 
@@ -43,6 +45,9 @@ def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
         "is_buffered": decision.buffered,
         "has_playout_buffer": decision.has_playout_buffer,
         "varying_delay": varying_json(decision.varying),
+        "is_as_stated": decision.is_as_stated,
+        "is_judged": not question.unjudged,
+        "ages_notes": [*session_notes(study.session), *ages_notes(decision.ages, decision.stated)],
         "sample_period": study.network.sample_period,
         "reserve": RESERVE,
         "stiffness_limit": finite_or_none(decision.stiffness_limit),
