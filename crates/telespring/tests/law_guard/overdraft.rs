@@ -43,17 +43,19 @@ impl Device {
     }
 }
 
-/// The deepest overdraft, J, of hands that rest, or move along with the force at 1 m/s, and partners that want everything
-/// and then, from some tick on, nothing.
+/// The deepest overdraft, J, of hands that load the account, rest, or move along with the force, at 1 m/s, and partners that
+/// want everything and then, from some tick on, nothing.
 fn deepest(stiffness: f64, device: (bool, f64), tries: usize, random: &mut ChaCha8Rng) -> f64 {
     let periods = 1.0 + f64::from(u8::from(device.0)) + device.1;
     let unit = 0.5 * stiffness * (PERIOD * periods).powi(2);
     let mut deepest = 0.0_f64;
     for _ in 0..tries {
-        let mut account =
-            EnergyAccount::new(settings(stiffness, unit * random.random_range(0.0..3.0), device)).unwrap();
+        let capacity = unit * random.random_range(0.0..3.0);
+        let mut account = EnergyAccount::new(settings(stiffness, capacity, device)).unwrap();
         let mut machine = Device::default();
-        let starts = random.random_range(0..(3.0 * periods) as usize + 4);
+        let loads =
+            if random.random_bool(0.5) { random.random_range(0..(3.0 * periods) as usize + 4) } else { 0 };
+        let starts = loads + random.random_range(0..(3.0 * periods) as usize + 4);
         let wants_until = starts + random.random_range(0..(2.0 * periods) as usize + 3);
         let sometimes: bool = random.random_bool(0.5);
         for tick in 0..starts + 60 + (8.0 * device.1) as usize {
@@ -61,7 +63,11 @@ fn deepest(stiffness: f64, device: (bool, f64), tries: usize, random: &mut ChaCh
             // a spring that is as long as its force: what the account holds beyond it is sent away
             let wanted = if wants { random.random_range(0.5..2.0) * account.largest_force() } else { 0.0 };
             let [command, _] = account.pay([wanted, 0.0], 0.0);
-            let speed = if tick >= starts { 1.0 } else { 0.0 };
+            let speed = match tick {
+                _ if tick < loads => -1.0,
+                _ if tick < starts => 0.0,
+                _ => 1.0,
+            };
             let mean = machine.mean(command, device);
             account.settle(PERIOD, [speed * PERIOD, 0.0], [mean, 0.0], 0.0);
             deepest = deepest.max(-account.balance());
