@@ -88,7 +88,7 @@ VALID: dict[str, Any] = {
     "velocities": True,
 }
 OWN: dict[str, dict[str, Any]] = {
-    "assess_trace": {"trace": ts.Trace([0.0, 0.01, 0.02], [0.05, 0.05, 0.05])},
+    "assess_trace": {"trace": ts.Trace([0.01 * n for n in range(1000)], [0.05] * 1000)},
     "OperatorRange": {"low": ts.Operator(), "high": ts.Operator(1.0)},
     "solve_dde": {"history": [1.0], "max_steps": 1000},
 }

@@ -23,7 +23,7 @@ def study() -> ts.Study:
     return ts.Study.from_toml(ROBOTS)
 
 
-def steady(delay: float, *, packets: int = 300, period: float = 0.01) -> ts.Trace:
+def steady(delay: float, *, packets: int = 1000, period: float = 0.01) -> ts.Trace:
     return ts.Trace(period * np.arange(packets), np.full(packets, delay))
 
 
@@ -48,8 +48,8 @@ def test_ref_a_constant_delay_between_two_ticks_is_played_at_the_next_one() -> N
 
 def test_ref_two_delays_by_hand() -> None:
     # 90 ms for 200 ms and 110 ms for 100 ms in turn: a play-out of 90 ms holds a motion for 20 ms, then jumps
-    delays = np.where(np.arange(400) // 10 % 3 == 2, 0.11, 0.09)
-    found = ts.assess_trace(ts.Trace(0.01 * np.arange(400), delays), study())
+    delays = np.where(np.arange(1200) // 10 % 3 == 2, 0.11, 0.09)
+    found = ts.assess_trace(ts.Trace(0.01 * np.arange(1200), delays), study())
     short, long = found.playouts
     assert short.delay == short.ages[0][0] == 0.09
     assert short.ages[0][1] == pytest.approx(0.11)
@@ -61,7 +61,7 @@ def test_ref_two_delays_by_hand() -> None:
     assert "constant delay" in long.bounds
     assert found.recommended is long
     # what is late comes at most 20 ms late, and never early
-    played = ts.Trace(0.01 * np.arange(400), delays).play(0.09, 0.001)
+    played = ts.Trace(0.01 * np.arange(1200), delays).play(0.09, 0.001)
     assert played.newest.min() > 0.09
     assert played.oldest.max() == pytest.approx(0.11)
     assert played.share_within(0.09, 0.11 + 1e-9) == 1.0
@@ -69,10 +69,10 @@ def test_ref_two_delays_by_hand() -> None:
 
 def test_law_lost_packets_widen_the_ages_by_the_gap() -> None:
     # every 20th packet is lost, 10 ms long; the others take 50 ms
-    delays = np.full(400, 0.05)
+    delays = np.full(1200, 0.05)
     delays[10::20] = math.nan
-    found = ts.assess_trace(ts.Trace(0.01 * np.arange(400), delays), study())
-    low, high = ts.Trace(0.01 * np.arange(400), delays).play(0.08, 0.001).ages
+    found = ts.assess_trace(ts.Trace(0.01 * np.arange(1200), delays), study())
+    low, high = ts.Trace(0.01 * np.arange(1200), delays).play(0.08, 0.001).ages
     # the packets of one recorded interval are lost, those of a session every ms
     assert low == pytest.approx(0.07, abs=1e-9)
     assert high == pytest.approx(0.09, abs=1e-9)
@@ -131,14 +131,14 @@ def test_law_outages_of_seconds_leave_any_network_and_the_guard() -> None:
 
 
 def test_law_missing_rows_are_losses_up_to_a_time_and_pauses_beyond() -> None:
-    kept = [n for n in range(900) if n % 30 not in (7, 8)]
+    kept = [n for n in range(1200) if n % 30 not in (7, 8)]
     time = 0.01 * np.array(kept)
     time[time > 5.0] += 20.0
     trace = ts.Trace(time, np.full(time.size, 0.04))
     found = ts.assess_trace(trace, study())
     [way] = found.ways
     assert way.missing is not None
-    assert (way.missing.lost, way.missing.steps, way.missing.pauses) == (60, 30, 1)
+    assert (way.missing.lost, way.missing.steps, way.missing.pauses) == (80, 40, 1)
     assert way.missing.longest_pause == pytest.approx(20.01)
     assert way.statistics.burst_length == 2.0
     assert found.recommended.tier == "age in a range"
@@ -174,7 +174,7 @@ def test_law_hands_that_may_let_go_count_as_free() -> None:
 def test_law_the_ways_of_a_measurement_with_two_clocks_are_judged_apart() -> None:
     one, other = steady(0.03), steady(0.07)
     found = ts.assess_trace((one, other), study())
-    assert [len(way.trace) for way in found.ways] == [300, 300]
+    assert [len(way.trace) for way in found.ways] == [1000, 1000]
     best = found.recommended
     # one play-out serves both ways: that of the slower one
     assert (best.delay, best.ages) == (0.07, ((0.07, 0.07), (0.07, 0.07)))
@@ -243,8 +243,3 @@ def test_law_what_is_no_trace_is_refused(time: list[float], delay: list[float], 
     with pytest.raises(ts.InvalidInput) as refused:
         ts.Trace(time, delay)
     assert refused.value.field == field
-
-
-def test_law_a_trace_shorter_than_its_delays_is_refused() -> None:
-    with pytest.raises(ts.InvalidInput, match="Record for longer"):
-        ts.assess_trace(steady(0.5, packets=10), study())

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 
-__all__ = ["Line", "TextLines", "text_lines", "uncommented"]
+__all__ = ["Line", "TextLines", "read_text", "text_lines", "uncommented"]
 
 _COMMENT_MARKS = ("#", "%", "//")
 #: The first line of a file for Excel may name the separator.
@@ -62,9 +62,7 @@ def text_lines(path: Path, file: str) -> TextLines:
 
     UTF-8, UTF-16 and the Windows code page are read. A quoted field that runs over several lines stays one.
     """
-    text = _decode(path.read_bytes(), file)
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    text = read_text(path, file)
     lines = text.split("\n")
     numbers = np.arange(1, len(lines) + 1)
     named = _EXCEL_SEPARATOR.fullmatch(lines[0].strip())
@@ -85,6 +83,15 @@ def text_lines(path: Path, file: str) -> TextLines:
     comments = [Line(int(numbers[i]), lines[i]) for i in found]
     table, numbers = _without(lines, numbers, found)
     return TextLines(table, numbers, comments, named[1] if named else None, is_quoted)
+
+
+def read_text(path: Path, file: str) -> str:
+    """Read a text file whose lines end in any way; `file` names it in a refusal.
+
+    UTF-8 and UTF-16, with a byte order mark or without, and the Windows code page are read.
+    """
+    text = _decode(path.read_bytes(), file)
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
 def _without(

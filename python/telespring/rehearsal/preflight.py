@@ -18,6 +18,7 @@ __all__ = [
     "LossWarning",
     "PreflightWarning",
     "ReachWarning",
+    "TraceWarning",
     "preflight_warnings",
 ]
 
@@ -47,6 +48,18 @@ class LossWarning:
 
 
 @dataclass(frozen=True)
+class TraceWarning:
+    """Delays of conditions (s, each once) that are not those of the network, which is a recorded trace.
+
+    `use` is what they are: "play-out", the age at which a motion is played, or "none", where the session's
+    play-out has a delay of its own or follows the network.
+    """
+
+    delays: tuple[float, ...]
+    use: Literal["play-out", "none"]
+
+
+@dataclass(frozen=True)
 class ReachWarning:
     """The target comes close to a limit of a two-link arm's reach, or passes it.
 
@@ -71,7 +84,7 @@ class ReachWarning:
     position: tuple[float, float]
 
 
-PreflightWarning: TypeAlias = JitterWarning | LateWarning | LossWarning | ReachWarning
+PreflightWarning: TypeAlias = JitterWarning | LateWarning | LossWarning | ReachWarning | TraceWarning
 
 
 def preflight_warnings(study: Study, modules: Path | None = None) -> list[PreflightWarning]:
@@ -100,11 +113,14 @@ def preflight_warnings(study: Study, modules: Path | None = None) -> list[Prefli
     if settings.loss >= 1.0:
         warnings.append(LossWarning())
     playout = study.session.playout_delay
+    delays = sorted({delay for stiffness, delay in experiment.conditions if stiffness})
     # a recorded trace has its own delays
-    if playout is not None and experiment.trace_files == (None, None):
-        longest = max((delay for stiffness, delay in experiment.conditions if stiffness), default=0.0)
-        if playout < longest:
-            warnings.append(LateWarning(playout, longest))
+    if experiment.trace_files != (None, None):
+        is_used = playout is None and study.session.playout == "fixed"
+        if len(delays) > 1 or (delays and not is_used and delays != [playout]):
+            warnings.append(TraceWarning(tuple(delays), "play-out" if is_used else "none"))
+    elif playout is not None and delays and playout < delays[-1]:
+        warnings.append(LateWarning(playout, delays[-1]))
     if any(arm.kind == "two-link" for arm in experiment.arms):
         path = target_path(experiment, modules)
         for number, arm in enumerate(experiment.arms, start=1):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from telespring._core import Experiment, Laboratory, Study
-from telespring._errors import InvalidInput
+from telespring._tables import read_text
 
 __all__ = ["RecordedTraces", "read_traces"]
 
@@ -44,7 +44,7 @@ class RecordedTraces:
 def read_traces(source: Experiment | Study, folder: Path | None) -> RecordedTraces:
     """Read the recorded traces that an experiment or a study names, relative to the folder of the study.
 
-    InvalidInput where a file is not text in UTF-8, OSError where it cannot be read. Their content is checked
+    InvalidInput where a file is not text, OSError where it cannot be read. Their content is checked
     with the laboratory.
 
     Examples
@@ -61,13 +61,4 @@ def read_traces(source: Experiment | Study, folder: Path | None) -> RecordedTrac
 def _read(name: str | None, folder: Path | None) -> str | None:
     if name is None:
         return None
-    content = (Path() if folder is None else folder).joinpath(name).read_bytes()
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        raise InvalidInput(
-            "network.trace",
-            name,
-            "a recorded trace is text in UTF-8: a table, or the JSON of IRTT",
-            "Save it in that encoding.",
-        ) from None
+    return read_text((Path() if folder is None else folder).joinpath(name), f"network.trace, {name}")

@@ -25,12 +25,14 @@ def trace_json(found: TraceAssessment) -> dict[str, Any]:
                 "duration": way.trace.duration,
                 "missing_rows": None if way.missing is None else asdict(way.missing),
                 "fit": way.fit.to_dict(),
+                "evidence": asdict(way.evidence),
             }
             for way in found.ways
         ],
         "sample_period": found.sample_period,
         "playouts": [_choice_json(choice) for choice in found.playouts],
-        "recommended": _choice_json(best) | {"guard": found.needs_guard, "settings": found.settings()},
+        "recommended": _choice_json(best)
+        | {"guard": found.needs_guard, "stiffness": found.stiffness, "settings": found.settings()},
         "guarded": _choice_json(found.guarded),
         "guard_stiffness": found.guard_stiffness,
         "recommended_if_paused": None if paused is None else _choice_json(paused),

@@ -2,6 +2,7 @@
 
 from telespring._core import BurstFit, JitterFit, PlayedTrace, Trace, TraceFit, TraceStatistics
 from telespring.traces.assessment import RecordedWay, TraceAssessment, assess_trace
+from telespring.traces.evidence import TraceEvidence
 from telespring.traces.missing_rows import MissingRows
 from telespring.traces.playouts import PlayoutChoice
 from telespring.traces.reading import read_trace
@@ -15,6 +16,7 @@ __all__ = [
     "RecordedWay",
     "Trace",
     "TraceAssessment",
+    "TraceEvidence",
     "TraceFit",
     "TraceStatistics",
     "assess_trace",

@@ -9,8 +9,9 @@ from telespring._arrays import as_number, quoted_value
 from telespring._core import Trace, TraceFit, TraceStatistics, usual_range
 from telespring._errors import InvalidInput
 from telespring.decision.question import Question, are_axes_independent
-from telespring.decision.usable import LONGEST_USUAL_DELAY
-from telespring.model import Study
+from telespring.decision.usable import LONGEST_USUAL_DELAY, recommended_stiffness, round_limit
+from telespring.model import Network, Study
+from telespring.traces.evidence import TraceEvidence, check_evidence
 from telespring.traces.missing_rows import MissingRows, complete_trace
 from telespring.traces.playouts import (
     PlayoutChoice,
@@ -43,12 +44,15 @@ class RecordedWay:
         What the trace shows.
     fit
         The emulator's models that fit it.
+    evidence
+        How much was recorded, and what that cannot show.
     """
 
     trace: Trace
     missing: MissingRows | None
     statistics: TraceStatistics
     fit: TraceFit
+    evidence: TraceEvidence
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ class TraceAssessment:
     ----------
     ways
         What was recorded: of one way, which counts for both, or of forward and backward.
+    study
+        The study whose robots, operators and controllers were judged.
     question
         The robots, their operators and the timing of their controllers.
     sample_period
@@ -83,6 +89,7 @@ class TraceAssessment:
     """
 
     ways: tuple[RecordedWay, ...]
+    study: Study
     question: Question
     sample_period: float
     playouts: tuple[PlayoutChoice, ...]
@@ -99,11 +106,26 @@ class TraceAssessment:
         """Whether the trace that was judged differs from the recorded one by missing rows."""
         return any(way.missing is not None for way in self.ways)
 
+    @property
+    def stiffness(self) -> float | None:
+        """The stiffness to use, N/m, rounded down to four digits; None if nothing is proven.
+
+        With the guard it is that for 99 % of the time, where that is the larger one.
+        """
+        best = self.recommended
+        usable = best.usable_stiffness
+        if self.needs_guard:
+            usable = max(usable, best.mostly_usable_stiffness)
+        stiffness = recommended_stiffness(usable)
+        return round_limit(stiffness) if stiffness else None
+
     def settings(self) -> dict[str, Any]:
         """Return the keys of a study's sections `[network]` and `[session]`, for `Study.replace`.
 
         Delay and jitter are the ages as played, which `decide` judges. Outages are longer than what is usual:
-        then `allow_unusual` is among the keys.
+        then `allow_unusual` is among the keys. So is the sample period, unless it is what a study has that
+        says nothing about it. The trace itself is not: `recommended_study` has it. Robots that cannot be
+        rehearsed, because they have not two axes, have no session.
         """
         (forward, backward), jitter = self.recommended.network
         network: dict[str, Any] = {
@@ -113,8 +135,60 @@ class TraceAssessment:
             network["jitter"] = jitter
         session: dict[str, Any] = {"strategy": "guard"} if self.needs_guard else {}
         session["playout"] = {"kind": "fixed", "delay": self.recommended.delay}
+        can_rehearse = self.study.experiment is not None
         is_usual = max(forward, backward) <= LONGEST_USUAL_DELAY and jitter <= usual_range("time span")[1]
-        return {**({} if is_usual else {"allow_unusual": True}), "network": network, "session": session}
+        period = self.question.network.sample_period
+        is_default = period == _network_of(self.study.replace(controller=None)).sample_period
+        return {
+            **({} if is_usual else {"allow_unusual": True}),
+            "network": network,
+            **({"session": session} if can_rehearse else {}),
+            **({} if is_default else {"controller": {"sample_period": period}}),
+        }
+
+    def recommended_study(self, file: str, *, round_trip: bool = False) -> Study:
+        """Return a whole study of what is recommended, which `decide` and `rehearse` take as it is.
+
+        Robots, operators, controllers and the laboratory are those of the study that was judged. The network
+        is the trace and nothing else. The protocol has one connected condition: `stiffness`, or with the
+        guard the study's own if it has one, and the delay of the play-out. Robots that have not two axes
+        cannot be rehearsed: their network is the ages as played.
+
+        Parameters
+        ----------
+        file : str
+            The file of the trace, as the study names it: relative to its folder. It must record its losses:
+            write `ways[0].trace.to_csv()` where lost packets have no rows.
+        round_trip : bool
+            Whether the delays in the file are round trips.
+
+        Returns
+        -------
+        Study
+            The study; `to_toml` writes it.
+
+        Examples
+        --------
+        >>> import telespring as ts
+        >>> trace = ts.Trace([0.01 * n for n in range(1000)], [0.09 + 0.005 * (n % 2) for n in range(1000)])
+        >>> study = ts.assess_trace(trace).recommended_study("uplink.csv")
+        >>> study.session.playout_delay, study.stiffness
+        (0.095, 98.55)
+        >>> [delay for stiffness, delay in study.experiment.conditions if stiffness]
+        [0.095]
+        """
+        changes: dict[str, Any] = {**self.settings(), "name": f"{self.study.name} over {file}"}
+        stiffness = self.stiffness
+        if self.needs_guard and self.study.has_stiffness:
+            stiffness = self.study.stiffness
+        if stiffness is not None:
+            changes["coupling"] = {"stiffness": stiffness}
+        if self.study.experiment is not None:
+            changes["network"]["trace"] = {"file": file, "round_trip": round_trip}
+            if stiffness is not None:
+                condition = {"stiffness": stiffness, "delay": self.recommended.delay}
+                changes["protocol"] = {"stiffness": None, "delay": None, "conditions": [condition]}
+        return self.study.replace(network=None, session=None, comparison=None).replace(**changes)
 
 
 def assess_trace(
@@ -123,13 +197,14 @@ def assess_trace(
     *,
     longest_loss: float | None = None,
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    allow_unusual: bool = False,
 ) -> TraceAssessment:
     """Find the play-out delay and the stiffness that a recorded trace of a network deserves.
 
-    A session is played over the trace behind fixed play-outs: a packet in every sample period, each with
-    the delay and the fate of the recorded packet that was sent last before it. The ages of the motion that is
-    then in use say which verdicts hold, and up to which stiffness: for a network that does no worse than the
-    recording.
+    A session is played over the trace, once round a circle, behind fixed play-outs: a packet in every sample
+    period, each with the delay and the fate of the recorded packet that was sent last before it. The ages of
+    the motion that is then in use say which verdicts hold, and up to which stiffness: for a network that does
+    no worse than the recording.
 
     Parameters
     ----------
@@ -144,6 +219,8 @@ def assess_trace(
         default is 1 s, or ten periods if they are longer.
     records : pair of RobotRecord, optional
         What identification recorded about the robots.
+    allow_unusual : bool
+        Accept times and delays whose unit is probably another one.
 
     Returns
     -------
@@ -153,14 +230,15 @@ def assess_trace(
     Raises
     ------
     InvalidInput
-        If an argument has another type, or the trace is too short to play.
+        If an argument has another type, the trace has fewer than 299 packets or 10 s, or its times or delays
+        are longer than any network's.
 
     Examples
     --------
     Every packet takes 90 or 95 ms. A play-out of 95 ms makes the delay constant:
 
     >>> import telespring as ts
-    >>> numbers = range(200)
+    >>> numbers = range(1000)
     >>> trace = ts.Trace([0.01 * n for n in numbers], [0.09 + 0.005 * (n % 2) for n in numbers])
     >>> found = ts.assess_trace(trace)
     >>> best = found.recommended
@@ -170,19 +248,21 @@ def assess_trace(
     (103.5, 98.6)
     """
     traces = _both_ways(trace)
-    _check_arguments(study, records)
+    _check_arguments(study, records, allow_unusual)
     if longest_loss is not None:
         longest_loss = as_number("longest_loss", longest_loss)
     if study is None:
         study = Study.paper().replace(coupling=None, network=None, controller=None)
-    network = study.replace(network={"delay": 0.0}).network
+    network = _network_of(study)
     question = Question.of(study, network, has_playout_buffer=False)
     errors = RobotErrors(study.uncertainty, records)
     period = network.sample_period or _PACKETS
     completed = _complete(traces, longest_loss)
+    different = completed[:1] if completed[0] is completed[1] else completed
+    evidence = [check_evidence(one, allow_unusual=allow_unusual) for one, _ in different]
     ways = tuple(
-        RecordedWay(one, missing, one.statistics(), one.fit())
-        for one, missing in (completed[:1] if completed[0] is completed[1] else completed)
+        RecordedWay(one, missing, one.statistics(), one.fit(), shown)
+        for (one, missing), shown in zip(different, evidence, strict=True)
     )
     useful = longest_useful([way.trace for way in ways])
 
@@ -199,6 +279,7 @@ def assess_trace(
         if_paused = best_playout(judge(forward[0], backward[0]), useful)
     return TraceAssessment(
         ways,
+        study,
         question,
         period,
         playouts,
@@ -211,6 +292,11 @@ def assess_trace(
         if_paused,
         are_axes_independent(records),
     )
+
+
+def _network_of(study: Study) -> Network:
+    """Return the timing of a study's controllers, on a network without delay."""
+    return study.replace(network={"delay": 0.0}).network
 
 
 def _both_ways(trace: object) -> tuple[Trace, Trace]:
@@ -228,8 +314,12 @@ def _both_ways(trace: object) -> tuple[Trace, Trace]:
     )
 
 
-def _check_arguments(study: object, records: object) -> None:
-    """Refuse what is no study, or no pair of robot records."""
+def _check_arguments(study: object, records: object, allow_unusual: object) -> None:
+    """Refuse what is no study, no pair of robot records, or neither true nor false."""
+    if not isinstance(allow_unusual, bool):
+        raise InvalidInput(
+            "allow_unusual", quoted_value(allow_unusual), "True or False is required", "Write one of them."
+        )
     if not isinstance(study, Study | None):
         raise InvalidInput(
             "study", quoted_value(study), "a Study is required", "Read one with telespring.Study.read."

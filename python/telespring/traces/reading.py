@@ -2,13 +2,48 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from telespring._arrays import quoted_value
 from telespring._core import Trace
 from telespring._errors import InvalidInput
+from telespring._tables import read_text
 
-__all__ = ["is_irtt", "read_trace"]
+if TYPE_CHECKING:
+    from telespring._types import TraceFormat
+
+__all__ = ["TraceRecording", "read_recording", "read_trace"]
+
+
+@dataclass(frozen=True)
+class TraceRecording:
+    """A file with a recorded trace of a network.
+
+    Attributes
+    ----------
+    traces
+        One way, which counts for both, or the ways forward and backward.
+    format
+        What the file is: "table", "irtt" or "ping".
+    is_halved
+        Whether its delays are round trips, of which a way has half.
+    """
+
+    traces: Trace | tuple[Trace, Trace]
+    format: TraceFormat
+    is_halved: bool
+
+
+def read_recording(path: Path, *, round_trip: bool = False) -> TraceRecording:
+    """Read what a file has recorded: both ways where it has them, and is not to be taken as round trips."""
+    text = read_text(path, path.name)
+    form = Trace._format(text)
+    forward = Trace._read(text, path.name, round_trip, True)
+    if form == "irtt" and not round_trip:
+        return TraceRecording((forward, Trace._read(text, path.name, round_trip, False)), form, False)
+    return TraceRecording(forward, form, round_trip or form == "ping")
 
 
 def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = False) -> Trace:
@@ -16,8 +51,8 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
 
     A table has a header with the columns `time` (of sending), `delay` and, if lost packets have rows, `lost`.
     The unit is part of the name: `time_s`, `delay(ms)`. Commas, semicolons, tabs or blanks separate the
-    columns; others are ignored. Or the file is the JSON that `irtt client -o` writes. docs/networks.md has
-    the details.
+    columns; others are ignored. Or the file is the JSON that `irtt client -o` writes, or the log of
+    `ping -D`. docs/networks.md has the details.
 
     Parameters
     ----------
@@ -25,10 +60,10 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
         The file.
     round_trip : bool
         Whether the delays are round trips: the trace has half of each, which is right only if both ways take
-        equally long. Of IRTT's delays it takes the round trips.
+        equally long. Of IRTT's delays it takes the round trips. The delays of a ping always are round trips.
     backward : bool
         Whether to take the way from the server to the client of IRTT's delays, not that from the client to
-        the server. Without meaning for a table.
+        the server. Without meaning for a table and a ping.
 
     Returns
     -------
@@ -38,7 +73,7 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
     Raises
     ------
     InvalidInput
-        If the file is no such table or JSON; the refusal names the line.
+        If the file is no such table, JSON or log; the refusal names the line.
     OSError
         If the file cannot be read.
 
@@ -59,24 +94,4 @@ def read_trace(path: str | Path, *, round_trip: bool = False, backward: bool = F
         raise InvalidInput(
             "path", quoted_value(path), "the name of a file is required", "Give it as text or as a Path."
         ) from None
-    content = path.read_bytes()
-    for encoding in ("utf-8", "utf-16") if content[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8",):
-        try:
-            text = content.decode(encoding)
-            break
-        except UnicodeDecodeError:
-            continue
-    else:
-        raise InvalidInput(
-            "trace",
-            path.name,
-            "a recorded trace is text in UTF-8: a table, or the JSON of IRTT",
-            "Save it in that encoding.",
-        )
-    return Trace._read(text, path.name, round_trip, not backward)
-
-
-def is_irtt(path: Path) -> bool:
-    """Return whether a file is JSON, as IRTT writes it, rather than a table."""
-    with path.open("rb") as file:
-        return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+    return Trace._read(read_text(path, path.name), path.name, round_trip, not backward)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from telespring._types import FloatArray
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, panel_label
@@ -89,7 +89,7 @@ def _draw_delays(axes: Axes, panels: TracePanels) -> None:
     axes.set_xlabel("Time of sending, s")
     axes.set_ylabel("Delay, ms")
     axes.legend(loc="upper right", ncols=3, bbox_to_anchor=(1.0, 1.14), borderaxespad=0.0)
-    panel_label(axes, "a", panels.name)
+    panel_label(axes, "a", f"delay of each packet{f', {panels.name}' if panels.name else ''}")
 
 
 def _draw_distribution(axes: Axes, panels: TracePanels) -> None:
@@ -103,7 +103,7 @@ def _draw_distribution(axes: Axes, panels: TracePanels) -> None:
     _log_scale(axes, "x", delay)
     axes.set_xlabel("Delay, ms")
     axes.set_ylabel("Share of packets that take longer")
-    axes.legend(loc="lower left")
+    axes.legend(loc="best")
     panel_label(axes, "b", "distribution and fits")
 
 
@@ -143,7 +143,10 @@ def _log_scale(axes: Axes, which: str, values: FloatArray) -> None:
     if low > 0.0 and high > 8.0 * low:
         axis = axes.xaxis if which == "x" else axes.yaxis
         axes.set(**{f"{which}scale": "log"})
+        # a range of one decade needs marks within it, and all of them in whole numbers
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(ScalarFormatter())
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _extremes(time: FloatArray, delay: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,14 @@ from rich.markup import escape
 from rich.text import Text
 
 from telespring._core import Architecture
-from telespring.rehearsal.preflight import JitterWarning, LateWarning, LossWarning, PreflightWarning
+from telespring.rehearsal.preflight import (
+    JitterWarning,
+    LateWarning,
+    LossWarning,
+    PreflightWarning,
+    TraceWarning,
+)
+from telespring.show.quantities import format_time
 from telespring.show.screens.arms import describe_arm_stability, describe_arm_verdict
 from telespring.show.strategies import describe_strategy, name_strategy
 
@@ -51,6 +58,14 @@ def preflight_sentence(warning: PreflightWarning) -> str:
             f"session.playout delay = {warning.playout:g} s is shorter than a delay of {warning.delay:g} s "
             "of the network: over it every motion comes after its time, and the latest one is held."
         )
+    if isinstance(warning, TraceWarning):
+        delays = ", ".join(format_time(delay, 3) for delay in warning.delays)
+        what = (
+            "say only when a motion is played"
+            if warning.use == "play-out"
+            else "change nothing, because session.playout has its own"
+        )
+        return f"network.trace: the recorded trace has delays of its own; the conditions' ({delays}) {what}."
     is_far = warning.limit == "farthest"
     limit, past = ("full reach", "beyond") if is_far else ("shortest reach", "inside")
     room = 1e3 * warning.room

@@ -16,9 +16,10 @@ from telespring.traces.playouts import MOSTLY
 
 if TYPE_CHECKING:
     from telespring._types import Tier
-    from telespring.traces import MissingRows, PlayoutChoice, RecordedWay, TraceAssessment
+    from telespring.traces import MissingRows, PlayoutChoice, RecordedWay, TraceAssessment, TraceEvidence
+    from telespring.traces.reading import TraceRecording
 
-__all__ = ["study_lines", "trace_screen"]
+__all__ = ["study_lines", "taken_delays", "trace_screen", "written_lines"]
 
 #: The columns of the tiers, the weakest first, and their headings.
 _TIERS: tuple[tuple[Tier, str], ...] = (
@@ -70,19 +71,32 @@ def _recorded(way: RecordedWay, label: str) -> list[RenderableType]:
         lines.append(_missing(way.missing))
     lines.append(f"Delay: median {_ms(shown.median)}, {quantiles}, longest {_ms(shown.maximum)}.")
     lines += _fits(way)
-    return [Text(line) for line in lines]
+    return [*(Text(line) for line in lines), *(Text(line, style="yellow") for line in _doubts(way.evidence))]
+
+
+def _doubts(evidence: TraceEvidence) -> list[str]:
+    """Say what the recording cannot show."""
+    rarest = format_number(1.0 / evidence.missed_share, 2, rounding="down")
+    every = format_time(evidence.missed_every, 2)
+    what = ": record longer" if "short" in evidence.doubts else ""
+    lines = [f"It may miss an outage every {every}, or 1 packet in {rarest} (risk 5 %){what}."]
+    if "slow" in evidence.doubts:
+        lines.append("Slow: what happens between two packets is unknown. Record as often as you will send.")
+    if "delays below 1 ms" in evidence.doubts:
+        lines.append("All delays are below 1 ms. If the column is in s, name it delay_s.")
+    return lines
 
 
 def _missing(missing: MissingRows) -> str:
     """Say how missing rows were understood."""
     parts = []
     if missing.lost:
-        parts.append(f"{format_count(missing.lost, 'packet')} without a row taken as lost")
+        verb = "is a loss" if missing.lost == 1 else "are losses"
+        parts.append(f"{format_count(missing.lost, 'missing row')} {verb}")
     if missing.pauses:
+        verb = "" if missing.lost else "is " if missing.pauses == 1 else "are "
         steps = f"{format_count(missing.pauses, 'step')} of up to {format_time(missing.longest_pause, 3)}"
-        parts.append(f"{steps} as {'a pause' if missing.pauses == 1 else 'pauses'} of the sender")
-        if not missing.lost:
-            parts[0] = parts[0].replace(" as ", " taken as ")
+        parts.append(f"{steps} {verb}{'a pause' if missing.pauses == 1 else 'pauses'}")
     return f"{', '.join(parts)} (--longest-loss)."
 
 
@@ -108,10 +122,10 @@ def _fits(way: RecordedWay) -> list[str]:
             f"{format_number(fit.burst.to_good, 3)} per packet of {_ms(shown.interval)}; distance "
             f"{fit.burst.distance:.3f}."
         )
-    if shown.autocorrelation > _CORRELATED:
+    if fit.jitter and shown.autocorrelation > _CORRELATED:
         lines.append(
-            f"Successive delays are correlated ({shown.autocorrelation:.2f}): the fits have the right "
-            "delays, but not as long in a row. Play the trace."
+            f"Successive delays are correlated ({shown.autocorrelation:.2f}): "
+            "do not rehearse a fit, play the trace."
         )
     return lines
 
@@ -186,6 +200,21 @@ def _recommendation(found: TraceAssessment) -> list[Text]:
     return parts
 
 
+def taken_delays(recording: TraceRecording) -> str:
+    """Say which delays of a file were taken."""
+    if recording.is_halved:
+        return "half of each round trip, for both ways"
+    if isinstance(recording.traces, tuple):
+        return "both ways"
+    return "delays as recorded, for both ways (--round-trip halves them)"
+
+
+def written_lines(study: str, *, can_rehearse: bool) -> list[str]:
+    """Say where the whole study is, and which commands take it."""
+    commands = ["decide", "rehearse"] if can_rehearse else ["decide"]
+    return [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
+
+
 def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_completed: bool) -> list[str]:
     """Return the lines of a study's sections; the trace that was judged need not be that in the file."""
     trace = f'"{file}"' if not is_round_trip else f'{{file = "{file}", round_trip = true}}'
@@ -196,12 +225,14 @@ def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_
             continue
         lines.append(f"[{section}]")
         lines += [f"{key} = {_toml(value)}" for key, value in values.items()]
-        if section == "network":
+        # only robots with two axes have a session, and can be rehearsed on a trace
+        if section == "network" and "session" in settings:
             lines.append(
                 "# trace = …: the lost packets have no rows; write them with --out TRACE.csv"
                 if is_completed
                 else f"trace = {trace}"
             )
+    lines.append("# a whole study, with robots: --out-study STUDY.toml")
     return lines
 
 
