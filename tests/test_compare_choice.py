@@ -56,7 +56,7 @@ def comparison(errors: dict[str, tuple[float, float]], trials: int = 3) -> xr.Da
         {
             "tracking_error": (per_robot, error),
             **dict.fromkeys(("limited_share", "withheld_share", "force_fidelity"), (per_robot, 0.1 * ones)),
-            **dict.fromkeys(("energy_final", "energy_minimum"), (per_trial, ones[..., 0])),
+            **dict.fromkeys(("coupling_energy", "coupling_energy_minimum"), (per_trial, ones[..., 0])),
             **{
                 name: ((*PLACE, "robot"), age * ones[..., 0, :])
                 for name, age in (("age_low", 0.05), ("age_mean", 0.06), ("age_high", 0.09))

@@ -222,6 +222,28 @@ def test_law_a_spring_too_stiff_for_the_sample_period_has_no_grounds(strategy: s
     assert find_grounds(place(settings, 1.001 * limit))[1] == "softer spring"
 
 
+def test_law_the_guard_has_grounds_while_its_overdraft_is_small() -> None:
+    limit = 0.1 * 0.7776 / PERIOD**2
+    assert find_grounds(place("guard", 0.999 * limit)) == ("any network", "")
+    assert find_grounds(place("guard", 1.001 * limit)) == ("", "softer spring")
+    # a computing tick doubles the time for which a force acts
+    late = {"laboratory": {"computing_tick": True}}
+    assert find_grounds(place("guard", 0.2499 * limit, **late)) == ("any network", "")
+    assert find_grounds(place("guard", 0.2501 * limit, **late)) == ("", "softer spring")
+
+
+@pytest.mark.parametrize("kind", ["oldest-sample", "most-harmful-sample", "lying-peer", "stretch-timed"])
+def test_law_behind_one_who_forges_packets_no_partner_is_honest(kind: str) -> None:
+    keys: dict[str, float] = {"stretch-timed": {"longest": 0.1}}.get(kind, {"memory": 0.1})
+    if kind == "lying-peer":
+        keys = {"position": 0.01, "stamp": 0.0, "power": 0.0}
+    network = {"adversary": {"backward": {"kind": kind, **keys}}}
+    expected = ("honest partner", "") if kind == "stretch-timed" else ("", "honest partner")
+    for strategy in ("wave-variables", "two-layer"):
+        assert find_grounds(place(strategy, network=network)) == expected
+    assert find_grounds(place("guard", network=network)) == ("any network", "")
+
+
 def test_law_the_ends_of_the_intervals_count() -> None:
     """A robot of 0.7776 kg with a standard deviation of 0.1 kg may have 0.58 kg."""
     robot = {"mass": [0.8, 0.8], "damping": [7.0, 7.0], "mass_sd": [0.1, 0.1]}

@@ -16,34 +16,44 @@ STUDY = ts.Study.paper().replace(controller={"sample_period": 0.001}, network={"
 
 def of_ages(shortest: tuple[float, float], longest: tuple[float, float]) -> ts.Network:
     """Return a network with these ages at robots 1 and 2; robot 1 receives on the way backward."""
-    jitter = max(high - low for low, high in zip(shortest, longest, strict=True))
-    return ts.Network((shortest[1], shortest[0]), jitter=jitter, sample_period=0.001)
+    jitters = longest[1] - shortest[1], longest[0] - shortest[0]
+    return ts.Network((shortest[1], shortest[0]), jitter=jitters, sample_period=0.001)
 
 
 @pytest.mark.parametrize("stiffness", [17.8, 71.2, 107.0, 112.5, 142.5])
 def test_cross_ages_as_promised_are_judged_as_the_study_says(stiffness: float) -> None:
     ages = (DELAY, DELAY)
-    status = SpringVerdicts(STUDY).status(stiffness, DELAY, ages, ages, is_playout_fixed=True)
+    status = SpringVerdicts(STUDY).status(stiffness, DELAY, ages, ages)
     assert status == ts.decide(STUDY, stiffness).status
 
 
 @pytest.mark.parametrize("is_buffer_promised", [False, True])
 def test_cross_stated_jitter_is_judged_with_or_without_the_buffer(is_buffer_promised: bool) -> None:
+    """The ages within the jitter, or the constant one behind the buffer, which allows more."""
     study = STUDY.replace(network={"jitter": 0.02, "playout_buffer": is_buffer_promised})
-    for stiffness in (60.0, 80.0, 95.0):
-        status = SpringVerdicts(study).status(
-            stiffness, DELAY, (DELAY, DELAY), (0.104, 0.104), is_playout_fixed=True
-        )
+    played = (DELAY, 0.104) if not is_buffer_promised else (0.104, 0.104)
+    words = []
+    for stiffness in (60.0, 80.0, 91.0):
+        status = SpringVerdicts(study).status(stiffness, DELAY, (played[0],) * 2, (played[1],) * 2)
         assert status == ts.decide(study, stiffness).status
+        words.append(status)
+    assert words[-1] == ("stable" if is_buffer_promised else "not proven")
 
 
-@pytest.mark.parametrize("is_playout_fixed", [False, True])
-def test_cross_ages_that_nobody_promised_are_judged_as_they_were_played(is_playout_fixed: bool) -> None:
+def test_law_an_adaptive_playout_is_no_buffer() -> None:
+    """Its ages vary: what a buffer at 104 ms would allow is not called stable."""
+    study = STUDY.replace(network={"jitter": 0.02}, session={"playout": "adaptive"})
+    ages = ((0.085, 0.085), (0.107, 0.107))
+    status = SpringVerdicts(study).status(91.0, DELAY, *ages)
+    assert status == ts.decide(study, 91.0).status != "stable"
+
+
+def test_cross_ages_that_nobody_promised_are_judged_as_they_were_played() -> None:
     shortest, longest = (0.080, DELAY), (0.101, 0.110)
     verdicts, words = SpringVerdicts(STUDY), []
     for stiffness in (30.0, 78.0, 84.0, 130.0):
-        word = verdicts.status(stiffness, DELAY, shortest, longest, is_playout_fixed=is_playout_fixed)
-        assert word == ts.decide(STUDY, stiffness, of_ages(shortest, longest)).status
+        word = verdicts.status(stiffness, DELAY, shortest, longest)
+        assert word == ts.decide(STUDY.dyad, stiffness, of_ages(shortest, longest)).status
         words.append(word)
     assert words[0] == "stable"
     # A spring that is stable at the stated delay is not called so at ages that are longer.
@@ -51,17 +61,33 @@ def test_cross_ages_that_nobody_promised_are_judged_as_they_were_played(is_playo
     assert words[2] != "stable"
 
 
-def test_law_an_adaptive_playout_is_judged_at_its_own_age() -> None:
-    """It plays a little later than the network delivers, and so the limit is a little lower."""
-    verdicts, age = SpringVerdicts(STUDY), (0.1, 0.1)
+def test_law_a_later_playout_is_judged_at_its_own_age() -> None:
+    """It plays later than the network delivers, and so the limit is lower."""
+    study = STUDY.replace(session={"playout": {"kind": "fixed", "delay": 0.1}})
+    verdicts, age = SpringVerdicts(study), (0.1, 0.1)
     for stiffness in (80.0, 95.0, 105.0):
-        word = verdicts.status(stiffness, DELAY, age, age, is_playout_fixed=False)
-        assert word == ts.decide(STUDY, stiffness, ts.Network(0.1, sample_period=0.001)).status
+        word = verdicts.status(stiffness, DELAY, age, age)
+        assert word == ts.decide(STUDY.dyad, stiffness, ts.Network(0.1, sample_period=0.001)).status
+
+
+@pytest.mark.parametrize("strategy", ["guard", "wave-variables"])
+def test_law_the_bare_spring_is_judged_whatever_the_strategy(strategy: str) -> None:
+    ages = (DELAY, DELAY)
+    study = STUDY.replace(session={"strategy": strategy, "predictor": "linear"})
+    assert SpringVerdicts(study).status(71.2, DELAY, ages, ages) == ts.decide(STUDY, 71.2).status
+
+
+def test_law_losses_count_with_the_gaps_of_an_hour() -> None:
+    """What a short rehearsal played is less than what the network may do."""
+    ages = (DELAY, DELAY)
+    study = STUDY.replace(network={"loss": 0.3})
+    assert SpringVerdicts(study).status(95.0, DELAY, ages, ages) == ts.decide(study, 95.0).status
+    assert ts.decide(STUDY, 95.0).status == "stable" != ts.decide(study, 95.0).status
 
 
 def test_law_without_ages_the_stated_network_is_judged() -> None:
     nothing = (math.nan, math.nan)
-    status = SpringVerdicts(STUDY).status(71.2, DELAY, nothing, nothing, is_playout_fixed=False)
+    status = SpringVerdicts(STUDY).status(71.2, DELAY, nothing, nothing)
     assert status == "stable"
 
 

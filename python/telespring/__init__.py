@@ -9,6 +9,7 @@ from telespring._core import __version__
 from telespring._deprecated import old_names, serve_moved_modules
 from telespring._errors import ApproximationWarning, CertificateWarning, InvalidInput
 from telespring.model import (
+    Adversary,
     Agent,
     Architecture,
     Arm,
@@ -18,6 +19,8 @@ from telespring.model import (
     Dyad,
     DyadAxis,
     Experiment,
+    GuardOverdraft,
+    JudgedNetwork,
     LaboratorySettings,
     Network,
     Operator,
@@ -94,6 +97,7 @@ from telespring.traces import (
 )
 
 __all__ = [
+    "Adversary",
     "Agent",
     "Answer",
     "ApproximationWarning",
@@ -117,8 +121,10 @@ __all__ = [
     "FrequencyGrid",
     "FrequencyMargin",
     "FrequencyResponse",
+    "GuardOverdraft",
     "InvalidInput",
     "JitterFit",
+    "JudgedNetwork",
     "LaboratorySettings",
     "MissingRows",
     "Network",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, TypeAlias, TypedDict, final, overload
+from typing import Any, ClassVar, Final, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ from telespring._types import (
     SampledCertificate,
     SolverStatus,
     Tier,
+    TraceFormat,
     Unavailable,
 )
 
@@ -46,9 +47,11 @@ __all__ = [
     "FrequencyGrid",
     "FrequencyMargin",
     "FrequencyResponse",
+    "GuardOverdraft",
     "HandleMotion",
     "HeldCoupling",
     "JitterFit",
+    "JudgedNetwork",
     "Laboratory",
     "LaboratorySettings",
     "Network",
@@ -127,6 +130,8 @@ _Fits: TypeAlias = tuple[list[list[float]], bool]
 
 _A: TypeAlias = ArrayLike
 _First: TypeAlias = ArrayLike | Dyad | DyadAxis
+
+_Ages: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
 class _Record:
     def to_dict(self) -> dict[str, Any]: ...
@@ -408,7 +413,14 @@ class Study:
     @property
     def has_delay(self) -> bool: ...
     @property
+    def adversaries(self) -> tuple[Adversary | None, Adversary | None]: ...
+    @property
     def has_playout_buffer(self) -> bool: ...
+    @property
+    def trace_files(self) -> tuple[str | None, str | None]: ...
+    def judged_network(
+        self, delay: Delay | None = None, traces: tuple[str | None, str | None] = (None, None)
+    ) -> JudgedNetwork: ...
     @property
     def uncertainty(self) -> tuple[Uncertainty | None, Uncertainty | None]: ...
     @property
@@ -419,6 +431,7 @@ class Study:
     def experiment(self) -> Experiment | None: ...
     @property
     def session(self) -> Architecture: ...
+    def guard_overdraft(self, stiffness: float) -> GuardOverdraft: ...
     @property
     def comparison(self) -> ComparisonPlan: ...
     def __eq__(self, value: object, /) -> bool: ...
@@ -442,6 +455,29 @@ class Uncertainty:
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[list[float], list[float], list[float]]: ...
+
+@final
+class Adversary:
+    def __new__(cls, **keys: object) -> Adversary: ...
+    @property
+    def kind(
+        self,
+    ) -> Literal["oldest-sample", "most-harmful-sample", "stretch-timed", "lying-peer"]: ...
+    @property
+    def memory(self) -> float | None: ...
+    @property
+    def longest(self) -> float | None: ...
+    @property
+    def position(self) -> float | None: ...
+    @property
+    def stamp(self) -> float | None: ...
+    @property
+    def power(self) -> float | None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
 
 @final
 class Agent:
@@ -534,6 +570,36 @@ class Condition(_Record):
     def __iter__(self) -> Iterator[Any]: ...
 
 @final
+class JudgedNetwork(_Record):
+    def __new__(
+        cls,
+        network: Network,
+        has_playout_buffer: bool,
+        is_as_stated: bool,
+        ages: _Ages | None,
+        lasting: tuple[tuple[float, float], ...],
+        sources: tuple[str, ...],
+        unjudged: tuple[str, ...],
+        is_guard_predicted: bool,
+    ) -> JudgedNetwork: ...
+    @property
+    def network(self) -> Network: ...
+    @property
+    def has_playout_buffer(self) -> bool: ...
+    @property
+    def is_as_stated(self) -> bool: ...
+    @property
+    def ages(self) -> _Ages | None: ...
+    @property
+    def lasting(self) -> tuple[tuple[float, float], ...]: ...
+    @property
+    def sources(self) -> tuple[str, ...]: ...
+    @property
+    def unjudged(self) -> tuple[str, ...]: ...
+    @property
+    def is_guard_predicted(self) -> bool: ...
+
+@final
 class HeldCoupling(_Record):
     def __new__(
         cls, stiffness: float, damping: tuple[tuple[float, float], tuple[float, float]]
@@ -588,6 +654,17 @@ class Architecture:
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class GuardOverdraft(_Record):
+    def __new__(cls, ratio: float, hidden: float, proven_stiffness: float) -> GuardOverdraft: ...
+    ratio: Final[float]
+    hidden: Final[float]
+    proven_stiffness: Final[float]
+    LARGEST_PROVEN_RATIO: ClassVar[float]
+    @property
+    def is_proven(self) -> bool: ...
+    def largest_energy(self, available: float) -> float: ...
 
 @final
 class ComparisonPlan:
@@ -1006,8 +1083,9 @@ class Recording(_Record):
         age_high: FloatArray,
         held_share: FloatArray,
         lost: FloatArray,
-        passivity_final: float,
-        passivity_minimum: float,
+        coupling_energy: float,
+        coupling_energy_minimum: float,
+        hand_energy: FloatArray,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -1030,8 +1108,9 @@ class Recording(_Record):
     age_high: Final[FloatArray]
     held_share: Final[FloatArray]
     lost: Final[FloatArray]
-    passivity_final: Final[float]
-    passivity_minimum: Final[float]
+    coupling_energy: Final[float]
+    coupling_energy_minimum: Final[float]
+    hand_energy: Final[FloatArray]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -1058,8 +1137,9 @@ class Recordings(_Record):
         age_high: FloatArray,
         held_share: FloatArray,
         lost: FloatArray,
-        passivity_final: FloatArray,
-        passivity_minimum: FloatArray,
+        coupling_energy: FloatArray,
+        coupling_energy_minimum: FloatArray,
+        hand_energy: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -1082,8 +1162,9 @@ class Recordings(_Record):
     age_high: Final[FloatArray]
     held_share: Final[FloatArray]
     lost: Final[FloatArray]
-    passivity_final: Final[FloatArray]
-    passivity_minimum: Final[FloatArray]
+    coupling_energy: Final[FloatArray]
+    coupling_energy_minimum: Final[FloatArray]
+    hand_energy: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 
@@ -1181,6 +1262,8 @@ class PlayedTrace(_Record):
         sample_period: float,
         ticks: int,
         held_ticks: int,
+        smallest_age: float,
+        largest_age: float,
         newest: FloatArray,
         oldest: FloatArray,
     ) -> PlayedTrace: ...
@@ -1188,6 +1271,8 @@ class PlayedTrace(_Record):
     sample_period: Final[float]
     ticks: Final[int]
     held_ticks: Final[int]
+    smallest_age: Final[float]
+    largest_age: Final[float]
     newest: Final[FloatArray]
     oldest: Final[FloatArray]
     @property
@@ -1201,6 +1286,8 @@ class Trace:
     def __new__(cls, time: ArrayLike, delay: ArrayLike, losses_recorded: bool | None = None) -> Trace: ...
     @staticmethod
     def _read(text: str, name: str, round_trip: bool, is_forward: bool) -> Trace: ...
+    @staticmethod
+    def _format(text: str) -> TraceFormat: ...
     @property
     def time(self) -> FloatArray: ...
     @property

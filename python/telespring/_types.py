@@ -17,6 +17,8 @@ SimulationStatus: TypeAlias = Literal["completed", "diverged", "not resolved"]
 SolverStatus: TypeAlias = Literal[
     "completed", "step too small", "too many steps", "not finite", "invalid delay", "stopped"
 ]
+TraceFormat: TypeAlias = Literal["table", "irtt", "ping"]
+TraceDoubt: TypeAlias = Literal["short", "slow", "delays below 1 ms"]
 Tier: TypeAlias = Literal[
     "any network", "bounded varying delay", "age in a range", "any constant delay", "constant delay"
 ]

@@ -21,11 +21,12 @@ from telespring.decision.arm_stability import arm_stability
 from telespring.decision.decide import Decision
 from telespring.decision.decide import decide as judge
 from telespring.decision.limits import COMMON_DELAYS, Limits, limits
-from telespring.decision.question import Question, refuse_unusual
+from telespring.decision.question import Question, Texts, refuse_unusual
 from telespring.decision.reserve import Status
 from telespring.show.decision_json import decision_json
 from telespring.show.limits_json import limits_json
 from telespring.show.quantities import format_number, format_time
+from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.decision import decision_screen
 from telespring.show.screens.holders import describe_holders
 from telespring.show.screens.limits import limits_screen
@@ -94,8 +95,10 @@ class Answer:
     def stiffness_limit(self) -> float | None:
         """Every smaller stiffness is stable, N/m, without a playout buffer that nobody promised.
 
-        Infinite if there is no limit; None if no delay was given.
+        Infinite if there is no limit; None if no delay was given; 0 where nothing is proven.
         """
+        if self._is_unjudged:
+            return 0.0
         if self.decision is not None:
             varying, limit = self.decision.varying, self.decision.stiffness_limit
             is_promised = self.decision.has_playout_buffer
@@ -105,6 +108,12 @@ class Answer:
         else:
             return None
         return limit if varying is None or is_promised else varying.stiffness_limit
+
+    @property
+    def _is_unjudged(self) -> bool:
+        """Whether something about the study is not judged, so that nothing is proven."""
+        found = self.decision or (self.limits.delays[0] if self.limits is not None else None)
+        return found is not None and found.ages is not None and bool(found.ages.unjudged)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what `telespring decide --json` prints, in SI units."""
@@ -144,7 +153,7 @@ class Answer:
             found: list[tuple[str, float | str, str]] = [
                 ("status", decision.status, ""),
                 ("stiffness", decision.stiffness, "N/m"),
-                ("delay each way", decision.verdicts.network.delay[0], "s"),
+                ("delay each way", decision.delay[0], "s"),
                 ("sample period", decision.verdicts.network.sample_period, "s"),
                 ("stiffness limit", self.stiffness_limit or 0.0, "N/m"),
             ]
@@ -193,6 +202,7 @@ def decide(
     modules: Path | None = None,
     allow_unusual: bool = False,
     attack_seed: int | None = None,
+    traces: Texts = (None, None),
 ) -> Answer:
     """Decide whether a dyad is stable, by what margin, and what to change; or what may be used.
 
@@ -226,11 +236,15 @@ def decide(
         Also search, from seeded starts, the lowest stiffness at which a delay that varies by the network's
         jitter and gaps can make the motion grow: `answer.decision.varying.attack`. It takes about a second,
         and several where the ages are spread wide.
+    traces : (str or None, str or None)
+        The content of the recorded traces that a study names (`Study.trace_files`), forward and backward. The
+        command reads the files; without them a study with a trace is "not proven".
 
     Returns
     -------
     Answer
-        The answer; `print` shows it whole.
+        The answer; `print` shows it whole. A study is judged with the ages that its network and session
+        make of each motion: `Study.judged_network`.
 
     Raises
     ------
@@ -259,11 +273,20 @@ def decide(
         is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
         if (value is not None and not is_number and field != "delay") or isinstance(value, bool | np.bool_):
             raise InvalidInput(field, repr(value)[:60], "a real number is required", "Give one number.")
+    if not isinstance(playout_buffer, bool | None):
+        raise InvalidInput(
+            "playout_buffer",
+            repr(playout_buffer)[:60],
+            "True, False or None is required",
+            "Pass True only if both sides hold every sample until it is as old as the latest one can be.",
+        )
     if isinstance(subject, Study):
         study = _changed(subject, stiffness, delay, allow_unusual=allow_unusual)
+        if playout_buffer is not None and playout_buffer != study.has_playout_buffer:
+            study = study.replace(network={"playout_buffer": playout_buffer})
         dyad, ranges = study.dyad, None
         stiffness = study.stiffness if study.has_stiffness else None
-        network = study.network if study.has_delay else _network_without_delay(study)
+        network = study.network if study.has_delay else study.replace(network={"delay": 0.0}).network
         is_delay_given = study.has_delay
     elif isinstance(subject, Dyad):
         study, dyad, ranges = None, subject, None
@@ -284,17 +307,10 @@ def decide(
         ranges = _both(operator_range)
     if not allow_unusual and (study is None or operator_range is not None):
         refuse_unusual(dyad, network, ranges, stiffness)
-    if not isinstance(playout_buffer, bool | None):
-        raise InvalidInput(
-            "playout_buffer",
-            repr(playout_buffer)[:60],
-            "True, False or None is required",
-            "Pass True only if both sides hold every sample until it is as old as the latest one can be.",
-        )
     question = (
         Question(dyad, network, ranges, bool(playout_buffer))
         if study is None
-        else Question.of(study, network, ranges, has_playout_buffer=playout_buffer)
+        else _question_of(study, ranges, traces)
     )
     return _answer(
         question,
@@ -320,15 +336,15 @@ def answer_study(
     decay_rate: float | None = None,
     modules: Path | None = None,
     attack_seed: int | None = None,
+    traces: Texts = (None, None),
 ) -> Answer:
     """Answer the question of a study, whose values were checked as it was read.
 
     `name` and `robot_names` are shown instead of the study's own, `records` is what identification
-    recorded, and `notes` say how the question was understood.
+    recorded, `traces` are those of the network, and `notes` say how the question was understood.
     """
-    network = study.network if study.has_delay else _network_without_delay(study)
     return _answer(
-        Question.of(study, network),
+        _question_of(study, None, traces),
         study.stiffness if study.has_stiffness else None,
         study=study,
         is_delay_given=study.has_delay,
@@ -363,13 +379,17 @@ def _answer(
     springs = question.robot_springs
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
     if study is not None:
-        notes = (*notes, *session_notes(study.session))
+        said = ages_notes(question.ages, question.stated, is_delay_given=is_delay_given)
+        proven = study.guard_overdraft(1.0).proven_stiffness
+        notes = (*notes, *session_notes(study.session, proven), *said)
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
-    if attack_seed is not None and question.network.is_constant:
+    if attack_seed is not None and (question.network.is_constant or not question.is_bounded):
         raise InvalidInput(
             "attack_seed",
             f"{attack_seed}",
-            "an attack varies the delay, and this delay is constant",
+            "an attack varies the delay, and this delay is constant"
+            if question.is_bounded
+            else "an attack keeps the ages of the samples in a range, and nothing bounds these",
             "Give the network a jitter or a longest gap, or leave it out.",
         )
     if stiffness is None or not is_delay_given:
@@ -455,8 +475,9 @@ def _changed(
     return study.replace(**changes) if changes else study
 
 
-def _network_without_delay(study: Study) -> Network:
-    return study.replace(network={"delay": 0.0}).network
+def _question_of(study: Study, ranges: tuple[OperatorRange, OperatorRange] | None, traces: Texts) -> Question:
+    """Return the question of a study; one without a delay is asked at several."""
+    return Question.of_study(study, ranges, delay=None if study.has_delay else 0.0, traces=traces)
 
 
 @cache

@@ -1,6 +1,7 @@
 """Robots, the operators who hold them, the two of them as a dyad, and the study that couples it."""
 
 from telespring._core import (
+    Adversary,
     Agent,
     Architecture,
     Arm,
@@ -10,6 +11,8 @@ from telespring._core import (
     Dyad,
     DyadAxis,
     Experiment,
+    GuardOverdraft,
+    JudgedNetwork,
     LaboratorySettings,
     Network,
     Operator,
@@ -22,6 +25,7 @@ from telespring._core import (
 )
 
 __all__ = [
+    "Adversary",
     "Agent",
     "Architecture",
     "Arm",
@@ -31,6 +35,8 @@ __all__ = [
     "Dyad",
     "DyadAxis",
     "Experiment",
+    "GuardOverdraft",
+    "JudgedNetwork",
     "LaboratorySettings",
     "Network",
     "Operator",

@@ -3,6 +3,7 @@
 //! Everything public is documented, broadcast and typed in `python/telespring`; what is here
 //! takes flat contiguous arrays and releases the interpreter while it computes.
 
+mod adversary;
 mod architecture;
 mod arguments;
 mod arrays;
@@ -14,6 +15,7 @@ mod delay_system;
 mod errors;
 mod experiment;
 mod interrupt;
+mod judged_network;
 mod model;
 mod network;
 mod operator_range;
@@ -48,7 +50,9 @@ mod _core {
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use crate::architecture::{Architecture, ComparisonPlan};
+    use crate::adversary::Adversary;
+    #[pymodule_export]
+    use crate::architecture::{Architecture, ComparisonPlan, GuardOverdraft};
     #[pymodule_export]
     use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]
@@ -64,6 +68,8 @@ mod _core {
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
     use crate::experiment::{Condition, Experiment, HeldCoupling, LaboratorySettings};
+    #[pymodule_export]
+    use crate::judged_network::JudgedNetwork;
     #[pymodule_export]
     use crate::model::{Dyad, Operator, Robot, hman};
     #[pymodule_export]

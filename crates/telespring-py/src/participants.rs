@@ -493,13 +493,13 @@ impl Task {
     }
 }
 
-/// The keywords of an agent, arm or task as a section of a study file.
+/// The keywords of an agent, arm, task or adversary as a table of a study file.
 pub fn keywords(name: &str, keys: Option<&Bound<'_, PyDict>>) -> Outcome<Table> {
     keys.map_or_else(|| Ok(Table::new()), |keys| to_table(name, keys.as_mapping()))
 }
 
-/// A dict for an agent, arm or task that begins with its kind.
-fn with_kind<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyDict>> {
+/// A dict for an agent, arm, task or adversary that begins with its kind.
+pub fn with_kind<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("kind", kind)?;
     Ok(dict)

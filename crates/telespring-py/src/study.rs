@@ -8,11 +8,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
 
-use crate::architecture::{Architecture, ComparisonPlan};
-use crate::arguments::{Argument, hash, holds_truth_value, written};
+use crate::adversary::Adversary;
+use crate::architecture::{Architecture, ComparisonPlan, GuardOverdraft};
+use crate::arguments::{Argument, DelayChoice, Number, hash, holds_truth_value, written};
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
 use crate::experiment::Experiment;
+use crate::judged_network::JudgedNetwork;
 use crate::model::Dyad;
 use crate::network::Network;
 use crate::operator_range::OperatorRange;
@@ -344,10 +346,75 @@ impl Study {
         self.0.has_delay()
     }
 
+    /// The adversaries on the study's network, forward and backward; None where there is none.
+    #[getter]
+    fn adversaries(&self) -> (Option<Adversary>, Option<Adversary>) {
+        self.0.adversaries().map(|way| way.map(Adversary)).into()
+    }
+
     /// Whether the study promises a playout buffer, which makes its delay constant.
     #[getter]
     fn has_playout_buffer(&self) -> bool {
         self.0.has_playout_buffer()
+    }
+
+    /// Files of the recorded traces of the study's network, forward and backward; None without one.
+    #[getter]
+    fn trace_files(&self) -> (Option<&str>, Option<&str>) {
+        let traces = &self.0.emulated_network().traces;
+        traces.each_ref().map(|file| file.as_ref().map(|file| file.path.as_str())).into()
+    }
+
+    /// Compose the network that the verdicts judge: the ages that both sides really use.
+    ///
+    /// Losses, bursts, blackouts, a link of limited rate, a recorded trace and an adversary of the study's network
+    /// make a motion older than delay, jitter and gap say, and the play-out of its session may use it later, or
+    /// earlier, than the network delivers it. `docs/networks.md` has the rules.
+    ///
+    /// Parameters
+    /// ----------
+    /// delay : float or (float, float), optional
+    ///     One-way delay, s, or the pair (forward, backward), in place of the network's.
+    /// traces : (str or None, str or None)
+    ///     The content of the recorded traces that the study names (`trace_files`), forward and backward. Without it
+    ///     `unjudged` has "unread trace": nothing is proven.
+    ///
+    /// Returns
+    /// -------
+    /// JudgedNetwork
+    ///     The network, its ages, and where they come from.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If there is no delay, or a trace is superfluous or no trace.
+    ///
+    /// Examples
+    /// --------
+    /// A play-out that is later than the network makes the age:
+    ///
+    /// >>> import telespring as ts
+    /// >>> later = {"playout": {"kind": "fixed", "delay": 0.3}}
+    /// >>> study = ts.Study.paper().replace(network={"delay": 0.05}, session=later)
+    /// >>> study.judged_network().network.delay
+    /// (0.3, 0.3)
+    #[pyo3(
+        signature = (delay=None, traces=Argument::Given((None, None))),
+        text_signature = "(self, delay=None, traces=(None, None))"
+    )]
+    fn judged_network(
+        &self,
+        delay: Option<DelayChoice>,
+        traces: Argument<(Option<String>, Option<String>)>,
+    ) -> Outcome<JudgedNetwork> {
+        let (forward, backward) = traces.or_refuse(
+            "traces",
+            "a pair of texts is required, None for a direction without a trace",
+            "Give (text, None), or read the files of trace_files.",
+        )?;
+        let traces = self.0.recorded_traces([forward.as_deref(), backward.as_deref()])?;
+        let delay = delay.map(|delay| delay.check()).transpose()?;
+        Ok(self.0.judged_network(delay, traces)?.into())
     }
 
     /// The uncertainty of each robot's parameters; None if they are certain.
@@ -395,6 +462,38 @@ impl Study {
     #[getter]
     fn comparison(&self) -> ComparisonPlan {
         ComparisonPlan::of(&self.0)
+    }
+
+    /// Say how far the guard's account can be overdrawn at a stiffness, on the axis with the least mass of both robots.
+    ///
+    /// Sample period, computing tick, lag of the actuators and encoder are those of the laboratory's controllers (1 kHz if
+    /// the study names no period); a computing time of `[controller]` counts as a computing tick, and a mass as the lower end
+    /// of its 95 % interval.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : float
+    ///     N/m.
+    ///
+    /// Returns
+    /// -------
+    /// GuardOverdraft
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If the stiffness is out of range, or two sections give different sample periods.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> slow = ts.Study.paper().replace(laboratory={"sample_period": 0.01, "computing_tick": True})
+    /// >>> overdraft = slow.guard_overdraft(2000.0)
+    /// >>> overdraft.is_proven, round(overdraft.ratio, 2), round(overdraft.proven_stiffness)
+    /// (False, 1.03, 194)
+    fn guard_overdraft(&self, stiffness: Number) -> Outcome<GuardOverdraft> {
+        let stiffness = stiffness.named("stiffness")?;
+        Ok(GuardOverdraft(self.0.guard_overdraft(stiffness)?))
     }
 
     fn __repr__(&self) -> String {

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use telespring::InvalidInput;
 use telespring::rig::trace::{
-    BurstFit as CoreBurstFit, JitterFit as CoreJitterFit, PlayedTrace as CorePlayed,
+    BurstFit as CoreBurstFit, JitterFit as CoreJitterFit, PlayedTrace as CorePlayed, TraceFormat,
 };
 use telespring::rig::trace::{TraceFit as CoreTraceFit, TraceStatistics as CoreStatistics};
 use telespring::rig::{GilbertElliott, JitterDistribution, TraceRow};
@@ -182,6 +182,10 @@ record! {
         ticks: usize,
         /// Of these, the ticks at which an old motion was held because no later sample had come.
         held_ticks: usize,
+        /// The smallest age of any sample in use, s, wherever the ticks fall between the recorded packets.
+        smallest_age: f64,
+        /// The largest one, s.
+        largest_age: f64,
         /// The age of the newest sample in use, s, at each of the n ticks that did not use a motion exactly as old as the
         /// delay, (n,).
         newest: Array<f64, Ix1>,
@@ -191,7 +195,7 @@ record! {
     computed {
         /// The share of the ticks at which the motion was exactly as old as the delay.
         in_time = |played| played.core().in_time(),
-        /// The smallest and the largest age of any sample in use, s.
+        /// The smallest and the largest age of any sample in use, s, wherever the ticks fall between the recorded packets.
         ages = |played| {
             let [low, high] = played.core().ages();
             Pair(low, high)
@@ -218,8 +222,8 @@ impl PlayedTrace {
                 .map(|(newest, oldest)| [*newest, *oldest])
                 .collect()
         });
-        let Self { delay, sample_period, ticks, held_ticks, .. } = *self;
-        CorePlayed { delay, sample_period, ticks, held_ticks, late }
+        let Self { delay, sample_period, ticks, held_ticks, smallest_age, largest_age, .. } = *self;
+        CorePlayed { delay, sample_period, ticks, held_ticks, extremes: [smallest_age, largest_age], late }
     }
 }
 
@@ -298,7 +302,7 @@ impl Trace {
         Ok(Self(if losses == Some(true) { trace.with_losses_recorded() } else { trace }))
     }
 
-    /// The trace in the text of a file; of a round trip half of each delay.
+    /// One way of the trace in the text of a file: of a round trip half of each delay.
     #[staticmethod]
     fn _read(
         text: Argument<String>,
@@ -311,6 +315,17 @@ impl Trace {
         let file = TraceFile { path, is_round_trip: round_trip.named("round_trip")? };
         let trace = file.trace(&text, is_forward.named("is_forward")?)?;
         Ok(Self(if file.is_round_trip { trace.halved() } else { trace }))
+    }
+
+    /// What the text of a file with a trace is: "table", "irtt" or "ping".
+    #[staticmethod]
+    fn _format(text: Argument<String>) -> Outcome<&'static str> {
+        let text = text.or_refuse("text", "a text is required", "Give a str.")?;
+        Ok(match TraceFormat::of(&text) {
+            TraceFormat::Table => "table",
+            TraceFormat::Irtt => "irtt",
+            TraceFormat::Ping => "ping",
+        })
     }
 
     /// When each packet was sent over the network, s, the first at 0, (n,).
@@ -381,8 +396,8 @@ impl Trace {
         Ok(Self(self.0.with_missing_rows(period.named("period")?, longest.named("longest")?)?))
     }
 
-    /// Play a session over the network's trace behind a fixed play-out, as an endpoint does: a packet and a tick every
-    /// `sample_period` s.
+    /// Play a session once round the network's trace, which is repeated in a circle, behind a fixed play-out, as an
+    /// endpoint does: a packet and a tick every `sample_period` s.
     fn play(&self, py: Python<'_>, delay: Number, sample_period: Number) -> Outcome<PlayedTrace> {
         let (delay, sample_period) = (delay.named("delay")?, sample_period.named("sample_period")?);
         let trace = self.0.clone();
@@ -391,8 +406,9 @@ impl Trace {
             played.late.iter().map(|ages| ages[at]).collect::<Vec<_>>().into_pyarray(py).into()
         };
         let (newest, oldest) = (side(0), side(1));
-        let CorePlayed { delay, sample_period, ticks, held_ticks, .. } = played;
-        Ok(PlayedTrace { delay, sample_period, ticks, held_ticks, newest, oldest })
+        let CorePlayed { delay, sample_period, ticks, held_ticks, extremes, .. } = played;
+        let [smallest_age, largest_age] = extremes;
+        Ok(PlayedTrace { delay, sample_period, ticks, held_ticks, smallest_age, largest_age, newest, oldest })
     }
 
     /// The network's trace as a table in text, which `read_trace` and a study read.

@@ -76,6 +76,12 @@ pub const RESOLUTION: Quantity = Quantity::new("an encoder resolution", "m", 0.0
 pub const ENERGY: Quantity = Quantity::new("an energy", "J", 0.0, 1e3, Some(("mJ", 1e-3)));
 /// A power in W.
 pub const POWER: Quantity = Quantity::new("a power", "W", 0.0, 1e3, Some(("mW", 1e-3)));
+/// How far a partner that lies moves its position, m.
+pub const POSITION_SHIFT: Quantity =
+    Quantity::new("a shift of a position", "m", 0.0, 10.0, Some(("mm", 1e-3)));
+/// How far a partner that lies moves its time stamps, s; negative makes its motion older.
+pub const STAMP_SHIFT: Quantity =
+    Quantity::new("a shift of a time stamp", "s", -100.0, 100.0, Some(("ms", 1e-3)));
 /// A moment of inertia in kg·m².
 pub const INERTIA: Quantity = Quantity::new("a moment of inertia", "kg·m²", 0.0, 1e3, None);
 /// The viscous damping of a joint in N·m·s/rad.

@@ -19,25 +19,33 @@ fn random_trace(random: &mut ChaCha8Rng) -> Trace {
     Trace::new(rows.collect()).unwrap()
 }
 
-/// The ages in use at each tick, ms, from the definition: `None` before the first sample is due and there.
-fn ages_by_definition(trace: &Trace, delay: i64) -> Vec<Option<(i64, i64)>> {
-    let whole = |seconds: f64| (seconds * 1e3).round() as i64;
-    let ticks = whole(trace.duration());
-    let fate = |sent: i64| *trace.rows().iter().rfind(|row| whole(row.time) <= sent).unwrap();
-    (0..ticks)
+/// The ages in use at each tick of a session over a trace that is repeated without end, from the definition. Times are in
+/// whole units of `unit` s, ticks `period` units apart from `phase` on.
+fn ages_by_definition(trace: &Trace, delay: i64, unit: f64, period: i64, phase: i64) -> Vec<(i64, i64)> {
+    let whole = |seconds: f64| (seconds / unit).round() as i64;
+    let round = whole(trace.duration());
+    let times: Vec<i64> = trace.rows().iter().map(|row| whole(row.time)).collect();
+    let arrives = |sent: i64| {
+        let row = trace.rows()[times.partition_point(|time| *time <= sent.rem_euclid(round)) - 1];
+        if row.lost { i64::MAX } else { sent + whole(row.delay) }
+    };
+    (phase..round)
+        .step_by(period as usize)
         .map(|now| {
-            let arrived = |sent: &i64| {
-                let row = fate(*sent);
-                !row.lost && sent + whole(row.delay) <= now
-            };
             let due = now - delay;
-            let earlier = (0..=due).rev().find(arrived)?;
-            if earlier == due {
-                return Some((delay, delay));
+            let played = now - (delay + period - 1) / period * period;
+            let earlier = (0..).map(|n| played - n * period).find(|sent| arrives(*sent) <= now).unwrap();
+            let next = played + period;
+            if earlier == played && (played == due || next <= now && arrives(next) <= now) {
+                return (delay, delay);
             }
-            match (due + 1..=now).find(arrived) {
-                None => Some((now - earlier, now - earlier)),
-                Some(later) => Some((now - later, now - earlier)),
+            match (1..)
+                .map(|n| played + n * period)
+                .take_while(|sent| *sent <= now)
+                .find(|sent| arrives(*sent) <= now)
+            {
+                None => (now - earlier, now - earlier),
+                Some(later) => (now - later, now - earlier),
             }
         })
         .collect()
@@ -49,7 +57,7 @@ fn cross_ages_as_played_follow_from_the_definition() {
     for _ in 0..40 {
         let trace = random_trace(&mut random);
         for delay in [0, 5, 12, 25, 39, 60] {
-            let wanted: Vec<_> = ages_by_definition(&trace, delay).into_iter().flatten().collect();
+            let wanted = ages_by_definition(&trace, delay, MS, 1, 0);
             let late: Vec<_> = wanted.iter().filter(|ages| **ages != (delay, delay)).collect();
             let played = trace.play(delay as f64 * MS, MS).unwrap();
             let got: Vec<_> = played
@@ -72,6 +80,87 @@ fn cross_ages_as_played_follow_from_the_definition() {
 }
 
 #[test]
+fn cross_the_ages_hold_wherever_the_ticks_fall_between_recorded_packets() {
+    let mut random = ChaCha8Rng::seed_from_u64(10);
+    let (mut reached, mut cases, unit) = (0, 0, 1e-5);
+    for case in 0..60 {
+        // packets at any 10 µs; every other trace has some that are closer than the ticks
+        let apart = if case % 2 == 0 { 100..700 } else { 20..300 };
+        let (mut time, mut lost) = (0.0, false);
+        let rows = (0..60).map(|_| {
+            time += unit * f64::from(random.random_range(apart.clone()));
+            lost = random.random::<f64>() < if lost { 0.6 } else { 0.1 };
+            TraceRow { time, delay: unit * f64::from(random.random_range(0..3000)), lost }
+        });
+        let trace = Trace::new(rows.collect()).unwrap();
+        for delay in [0, 150, 1000, 2500, 2530] {
+            let played = trace.play(f64::from(delay) * unit, MS).unwrap();
+            let [low, high] = played.ages();
+            let [mut youngest, mut oldest] = [f64::INFINITY, 0.0_f64];
+            for phase in (0..100).step_by(7) {
+                for (newest, old) in ages_by_definition(&trace, i64::from(delay), unit, 100, phase) {
+                    youngest = youngest.min(newest as f64 * unit);
+                    oldest = oldest.max(old as f64 * unit);
+                }
+            }
+            let rounding = 1e-9;
+            assert!(
+                low <= youngest + rounding && oldest <= high + rounding,
+                "{case}: {low} {youngest} {oldest} {high}"
+            );
+            cases += 1;
+            reached += usize::from(low >= youngest - MS - rounding && oldest >= high - MS - rounding);
+        }
+    }
+    // they are not much too wide: within a tick in most cases
+    assert!(2 * reached > cases, "{reached} of {cases}");
+}
+
+#[test]
+fn law_it_does_not_matter_where_a_recording_begins() {
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut lost = false;
+    let mut row = |_| {
+        lost = random.random::<f64>() < if lost { 0.9 } else { 0.05 };
+        (MS * f64::from(random.random_range(0..400)), lost)
+    };
+    let fates: Vec<(f64, bool)> = (0..80).map(&mut row).collect();
+    let turned = |by: usize| {
+        let fate = |n: usize| fates[(n + by) % fates.len()];
+        let row = |n| TraceRow { time: 5.0 * MS * n as f64, delay: fate(n).0, lost: fate(n).1 };
+        Trace::new((0..fates.len()).map(row).collect()).unwrap()
+    };
+    for delay in [0.0, 0.05, 0.3] {
+        let played = turned(0).play(delay, MS).unwrap();
+        for by in [1, 17, 40, 79] {
+            let again = turned(by).play(delay, MS).unwrap();
+            assert_eq!(
+                (again.ages(), again.ticks, again.late.len()),
+                (played.ages(), played.ticks, played.late.len())
+            );
+            let half = again.ages()[1] / 2.0;
+            assert_eq!(again.share_within(0.0, half), played.share_within(0.0, half));
+        }
+    }
+}
+
+#[test]
+fn ref_an_outage_at_the_start_and_a_packet_after_the_end_count() {
+    let row = |n: u32, lost, delay| TraceRow { time: 0.01 * f64::from(n), delay, lost };
+    // nothing came for the first second
+    let start = Trace::new((0..300).map(|n| row(n, n < 100, 0.02)).collect()).unwrap();
+    // the last motion before the second came 20 ms after its measurement; then one was sent every ms
+    assert_eq!(start.play(0.02, MS).unwrap().ages(), [0.02, 1.02]);
+    assert_eq!(start.statistics().loss, 1.0 / 3.0);
+    // all that was sent in the last 100 ms takes 500 ms
+    let end =
+        Trace::new((0..300).map(|n| row(n, false, if n < 290 { 0.02 } else { 0.5 })).collect()).unwrap();
+    let [low, high] = end.play(0.02, MS).unwrap().ages();
+    assert_eq!(low, 0.02);
+    assert!((high - 0.12).abs() < 1e-9, "{high}");
+}
+
+#[test]
 fn law_a_play_out_beyond_all_delays_makes_them_constant() {
     let mut random = ChaCha8Rng::seed_from_u64(8);
     let rows = (0..200).map(|n| TraceRow {
@@ -90,14 +179,15 @@ fn law_a_play_out_beyond_all_delays_makes_them_constant() {
 fn law_what_cannot_be_played_is_refused() {
     let row = |time| TraceRow { time, delay: 0.02, lost: false };
     let trace = Trace::new(vec![row(0.0), row(0.01)]).unwrap();
-    for (delay, period, field) in [
-        (0.05, MS, "trace"),
-        (-1.0, MS, "delay"),
-        (0.01, 0.0, "sample_period"),
-        (0.01, 1e-10, "sample_period"),
-    ] {
+    for (delay, period, field) in
+        [(-1.0, MS, "delay"), (0.01, 0.0, "sample_period"), (0.01, 1e-10, "sample_period")]
+    {
         assert_eq!(trace.play(delay, period).unwrap_err().field, field, "{delay} {period}");
     }
+    // every other packet is lost, twice in each period: a session would send the lost ones only
+    let lost = |n: u32| TraceRow { time: 5e-4 * f64::from(n), delay: 0.0, lost: n % 2 == 1 };
+    let close = Trace::new((0..100).map(lost).collect()).unwrap();
+    assert_eq!(close.play(0.01, MS).unwrap_err().field, "sample_period");
     let long = Trace::new(vec![row(0.0), row(1e6)]).unwrap();
     assert_eq!(long.play(0.05, MS).unwrap_err().field, "sample_period");
 }

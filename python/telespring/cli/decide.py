@@ -30,6 +30,7 @@ from telespring.model import Study
 
 if TYPE_CHECKING:
     from telespring.answer import Answer
+    from telespring.decision.question import Texts
 
 __all__ = ["decide_command"]
 
@@ -151,6 +152,8 @@ def decide_command(
     """
     asked = StudyOptions(study)
     with refusals(asked.options, asked.written):
+        from telespring.rehearsal.traces import read_traces
+
         if figure is not None:
             check_figure_name(figure)
         asked.take_robots(robot, robot1, robot2)
@@ -175,20 +178,21 @@ def decide_command(
             asked.take("controller", "computing_time", 0.0, "--continuous")
         _take_grips(asked, grip, grip1, grip2, allow_unusual=allow_unusual)
         read = asked.read()
-        answer = _answer(asked, read, horizon, decay_rate, is_attacked=attack, check=check)
+        traces = read_traces(read, None if asked.file is None else asked.file.parent).texts
+        answer = _answer(asked, read, horizon, decay_rate, traces, is_attacked=attack, check=check)
         if as_json:
             print_json(answer.to_dict())
         else:
             show(answer.screen())
         if figure is not None:
-            _write_map(read, figure, answer)
+            _write_map(read, figure, answer, traces)
             if not as_json:
                 screen_console().print(f"Figure: {figure}", markup=False)
     if check and not answer.is_stable:
         raise typer.Exit(1)
 
 
-def _write_map(study: Study, path: Path, answer: Answer) -> None:
+def _write_map(study: Study, path: Path, answer: Answer, traces: Texts) -> None:
     """Draw where the answer would be "stable", with the question and its answer marked."""
     from matplotlib.figure import Figure
 
@@ -196,11 +200,10 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
     from telespring.plot import stability_map
     from telespring.show.figures.style import figure_style
 
-    network = study.network if study.has_delay else study.replace(network={"delay": 0.0}).network
-    question = Question.of(study, network)
+    question = Question.of_study(study, delay=None if study.has_delay else 0.0, traces=traces)
     mark = (
         study.stiffness if study.has_stiffness else None,
-        0.5 * sum(study.delay) if study.has_delay else None,
+        0.5 * sum(question.network.delay) if study.has_delay else None,
     )
     titles = [*answer.heading, *([answer.holders] if answer.holders else [])]
     found = answer.decision or answer.limits
@@ -214,8 +217,8 @@ def _write_map(study: Study, path: Path, answer: Answer) -> None:
         study.dyad,
         mark=mark,
         operator_range=study.operator_ranges,
-        network=network,
-        playout_buffer=study.has_playout_buffer,
+        network=question.network,
+        playout_buffer=question.has_playout_buffer,
         free=question.released().dyad if question.is_held else None,
         verdict=None if answer.decision is None else answer.decision.worst_status,
         title="\n".join(titles),
@@ -244,6 +247,7 @@ def _answer(
     read: Study,
     horizon: float | None,
     decay_rate: float | None,
+    traces: Texts,
     *,
     is_attacked: bool,
     check: bool,
@@ -270,4 +274,5 @@ def _answer(
         decay_rate=decay_rate,
         modules=None if asked.file is None else asked.file.parent,
         attack_seed=_ATTACK_SEED if is_attacked else None,
+        traces=traces,
     )

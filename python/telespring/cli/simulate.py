@@ -72,6 +72,7 @@ def simulate_command(
     console = screen_console()
     asked = StudyOptions(study)
     with refusals(asked.options, asked.written):
+        from telespring.show.screens.ages import not_simulated
         from telespring.show.screens.simulation import simulation_summary
         from telespring.theory.simulation import simulate
 
@@ -101,7 +102,8 @@ def simulate_command(
                 motion.to_netcdf(unfinished, engine="h5netcdf")
         for line in simulation_summary(motion, read.dyad, asked.title(read), stiffness, delays, forces):
             console.print(line)
-        for note in asked.notes:
+        left_out = not_simulated(read)
+        for note in [*asked.notes, *([left_out] if left_out else [])]:
             console.print(note, markup=False)
         print_notes(console, asked.records())
         console.print(f"Written: {out}", markup=False)

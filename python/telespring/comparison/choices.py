@@ -19,7 +19,7 @@ __all__ = [
 ]
 
 #: Why a choice is safe: whatever network and partner do; because the spring is stable on every network that
-#: was compared; because its damper is strong enough for the ages that were met; on any network, if the
+#: was compared; because its damper is strong enough for the ages that network and play-out make; on any network, if the
 #: partner's program is honest.
 Grounds: TypeAlias = Literal["any network", "stable spring", "bounded ages", "honest partner"]
 
@@ -34,6 +34,7 @@ Lack: TypeAlias = Literal[
     "stronger damper",
     "softer spring",
     "shorter ages",
+    "honest partner",
 ]
 
 #: Why a choice is not recommended, in the order in which it is looked for.

@@ -41,7 +41,7 @@ class Place:
     stiffness, delay
         N/m; one way, s.
     oldest
-        Age of the oldest sample that robots 1 and 2 used at any tick, s; NaN where none was used.
+        Age of the oldest sample that robots 1 and 2 may use, s; infinite where nothing bounds it.
     verdict
         What `decide` answers for the bare spring.
     """
@@ -51,6 +51,12 @@ class Place:
     delay: float
     oldest: tuple[float, float]
     verdict: str
+
+    @property
+    def has_forger(self) -> bool:
+        """Whether an adversary hands over other packets than the partner sent."""
+        kinds = {each.kind for each in self.study.adversaries if each is not None}
+        return bool(kinds - {"stretch-timed"})
 
     @cached_property
     def experiment(self) -> Experiment:
@@ -105,11 +111,14 @@ def find_grounds(place: Place) -> tuple[Grounds | Literal[""], Lack | Literal[""
     """
     lack, grounds = STRATEGY_GROUNDS[place.study.session.strategy]
     found = lack(place)
+    if found is None and grounds == "honest partner" and place.has_forger:
+        found = "honest partner"
     return (grounds, "") if found is None else ("", found)
 
 
-def _nothing(_place: Place) -> Lack | None:
-    return None
+def _lack_of_guard(place: Place) -> Lack | None:
+    """Check that the account's overdraft is small beside the energy of the robots."""
+    return None if place.study.guard_overdraft(place.stiffness).is_proven else "softer spring"
 
 
 def _lack_of_spring(place: Place) -> Lack | None:
@@ -126,7 +135,7 @@ def _lack_of_spring(place: Place) -> Lack | None:
 
 
 def _lack_of_injected_damping(place: Place) -> Lack | None:
-    """Apply the rule of bounded delays to the held damper and the ages that were met."""
+    """Apply the rule of bounded delays to the held damper and the oldest samples."""
     if place.study.session.predictor not in _OUTSIDE_OF_THE_LOOP:
         return "known prediction"
     lack = _lack_of_immediate_force(place) or _lack_of_mass(place)
@@ -186,7 +195,7 @@ def _lack_of_damper(place: Place) -> Lack | None:
 STRATEGY_GROUNDS: Mapping[str, tuple[Callable[[Place], Lack | None], Grounds]] = MappingProxyType(
     {
         "spring": (_lack_of_spring, "stable spring"),
-        "guard": (_nothing, "any network"),
+        "guard": (_lack_of_guard, "any network"),
         "injected-damping": (_lack_of_injected_damping, "bounded ages"),
         "wave-variables": (_lack_of_wave_variables, "honest partner"),
         "time-domain-passivity": (_lack_of_an_observer, "honest partner"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from telespring._core import Network, Study
 from telespring.decision.decide import decide
 from telespring.decision.question import Question
@@ -21,30 +23,26 @@ class SpringVerdicts:
     Parameters
     ----------
     study
-        With one of the networks of the comparison.
+        With one of the networks of the comparison, and the play-out of one of its architectures; whatever
+        strategy and predictor it has, the bare spring is judged.
     """
 
     def __init__(self, study: Study) -> None:
-        self._study = study
+        self._study = study.replace(session={"strategy": "spring", "predictor": "hold"})
+        # Behind an adversary the ages that were played are what it claims.
+        self._has_adversary = any(adversary is not None for adversary in study.adversaries)
         # A study may leave the delay to its protocol.
         self._controllers = study.replace(network={"delay": 0.0}).network
-        self._statuses: dict[tuple[float, Network, bool], str] = {}
+        self._statuses: dict[tuple[float, Network, bool, bool], str] = {}
         self._bounds: dict[tuple[tuple[float, float], tuple[float, float]], float | None] = {}
 
     def status(
-        self,
-        stiffness: float,
-        delay: float,
-        shortest: tuple[float, float],
-        longest: tuple[float, float],
-        *,
-        is_playout_fixed: bool,
+        self, stiffness: float, delay: float, shortest: tuple[float, float], longest: tuple[float, float]
     ) -> str:
         """Return the answer for free and held handles together, the worse of both.
 
-        With a fixed play-out it is the answer for the network that the study states at this delay, as long
-        as the ages that were played are those which it promises. Otherwise (an adaptive play-out, a
-        recorded trace with later packets) it is that for ages between those that were played.
+        It is the answer for the ages that network and play-out make at this delay, together with those that
+        were played. On a recorded trace it is that for the ages that were played.
 
         Parameters
         ----------
@@ -52,27 +50,56 @@ class SpringVerdicts:
             N/m; one way, s.
         shortest, longest
             Ages of the samples that robots 1 and 2 used, s; NaN where none was used.
-        is_playout_fixed
-            Whether samples are played at a fixed age.
         """
-        stated = self._study.replace(network={"delay": delay})
-        network, has_buffer = stated.network, stated.has_playout_buffer
-        # Robot 1 receives on the way backward.
-        oldest = network.buffered[1], network.buffered[0]
-        period = 0.5 * network.sample_period + 1e-9
-        is_as_stated = is_playout_fixed and all(
-            not age > promised + period for age, promised in zip(longest, oldest, strict=True)
-        )
-        is_as_stated = is_as_stated or not all(map(math.isfinite, (*shortest, *longest)))
-        if not is_as_stated:
-            network, has_buffer = _network_of_ages(network, shortest, longest), False
-        key = (stiffness, network, has_buffer)
+        question = self._question(delay, shortest, longest)
+        key = (stiffness, question.network, question.has_playout_buffer, question.is_bounded)
         if key not in self._statuses:
-            question = Question.of(self._study, network, has_playout_buffer=has_buffer)
             self._statuses[key] = decide(
                 question, stiffness, uncertainty=self._study.uncertainty, compare_free=True
             ).worst_status
         return self._statuses[key]
+
+    def oldest(self, delay: float, longest: tuple[float, float]) -> tuple[float, float]:
+        """Return how old the samples of robots 1 and 2 may be, s; infinite where nothing bounds it.
+
+        `longest` are the ages that were played: those of a recorded trace, and never less.
+        """
+        asked = Question.of_study(self._study, delay=delay)
+        assert asked.ages is not None  # it comes with a study
+        if "unread trace" in asked.unjudged and all(map(math.isfinite, longest)):
+            return longest
+        if asked.unjudged or asked.ages.ages is None:
+            return math.inf, math.inf
+        (_, forward), (_, backward) = asked.ages.ages
+        # Robot 1 receives on the way backward. Without a sample played, fmax leaves what the network makes.
+        return float(np.fmax(backward, longest[0])), float(np.fmax(forward, longest[1]))
+
+    def _question(
+        self, delay: float, shortest: tuple[float, float], longest: tuple[float, float]
+    ) -> Question:
+        asked = Question.of_study(self._study, delay=delay)
+        assert asked.ages is not None  # it comes with a study
+        if not all(map(math.isfinite, (*shortest, *longest))):
+            return asked
+        if "unread trace" in asked.unjudged:
+            return Question.of(self._study, _network_of_ages(self._controllers, shortest, longest))
+        if asked.ages.ages is None:
+            return asked
+        # Robot 1 receives on the way backward.
+        (forward_low, forward), (backward_low, backward) = asked.ages.ages
+        # Between samples that overtake each other a motion is a period apart from them at most.
+        near = self._controllers.sample_period + 1e-9
+        if all(
+            low - near <= least and most <= high + 1e-9
+            for low, least, most, high in zip(
+                (backward_low, forward_low), shortest, longest, (backward, forward), strict=True
+            )
+        ):
+            return asked
+        least = min(shortest[0], backward_low), min(shortest[1], forward_low)
+        most = max(longest[0], backward), max(longest[1], forward)
+        network = _network_of_ages(self._controllers, least, most)
+        return Question.of(self._study, network, has_playout_buffer=False)
 
     def longest_ages(
         self, stiffness: float, shortest: tuple[float, float], longest: tuple[float, float]
@@ -81,8 +108,10 @@ class SpringVerdicts:
 
         The range begins at `shortest` and is as wide on both ways. It is as long as `longest` or longer only
         if the verdict holds for all ages that were played. If it holds for none, the result is 0; without a
-        verdict (a coupling damper under sampled controllers) it is NaN.
+        verdict (a coupling damper under sampled controllers, an adversary) it is NaN.
         """
+        if self._has_adversary:
+            return math.nan, math.nan
         widest = max(0.0, *(high - low for low, high in zip(shortest, longest, strict=True)))
         holds = self._holds(stiffness, shortest, widest)
         if holds is None:
@@ -115,6 +144,7 @@ def _network_of_ages(
     network: Network, shortest: tuple[float, float], longest: tuple[float, float]
 ) -> Network:
     """Return a network on which the samples of robots 1 and 2 have ages in these ranges, s."""
-    first, second = shortest
-    jitter = max(0.0, longest[0] - first, longest[1] - second)
-    return Network((second, first), jitter, 0.0, network.sample_period, network.computing_time)
+    # Robot 1 receives on the way backward.
+    (second, first) = shortest
+    jitters = max(0.0, longest[1] - first), max(0.0, longest[0] - second)
+    return Network((first, second), jitters, 0.0, network.sample_period, network.computing_time)

@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
 from telespring.comparison.cell_file import CELL_FILE, read_cell_file, write_cell_file
+from telespring.rehearsal.claims import require_claimable, require_same
 from telespring.rehearsal.run import remove_rehearsal
 from telespring.rehearsal.store import LOCK_FILE
 
@@ -62,8 +62,13 @@ class ComparisonIdentity:
         """Return the identity as text: equal texts are equal comparisons."""
         return json.dumps(asdict(self), sort_keys=True, ensure_ascii=False)
 
-    def describe_difference(self, text: str) -> str:
-        """Describe in what the comparison with another identity differs from this one."""
+    def describe_difference(self, text: str) -> str | None:
+        """Describe in what the comparison with this identity differs from this one; None if in nothing.
+
+        ValueError, KeyError or TypeError if the text is no identity.
+        """
+        if text == self.to_json():
+            return None
         other = json.loads(text)
         if (other["schema"], other["version"]) != (self.schema, self.version):
             return f"a comparison by telespring {other['version']}; this is {self.version}"
@@ -107,11 +112,7 @@ class ComparisonStore:
 
     def begin(self) -> None:
         """Claim the folder for this comparison; InvalidInput if it holds another with finished trials."""
-        if self._identity_file.exists():
-            stored = self._identity_file.read_text(encoding="utf-8")
-            # Without a finished trial it may be replaced: an agent that failed at once may be corrected.
-            if any(True for folder in self._cells(stored) for _ in _finished(folder)):
-                self._require_same(stored)
+        require_claimable(self._identity_file, "comparison", self._describe, self._has_trials)
         write_whole(self._identity_file, self._identity.to_json())
         for folder in (self.path, *self._cells(self._identity.to_json())):
             for file in folder.glob(".unfinished-*"):
@@ -177,20 +178,17 @@ class ComparisonStore:
         # A name with a separator was not written here.
         return [self.path / name for name in names if Path(name).name == name and (self.path / name).is_dir()]
 
-    def _require_same(self, text: str | None) -> None:
+    def _has_trials(self, identity: str) -> bool:
+        """Check whether trials of the comparison with this identity are finished."""
+        return any(True for folder in self._cells(identity) for _ in _finished(folder))
+
+    def _describe(self, stored: str | None) -> str | None:
+        """Describe in what a stored comparison differs from this one; None if it is the same."""
+        return self._identity.describe_difference(stored or "")
+
+    def _require_same(self, stored: str | None) -> None:
         """Refuse the folder of another comparison; None is a file that is not a comparison's."""
-        if text == self._identity.to_json():
-            return
-        try:
-            found = self._identity.describe_difference(text or "")
-        except (ValueError, KeyError, TypeError):
-            found = "files that are named like those of a comparison but are not from one"
-        raise InvalidInput(
-            "out",
-            str(self.path),
-            f"this folder contains {found}",
-            "Choose another folder, or start over with --fresh (fresh=True), which removes it.",
-        )
+        require_same(self.path, "comparison", stored, self._describe)
 
 
 def _finished(folder: Path) -> Iterator[Path]:

@@ -108,10 +108,12 @@ def find_changes(cases: Sequence[Question], stiffness: float, errors: RobotError
     >>> found.stiffness, found.delay
     (190.4, (0.029, 0.029))
     """
-    network = cases[0].network
     varying, is_enough = None, False
-    if not (network.is_constant or cases[0].has_playout_buffer):
+    if cases[0].is_varying and not cases[0].has_playout_buffer:
         varying = _varying_stiffness(cases, stiffness, errors)
+        if not cases[0].is_as_stated:
+            # No buffer takes up what is lost, queued or forged.
+            return Changes(varying)
         is_enough = _are_usable(cases, stiffness, errors)
     if is_enough:
         return Changes(varying, is_buffer_enough=True)
@@ -269,7 +271,7 @@ def find_guarantees(
     ('any network', 7.133)
     """
     network = cases[0].network
-    is_varying = not (network.is_constant or cases[0].has_playout_buffer)
+    is_varying = cases[0].is_varying and not cases[0].has_playout_buffer
     found: list[Guarantee] = []
     for verdicts in zip(*(reversed(each.judge(stiffness).tiers) for each in cases), strict=True):
         tier = verdicts[0].tier
@@ -286,6 +288,8 @@ def find_guarantees(
         ):
             continue
         needs_buffer = is_varying and not assumption_met
+        if not cases[0].is_bounded or (needs_buffer and not cases[0].is_as_stated):
+            continue
         k = (
             stiffness
             if is_satisfied

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from telespring._core import JudgedNetwork
 from telespring._html import table
 from telespring.decision.changes import Changes, Guarantee, find_changes, find_guarantees
 from telespring.decision.question import (
@@ -25,7 +26,7 @@ from telespring.decision.reserve import LEAST_PROBABILITY, Status
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.decision.usable import RobotErrors
 from telespring.decision.varying_delay import VaryingDelay, varying_delay
-from telespring.model import DyadAxis
+from telespring.model import DyadAxis, Network
 from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
@@ -181,6 +182,10 @@ class Decision:
         where the axes of a robot are not independent, so that nothing is proven.
     guarantees
         What is stable on more networks than the one in question, where both answers are "stable".
+    ages
+        What the study's network and session make of the ages in use; None without a study.
+    stated
+        The network as the study states it; None without a study.
     arms
         Stability in the study's own arms; None if it was not requested.
     """
@@ -205,6 +210,8 @@ class Decision:
     free: Decision | None = None
     changes: Changes | None = None
     guarantees: tuple[Guarantee, ...] = ()
+    ages: JudgedNetwork | None = None
+    stated: Network | None = None
     arms: ArmStability | None = None
 
     def __repr__(self) -> str:
@@ -236,8 +243,11 @@ class Decision:
     def status(self) -> Status:
         """The answer in one word: "stable", "marginal", "unstable" or "not proven".
 
-        A playout buffer that nobody promised does not count.
+        A playout buffer that nobody promised does not count. Where something is not judged (`ages.unjudged`),
+        nothing is proven.
         """
+        if self.ages is not None and self.ages.unjudged:
+            return "not proven"
         if self.varying is None or self.has_playout_buffer:
             return self.constant_delay_status
         is_good = self.varying.status in {"stable", "marginal"}
@@ -284,8 +294,8 @@ class Decision:
 
     @property
     def delay(self) -> tuple[float, float]:
-        """Forward and backward one-way delay of the network, s."""
-        return self.verdicts.network.delay
+        """Forward and backward one-way delay of the network, s, as stated."""
+        return (self.stated or self.verdicts.network).delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:
@@ -300,7 +310,17 @@ class Decision:
     @property
     def buffered(self) -> bool:
         """Whether only a playout buffer makes the delay constant."""
-        return self.constant_delay != self.delay
+        return self.constant_delay != self.verdicts.network.delay
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether the ages of the motion in use have a bound."""
+        return self.ages is None or self.ages.ages is not None
+
+    @property
+    def is_as_stated(self) -> bool:
+        """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
+        return self.ages is None or self.ages.is_as_stated
 
     @property
     def sampled_stable(self) -> bool | None:
@@ -402,7 +422,7 @@ def decide(
         decision = replace(decision, free=free)
     errors = RobotErrors.of(uncertainty, records)
     answers = [each for each in (decision, decision.free) if each is not None]
-    if decision.axes_independent is False:
+    if decision.axes_independent is False or question.unjudged:
         return decision
     if all(each.status == "stable" for each in answers):
         return replace(decision, guarantees=find_guarantees(cases, stiffness, errors))
@@ -420,7 +440,7 @@ def _judge(
 ) -> Decision:
     """Judge a stiffness for one way of holding the handles."""
     # Without jitter and gaps nothing varies that could attack.
-    seed = None if question.network.is_constant else attack_seed
+    seed = None if question.network.is_constant or not question.is_bounded else attack_seed
     # Checks every value before anything is derived from it.
     judged = question.judge(stiffness, seed)
     forward, backward = constant_delay(judged)
@@ -457,6 +477,8 @@ def _judge(
         ),
         robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
         robot_records=records,
+        ages=question.ages,
+        stated=question.stated,
     )
 
 

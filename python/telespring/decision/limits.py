@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from telespring._core import JudgedNetwork
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
     LONGEST_DELAY,
@@ -63,17 +64,22 @@ class DelayLimits:
         limit, 0 if there is none.
     varying
         What holds without a playout buffer; None if the delay does not vary. Its status means nothing.
+    ages, stated
+        What the study's network and session make of the ages in use, and the network as the study states it;
+        None without a study.
     """
 
     verdicts: Verdicts
     stiffness_limit: float
     usable_stiffness: float
     varying: VaryingDelay | None = None
+    ages: JudgedNetwork | None = None
+    stated: Network | None = None
 
     @property
     def delay(self) -> tuple[float, float]:
-        """Forward and backward one-way delay of the network, s."""
-        return self.verdicts.network.delay
+        """Forward and backward one-way delay of the network, s, as stated."""
+        return (self.stated or self.verdicts.network).delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:
@@ -108,7 +114,7 @@ class DelayLimits:
     @property
     def buffered(self) -> bool:
         """Whether only a playout buffer makes the delay constant."""
-        return self.constant_delay != self.delay
+        return self.constant_delay != self.verdicts.network.delay
 
 
 @dataclass(frozen=True)
@@ -238,10 +244,7 @@ def limits(
     >>> decide(question, 0.999 * found.usable_stiffness).status
     'stable'
     """
-    network = question.network
-    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
-    asked: Sequence[float | tuple[float, float]] = (network.delay,) if delays is None else delays
-    questions = [replace(question, network=Network(delay, *timing)) for delay in asked]
+    questions = [question] if delays is None else [question.at_network_delay(delay) for delay in delays]
     free = None
     if compare_free and question.is_held:
         free = limits(question.released(), stiffness, delays=delays, uncertainty=uncertainty, records=records)
@@ -276,6 +279,8 @@ def _delay_limits(question: Question, errors: RobotErrors) -> DelayLimits:
         stiffness_limit=limit,
         usable_stiffness=usable,
         varying=varying_delay(question, judged, errors.robots),
+        ages=question.ages,
+        stated=question.stated,
     )
 
 
@@ -294,14 +299,15 @@ def _stiffness_limits(question: Question, stiffness: float, errors: RobotErrors)
         most = usable
     if math.isfinite(most):
         usable = largest_usable(is_delay_usable, min(most, LONGEST_DELAY / _MORE))
-    # Jitter and gaps are part of the delay behind a playout buffer.
-    extra = question.network.jitter + question.network.max_gap
+    # Jitter and gaps are part of the delay behind a playout buffer, as is all that makes a motion older.
+    nearby = question.at_network_delay(0.0)
+    extra = max(nearby.network.buffered)
     return StiffnessLimits(
         stiffness,
         delay_limit=max(0.0, limit.delay - extra),
         delay_limit_proven=limit.proven,
         usable_delay=max(0.0, usable - extra),
         usable_delay_while_varying=None
-        if extra == 0.0
+        if not nearby.is_varying
         else usable_delay_while_varying(question, stiffness, LONGEST_DELAY, errors.robots),
     )

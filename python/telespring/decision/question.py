@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from telespring._core import check_usual
+from telespring._core import JudgedNetwork, check_usual
 from telespring.decision.reserve import RESERVE
 from telespring.model import Dyad, Network, Operator, OperatorRange, Study
 from telespring.theory.verdicts import (
     AxisTier,
     AxisVerdict,
     DelayLimit,
+    Verdict,
     Verdicts,
     delay_limit,
     is_stable_over_delays,
@@ -24,6 +25,7 @@ from telespring.theory.verdicts import (
 )
 
 if TYPE_CHECKING:
+    from telespring._types import Assumption, Delay
     from telespring.study.robot_file import RobotRecord
 
 __all__ = [
@@ -31,8 +33,10 @@ __all__ = [
     "SOFTEST",
     "STIFFEST",
     "Question",
+    "Texts",
     "are_axes_independent",
     "are_roots_counted",
+    "assumption_of",
     "constant_delay",
     "constant_delay_tier",
     "is_instability_proven",
@@ -42,6 +46,8 @@ __all__ = [
     "stiffness_limit",
 ]
 
+#: The content of recorded traces, forward and backward.
+Texts: TypeAlias = tuple[str | None, str | None]
 #: The longest delay that is judged, one way, s.
 LONGEST_DELAY = 100.0
 #: The smallest and the largest stiffness that is judged, N/m.
@@ -66,6 +72,20 @@ def are_roots_counted(judged: Verdicts) -> bool:
     """Return whether no root that sampled controllers give was left out of the count."""
     sampled = (axis.sampled for axis in judged.axes)
     return all(each is None or each.certificate != "incomplete" for each in sampled)
+
+
+def assumption_of(verdict: Verdict, ages: JudgedNetwork | None) -> Assumption:
+    """Return whether the ages in use, a study's or the network's own, meet the assumption of a tier."""
+    if ages is None:
+        return verdict.assumption
+    if ages.unjudged:
+        return "not met"
+    if ages.ages is None:
+        return "met" if verdict.tier == "any network" else "not met"
+    if not ages.is_as_stated and verdict.assumption == "met behind playout buffer":
+        # No buffer takes up what is lost, queued or forged.
+        return "not met"
+    return verdict.assumption
 
 
 def constant_delay(judged: Verdicts) -> tuple[float, float]:
@@ -103,6 +123,13 @@ class Question:
     robot_springs
         The robots' own springs to the ground, which the operators include and which stay when hands let go;
         None without any.
+    ages
+        What the study's network and session make of the ages in use, where `network` comes from a study.
+    stated
+        The network as that study states it; None without a study.
+    study, traces
+        The study, and the content of the recorded traces that it names: for the same question at another
+        delay of the network.
     """
 
     dyad: Dyad
@@ -110,6 +137,36 @@ class Question:
     operator_ranges: tuple[OperatorRange, OperatorRange] | None = None
     has_playout_buffer: bool = False
     robot_springs: tuple[Operator, Operator] | None = None
+    ages: JudgedNetwork | None = None
+    stated: Network | None = None
+    study: Study | None = None
+    traces: Texts = (None, None)
+
+    @classmethod
+    def of_study(
+        cls,
+        study: Study,
+        operator_ranges: tuple[OperatorRange, OperatorRange] | None = None,
+        *,
+        delay: Delay | None = None,
+        traces: Texts = (None, None),
+    ) -> Question:
+        """Ask about a study: its robots, with the ages that its network and session make of each motion.
+
+        `delay` takes the place of the network's, s; `traces` are the recorded traces that the study names.
+
+        Examples
+        --------
+        >>> import telespring as ts
+        >>> study = ts.Study.paper().replace(network={"delay": 0.05, "loss": 0.01})
+        >>> Question.of_study(study).network.jitters  # ages of 49 to 57 ms
+        (0.008, 0.008)
+        """
+        plain = study.network if delay is None else study.replace(network={"delay": 0.0}).network
+        stated = plain if delay is None else _at(plain, delay)
+        ages = study.judged_network(delay, traces)
+        question = cls.of(study, ages.network, operator_ranges, has_playout_buffer=ages.has_playout_buffer)
+        return replace(question, ages=ages, stated=stated, study=study, traces=traces)
 
     @classmethod
     def of(
@@ -120,7 +177,10 @@ class Question:
         *,
         has_playout_buffer: bool | None = None,
     ) -> Question:
-        """Ask about the robots of a study; ranges of hands take the place of the study's own operators."""
+        """Ask about the robots of a study on this network, whatever the study's own network and session do.
+
+        Ranges of hands take the place of the study's own operators.
+        """
         springs = None
         if study.ground_stiffness.any():
             one, other = (Operator(stiffness=spring.tolist()) for spring in study.ground_stiffness)
@@ -132,6 +192,48 @@ class Question:
                 ranges = _with_spring(ranges[0], springs[0]), _with_spring(ranges[1], springs[1])
         has_buffer = study.has_playout_buffer if has_playout_buffer is None else has_playout_buffer
         return cls(study.dyad, network, ranges, has_buffer, springs)
+
+    def at_network_delay(self, delay: Delay) -> Question:
+        """Return the question on the same network with another one-way delay, s."""
+        if self.study is None:
+            return replace(self, network=_at(self.network, delay))
+        ages = self.study.judged_network(delay, self.traces)
+        assert self.stated is not None  # it comes with the study
+        return replace(
+            self,
+            network=ages.network,
+            has_playout_buffer=ages.has_playout_buffer,
+            ages=ages,
+            stated=_at(self.stated, delay),
+        )
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether the ages of the motion in use have a bound."""
+        return self.ages is None or self.ages.ages is not None
+
+    @property
+    def is_as_stated(self) -> bool:
+        """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
+        return self.ages is None or self.ages.is_as_stated
+
+    @property
+    def unjudged(self) -> tuple[str, ...]:
+        """What no verdict judges; if there is any, nothing is proven."""
+        return () if self.ages is None else self.ages.unjudged
+
+    @property
+    def is_varying(self) -> bool:
+        """Whether the age of the motion in use varies, if nobody promises a playout buffer."""
+        return not (self.network.is_constant and self.is_bounded)
+
+    @property
+    def lasting_delays(self) -> tuple[tuple[float, float], ...]:
+        """Constant delays, s, that the network may keep for long: one that is unstable is enough."""
+        if self.ages is not None:
+            return self.ages.lasting
+        (forward, backward), (more, more_backward) = self.network.delay, self.network.jitters
+        return (forward, backward), (forward + more, backward + more_backward)
 
     @property
     def sampling(self) -> tuple[float, float]:
@@ -212,6 +314,12 @@ class Question:
         Both ways grow in the proportion that they have in the network.
         """
         return delay_limit(self.dyad, judged.stiffness, self.network, self.operator_ranges)
+
+
+def _at(network: Network, delay: Delay) -> Network:
+    """Return a network with another delay, s."""
+    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
+    return Network(delay, *timing)
 
 
 @lru_cache(maxsize=64, typed=True)

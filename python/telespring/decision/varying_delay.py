@@ -90,9 +90,9 @@ def varying_delay(
     >>> [varying_delay(question, question.judge(k)).status for k in (80.0, 88.0, 95.0, 140.0)]
     ['stable', 'marginal', 'not proven', 'unstable']
     """
-    if question.network.is_constant:
+    if not question.is_varying:
         return None
-    limit, attained, tier = _allowed(judged)
+    limit, attained, tier = _allowed(question, judged)
     worst_limit = _limit_with_errors(question, uncertainty, judged)
     if tier == "age in a range":
         nearby = [_limit_at(question, factor) for factor in (1.0 - RESERVE, 1.0 + RESERVE)]
@@ -100,13 +100,14 @@ def varying_delay(
         nearby = []
     usable = min(limit / (1.0 + RESERVE), worst_limit, *nearby)
     attack = judged.tier("age in a range").attack if is_attacked else None
+    is_attacked = is_attacked and question.is_bounded
     return VaryingDelay(
         _status(question, judged, usable),
         limit,
         attained,
         WITHIN * usable,
         tier,
-        attack=math.inf if is_attacked and attack is None else attack,
+        attack=(math.inf if attack is None else attack) if is_attacked else None,
     )
 
 
@@ -116,7 +117,7 @@ def _limit_at(question: Question, factor: float) -> float:
     forward, backward = network.delay
     timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
     longer = Network((factor * forward, factor * backward), *timing)
-    return _allowed(replace(question, network=longer).judge(_PROBE))[0]
+    return _allowed(question, replace(question, network=longer).judge(_PROBE))[0]
 
 
 def _limit_with_errors(
@@ -126,12 +127,14 @@ def _limit_with_errors(
 ) -> float:
     """Return what is proven for all robots but a few, N/m."""
     if uncertainty == (None, None):
-        return _allowed(judged)[0]
+        return _allowed(question, judged)[0]
     worse = _worse_robots(question, uncertainty)
     if worse is None:
         return 0.0
     # The worst robots of tiers 1 and 2 are known; for the age in a range all of them are judged at once.
     found = worse.judge(_PROBE)
+    if not question.is_bounded:
+        return found.tier("any network").stiffness_bound or 0.0
     every = _every_robot(question, uncertainty).judge(_PROBE)
     tiers = found.tier("any network"), found.tier("bounded varying delay"), every.tier("age in a range")
     return max(tier.stiffness_bound or 0.0 for tier in tiers)
@@ -176,25 +179,29 @@ def _deviations(question: Question, sides: int) -> float:
     return NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / (sides * parameters))
 
 
-def _allowed(judged: Verdicts) -> tuple[float, bool, Tier | None]:
+def _allowed(question: Question, judged: Verdicts) -> tuple[float, bool, Tier | None]:
+    if not question.is_bounded:
+        anything = judged.tier("any network")
+        bound = anything.stiffness_bound
+        return (0.0, False, None) if bound is None else (bound, anything.attained, "any network")
     allowed = judged.stiffness_allowed
     return (0.0, False, None) if allowed is None else (allowed.stiffness, allowed.attained, allowed.tier)
 
 
 def _status(question: Question, judged: Verdicts, usable: float) -> Status:
     k = judged.stiffness
-    if _is_proven(judged):
+    if _is_proven(question, judged):
         return "stable" if k <= usable else "marginal"
     # A constant delay is one of the ways in which the delay may vary.
-    forward, backward = question.network.delay
-    more, more_backward = question.network.jitters
-    for delay in ((forward, backward), (forward + more, backward + more_backward)):
+    for delay in question.lasting_delays:
         if is_instability_proven(question.at_delay(delay).judge(k)):
             return "unstable"
     return "not proven"
 
 
-def _is_proven(judged: Verdicts) -> bool:
+def _is_proven(question: Question, judged: Verdicts) -> bool:
+    if not question.is_bounded:
+        return judged.tier("any network").satisfied
     return any(tier.satisfied and tier.assumption_met for tier in judged.tiers)
 
 
@@ -234,7 +241,6 @@ def usable_delay_while_varying(
     Jitter and gaps come on top of it. It keeps the reserve; infinite if the delay does not matter, 0 if no
     delay is short enough.
     """
-    network = question.network
     ranges = question.operator_ranges
     worse = _worse_robots(question, uncertainty)
     if worse is None:
@@ -242,18 +248,22 @@ def usable_delay_while_varying(
     cases = [((1.0 + RESERVE) * stiffness, question), (stiffness, worse)]
 
     def with_delay(delay: float, tier: Tier) -> bool:
-        timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
         for k, asked in cases:
             # In the tier that the delay decides the worst operators are those with the least damping.
             if ranges is not None and tier == "bounded varying delay":
                 asked = asked.with_operators((ranges[0].low, ranges[1].low))
             # A stiffness beyond what is judged follows from the bound of its tier.
-            judged = replace(asked, network=Network(delay, *timing)).judge(min(k, STIFFEST)).tier(tier)
+            asked = asked.at_network_delay(delay)
+            judged = asked.judge(min(k, STIFFEST)).tier(tier)
+            if not asked.is_bounded and tier != "any network":
+                return False
             if not judged.satisfied or (k > STIFFEST and k > (judged.stiffness_bound or 0.0)):
                 return False
         return True
 
-    longest -= network.jitter + network.max_gap  # the later way counts
+    longest -= max(question.at_network_delay(0.0).network.buffered)  # the later way counts
+    if longest <= 0.0:
+        return 0.0
     if with_delay(longest, "any network"):
         return math.inf
     return largest_usable(lambda delay: with_delay(delay, "bounded varying delay"), longest, resolution=1e-9)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from telespring._errors import InvalidInput
 from telespring._files import write_whole
+from telespring.rehearsal.claims import require_claimable, require_same
 from telespring.rehearsal.identity import RehearsalIdentity
 from telespring.rehearsal.schedule import ScheduledTrial
 from telespring.rehearsal.trial_file import TrialRecord, read_trial_file, write_trial_file
@@ -104,17 +105,17 @@ class RehearsalStore:
         """Check whether the folder holds another rehearsal, or other files with a rehearsal's names."""
         try:
             self.is_complete()
-            self._require_same_trials()
+            require_claimable(self._identity_file, "rehearsal", self._describe, self._has_trials)
         except InvalidInput:
             return True
         return False
 
     def begin(self) -> None:
         """Claim the folder for this rehearsal, and remove what a killed process left half-written."""
-        self._require_same_trials()
-        # An identity without finished trials may be replaced: the agent that failed at once may be corrected.
-        if not any(self._trials.glob("*.trial")):
-            write_whole(self._identity_file, self._identity.to_json())
+        identity = self._identity.to_json()
+        require_claimable(self._identity_file, "rehearsal", self._describe, self._has_trials)
+        if not self._has_trials(identity):
+            write_whole(self._identity_file, identity)
         self._trials.mkdir(exist_ok=True)
         self._remove_unfinished()
 
@@ -161,32 +162,18 @@ class RehearsalStore:
     def _trial_file(self, trial: ScheduledTrial) -> Path:
         return self._trials / f"{trial.condition}-{trial.trial}.trial"
 
-    def _require_same_trials(self) -> None:
-        if self._identity_file.exists():
-            try:
-                identity = RehearsalIdentity.from_json(self._identity_file.read_text(encoding="utf-8"))
-            except ValueError:
-                identity = None
-            if identity is None or any(self._trials.glob("*.trial")):
-                self._require_same(identity)
+    def _has_trials(self, _: str) -> bool:
+        """Check whether trials are finished; all trials in a folder are of the same rehearsal."""
+        return any(self._trials.glob("*.trial"))
+
+    def _describe(self, stored: str | None) -> str | None:
+        """Describe in what a stored rehearsal differs from this one; None if it is the same."""
+        return self._identity.describe_difference(RehearsalIdentity.from_json(stored or ""))
 
     def _require_same(self, identity: RehearsalIdentity | None) -> None:
         """Refuse the folder of another rehearsal; None is a file that is not a rehearsal's."""
-        if identity is None:
-            raise InvalidInput(
-                "out",
-                str(self.path),
-                "this folder has files that are named like those of a rehearsal but are not from one",
-                "Choose another folder, or start over with --fresh (fresh=True), which removes them.",
-            )
-        difference = self._identity.describe_difference(identity)
-        if difference is not None:
-            raise InvalidInput(
-                "out",
-                str(self.path),
-                f"this folder contains {difference}",
-                "Choose another folder, or start over with --fresh (fresh=True), which removes it.",
-            )
+        stored = None if identity is None else identity.to_json()
+        require_same(self.path, "rehearsal", stored, self._describe)
 
     def _remove_unfinished(self) -> None:
         for folder in (self.path, self._trials):

@@ -6,7 +6,7 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from telespring._core import Experiment, Laboratory
+from telespring._core import Experiment, Laboratory, Study
 from telespring._errors import InvalidInput
 
 __all__ = ["RecordedTraces", "read_traces"]
@@ -41,8 +41,8 @@ class RecordedTraces:
         return experiment.laboratory_on(self.texts)
 
 
-def read_traces(experiment: Experiment, folder: Path | None) -> RecordedTraces:
-    """Read the recorded traces that an experiment names, relative to the folder of the study.
+def read_traces(source: Experiment | Study, folder: Path | None) -> RecordedTraces:
+    """Read the recorded traces that an experiment or a study names, relative to the folder of the study.
 
     InvalidInput where a file is not text in UTF-8, OSError where it cannot be read. Their content is checked
     with the laboratory.
@@ -54,7 +54,7 @@ def read_traces(experiment: Experiment, folder: Path | None) -> RecordedTraces:
     >>> read_traces(experiment, None).texts
     (None, None)
     """
-    forward, backward = experiment.trace_files
+    forward, backward = source.trace_files
     return RecordedTraces((forward, backward), (_read(forward, folder), _read(backward, folder)))
 
 

@@ -9,20 +9,30 @@ from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.changes import Changes
 from telespring.decision.decide import AxisDecision, Decision
+from telespring.decision.limits import DelayLimits
+from telespring.decision.question import assumption_of
 from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.decision.varying_delay import VaryingDelay
+from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
-from telespring.theory.verdicts import DelayBudget, Verdict
+from telespring.theory.verdicts import DelayBudget, StiffnessAllowed, Verdict
 
-__all__ = ["arm_stability_json", "decision_json", "sampled_bound_json", "uncertainty_json", "varying_json"]
+__all__ = [
+    "arm_stability_json",
+    "decision_json",
+    "network_json",
+    "sampled_bound_json",
+    "uncertainty_json",
+    "varying_json",
+]
 
 
 def decision_json(decision: Decision) -> dict[str, Any]:
     """Return what `docs/study-json.md` lists for `telespring decide --json`."""
-    verdicts, allowed = decision.verdicts, decision.verdicts.stiffness_allowed
+    verdicts, allowed = decision.verdicts, _stiffness_allowed(decision)
     forward, backward = decision.delay
     constant_forward, constant_backward = decision.constant_delay
     return {
@@ -36,6 +46,7 @@ def decision_json(decision: Decision) -> dict[str, Any]:
             "status": decision.constant_delay_status,
         },
         "playout_buffer": decision.has_playout_buffer,
+        "network": network_json(decision),
         "varying_delay": varying_json(decision.varying),
         "status": decision.status,
         "stable": decision.stable,
@@ -87,10 +98,30 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         },
         "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
         "axes_independent": decision.axes_independent,
-        "warnings": robot_notes(decision),
+        "warnings": [*ages_notes(decision.ages, decision.stated), *robot_notes(decision)],
         "free": None if decision.free is None else decision_json(decision.free),
         "in_arms": None if decision.arms is None else arm_stability_json(decision.arms),
     }
+
+
+def _stiffness_allowed(decision: Decision) -> StiffnessAllowed | None:
+    """Return the largest stiffness of the tiers whose assumption the ages in use meet."""
+    if decision.ages is not None and decision.ages.unjudged:
+        return None
+    if decision.is_bounded:
+        return decision.verdicts.stiffness_allowed
+    anything = decision.verdicts.tier("any network")
+    bound = anything.stiffness_bound
+    return None if bound is None else StiffnessAllowed(bound, anything.attained, "any network")
+
+
+def network_json(found: Decision | DelayLimits) -> dict[str, Any]:
+    """Return `network` of `telespring decide --json`: as stated, and what of it was judged."""
+    ages = found.ages
+    if ages is None:
+        return {"stated": found.verdicts.network.to_dict(), "judged": None}
+    assert found.stated is not None  # it comes with the ages
+    return {"stated": found.stated.to_dict(), "judged": ages.to_dict()}
 
 
 def _changes_json(changes: Changes) -> dict[str, Any]:
@@ -187,8 +218,8 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         "axis": None if axis is None else axes[axis],
         "satisfied": satisfied,
         **({} if name == "paper" else {"proven": tier.proven}),
-        "assumption_met": tier.assumption_met,
-        "assumption": tier.assumption,
+        "assumption_met": assumption_of(tier, decision.ages) == "met",
+        "assumption": assumption_of(tier, decision.ages),
         "available": bound is not None,
         **({} if name == "paper" else {"unavailable": tier.unavailable}),
         **({} if name == "paper" or tier.ages is None else {"ages": [list(ages) for ages in tier.ages]}),

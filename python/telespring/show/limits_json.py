@@ -7,8 +7,10 @@ from typing import Any
 
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
+from telespring.decision.question import assumption_of
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
-from telespring.show.decision_json import sampled_bound_json, varying_json
+from telespring.show.decision_json import network_json, sampled_bound_json, varying_json
+from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
 
@@ -26,7 +28,10 @@ def limits_json(found: Limits) -> dict[str, Any]:
         "over_operator_ranges": found.over_operator_ranges,
         "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
         "axes_independent": found.axes_independent,
-        "warnings": robot_notes(found),
+        "warnings": [
+            *ages_notes(found.delays[0].ages, found.delays[0].stated, is_delay_given=found.is_delay_given),
+            *robot_notes(found),
+        ],
         "playout_buffer": found.has_playout_buffer,
         "delays": [_delay_json(row, found.axes) for row in found.delays],
         "stiffness": None
@@ -58,6 +63,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
             "backward": constant_backward,
             "buffered": row.buffered,
         },
+        "network": network_json(row),
         "stiffness_limit": finite_or_none(row.stiffness_limit),
         "usable_stiffness": finite_or_none(row.usable_stiffness),
         "recommended_stiffness": row.recommended_stiffness,
@@ -78,7 +84,7 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
                     tier, row.stiffness_limit, is_sampled=row.verdicts.sampled_stable is not None
                 ),
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
-                "assumption_met": tier.assumption_met,
+                "assumption_met": assumption_of(tier, row.ages) == "met",
                 "available": tier.stiffness_bound is not None,
                 "unavailable": tier.unavailable,
             }

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::{
     ADDED_MASS, AMPLITUDE, ANGULAR_FREQUENCY, CONTROLLER_PERIOD, COULOMB, DAMPING, DAMPING_SD, DELAY, ENERGY,
     FORCE, GROUND_STIFFNESS, IMPEDANCE, INERTIA, JOINT_DAMPING, LENGTH, LIFETIME, LINK_MASS, MASS, MASS_SD,
-    OFFSET, OPERATOR_DAMPING, PLACE, POSITION_NOISE, POWER, Quantity, RATE, RESOLUTION, ROBOT_SPRING,
-    SAMPLE_PERIOD, SPAN, SPEED, STIFFNESS,
+    OFFSET, OPERATOR_DAMPING, PLACE, POSITION_NOISE, POSITION_SHIFT, POWER, Quantity, RATE, RESOLUTION,
+    ROBOT_SPRING, SAMPLE_PERIOD, SPAN, SPEED, STAMP_SHIFT, STIFFNESS,
 };
 use crate::error::{InvalidInput, Result};
 
@@ -37,7 +37,7 @@ const LENGTHS: &[(&str, f64)] = &[("cm", 1e-2), ("mm", 1e-3)];
 
 /// Light haptic devices to industrial axes (95 kg and 200 N·s/m have been identified), networks up to a link
 /// through a satellite.
-const USUAL: [Usual; 30] = [
+const USUAL: [Usual; 32] = [
     usual(MASS, 0.01, 300.0, GRAMS),
     usual(ADDED_MASS, 0.0, 100.0, GRAMS),
     usual(DAMPING, 0.0, 1e3, &[("g/s", 1e-3)]),
@@ -67,6 +67,8 @@ const USUAL: [Usual; 30] = [
     usual(MASS_SD, 0.0, 30.0, GRAMS),
     usual(ENERGY, 0.0, 5.0, &[("mJ", 1e-3)]),
     usual(POWER, 0.0, 20.0, &[("mW", 1e-3)]),
+    usual(POSITION_SHIFT, 0.0, 1.0, LENGTHS),
+    usual(STAMP_SHIFT, 0.0, 2.0, MILLISECONDS),
     usual(IMPEDANCE, 0.01, 1e3, &[("g/s", 1e-3)]),
     usual(POSITION_NOISE, 1e-9, 0.01, &[("mm", 1e-3), ("µm", 1e-6)]),
 ];

@@ -60,7 +60,7 @@ impl Laboratory {
 
     /// The damping that one side, 0 or 1, injects in a condition of the laboratory, per axis, N·s/m; 0 with another strategy.
     fn injected_damping(&self, side: usize, coupling: &ConnectedMode) -> Result<[f64; 2]> {
-        let settings = self.session.architecture.endpoint_settings(&self.side_facts(side, coupling))?;
+        let settings = self.session.architecture.rehearsal_settings(&self.side_facts(side, coupling))?;
         Ok(match settings.strategy {
             StrategyChoice::InjectedDamping(strategy) => strategy.damping(),
             _ => [0.0; 2],

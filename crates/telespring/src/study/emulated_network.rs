@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::Study;
+use super::adversary::read_adversary;
 use super::entry::Entry;
 use super::reader::Reader;
 use crate::error::{InvalidInput, Result};
 use crate::quantity::{self, Quantity};
-use crate::rig::trace::{IrttDelay, TraceUnits, names_round_trips};
+use crate::rig::trace::{IrttDelay, TraceFormat, TraceUnits, names_round_trips};
 use crate::rig::{
     Blackout, GilbertElliott, JitterDistribution, Network, NetworkModel, PacketOrder, RateLimit, Trace,
 };
@@ -22,33 +23,36 @@ pub struct TraceFile {
 }
 
 impl TraceFile {
-    /// The recorded trace in the text of the study's file: a table, or the JSON of IRTT.
+    /// The recorded trace in the text of the study's file: a table, the JSON of IRTT, or the log of `ping -D`.
     ///
     /// Of IRTT's delays it takes the round trip if the study says so, otherwise the one from client to server on the
-    /// way forward and the other on the way backward: the client stands at robot 1.
+    /// way forward and the other on the way backward: the client stands at robot 1. The delays of a ping are round trips
+    /// whatever the study says: where it does not, the trace has half of each, as a way that is not said to be a round trip.
     ///
     /// # Errors
     ///
-    /// As [`Trace::from_csv`] and [`Trace::from_irtt`], with the name of the file; or if a column is named `rtt` and the
-    /// file is not said to have round trips.
+    /// As [`Trace::from_csv`], [`Trace::from_irtt`] and [`Trace::from_ping`], with the name of the file; or if a column is
+    /// named `rtt` and the file is not said to have round trips.
     pub fn trace(&self, text: &str, is_forward: bool) -> Result<Trace> {
-        let read = if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
-            let taken = match (self.is_round_trip, is_forward) {
-                (true, _) => IrttDelay::RoundTrip,
-                (false, true) => IrttDelay::Send,
-                (false, false) => IrttDelay::Receive,
-            };
-            Trace::from_irtt(text, taken)
-        } else if names_round_trips(text) && !self.is_round_trip {
-            Err(InvalidInput::new(
+        let read = match TraceFormat::of(text) {
+            TraceFormat::Irtt => {
+                let taken = match (self.is_round_trip, is_forward) {
+                    (true, _) => IrttDelay::RoundTrip,
+                    (false, true) => IrttDelay::Send,
+                    (false, false) => IrttDelay::Receive,
+                };
+                Trace::from_irtt(text, taken)
+            }
+            TraceFormat::Ping if self.is_round_trip => Trace::from_ping(text),
+            TraceFormat::Ping => Trace::from_ping(text).map(Trace::halved),
+            TraceFormat::Table if names_round_trips(text) && !self.is_round_trip => Err(InvalidInput::new(
                 "trace, column delay",
                 "\"rtt\"",
                 "a round trip is not the delay of one way",
                 "Say that it is a round trip (round_trip = true in a study, --round-trip on the command line), \
                  which takes half of it for each way.",
-            ))
-        } else {
-            Trace::from_csv(text, TraceUnits::default())
+            )),
+            TraceFormat::Table => Trace::from_csv(text, TraceUnits::default()),
         };
         read.map_err(|refusal| InvalidInput { field: format!("{}, {}", self.path, refusal.field), ..refusal })
     }
@@ -169,6 +173,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
     })?;
     let rate = each_way(reader, "rate", None, |entry| read_rate(entry).map(Some))?;
     let blackout = each_way(reader, "blackout", None, |entry| read_blackout(entry).map(Some))?;
+    let adversary = each_way(reader, "adversary", None, |entry| read_adversary(entry).map(Some))?;
     let traces = each_way(reader, "trace", None, |entry| read_trace(entry).map(Some))?;
     let way = |i: usize| NetworkModel {
         jitter: jitter[i],
@@ -180,7 +185,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
         rate: rate[i],
         blackout: blackout[i],
         trace: None,
-        adversary: None,
+        adversary: adversary[i],
     };
     let model = Network { forward: way(0), backward: way(1) };
     model.check().map_err(|refusal| reader.with_line_of_field(refusal.within("network")))?;
@@ -194,7 +199,7 @@ pub(super) fn read_emulated_network(reader: &Reader<'_>) -> Result<EmulatedNetwo
 }
 
 /// A number of a network without the sign of −0, which has no meaning and would not be written.
-fn number(entry: &Entry<'_, '_>, quantity: Quantity) -> Result<f64> {
+pub(super) fn number(entry: &Entry<'_, '_>, quantity: Quantity) -> Result<f64> {
     Ok(entry.number(quantity, "a number")? + 0.0)
 }
 
@@ -266,7 +271,7 @@ fn read_distribution(entry: &Entry<'_, '_>) -> Result<JitterDistribution> {
 }
 
 /// The part of a network's table that must be there.
-fn required<'r, 'a>(
+pub(super) fn required<'r, 'a>(
     entry: &Entry<'r, 'a>,
     part: Option<Entry<'r, 'a>>,
     example: &str,

@@ -67,6 +67,7 @@ pub(super) const SECTIONS: [(&str, Keys); 16] = [
             "rate",
             "blackout",
             "trace",
+            "adversary",
         ]),
     ),
     ("controller", Keys::Fixed(&["sample_period", "computing_time"])),

@@ -35,10 +35,13 @@
 //! `[arm1]`, `[arm2]`, `[agent1]`, `[agent2]`, `[task]`, `[laboratory]`, `[protocol]`, `[session]` and `[comparison]`. `docs/study-file.md` lists
 //! every key with its meaning, unit, range and default.
 
+mod adversary;
+mod ages;
 mod changes;
 mod comparison;
 mod emulated_network;
 mod entry;
+mod guard;
 mod keys;
 mod laboratory;
 mod network;
@@ -54,6 +57,7 @@ mod robot_file;
 mod section;
 mod session;
 mod source;
+mod way_ages;
 mod writer;
 
 use crate::criteria::paper_critical_stiffness;
@@ -70,6 +74,7 @@ use reader::Reader;
 use robot::{RobotSection, read_robots};
 use source::Source;
 
+pub use ages::{AgeSource, JudgedNetwork, Unjudged};
 pub use comparison::{ComparedNetwork, ComparisonChoice};
 pub use emulated_network::{EmulatedNetwork, TraceFile};
 pub use laboratory::{AgentChoice, Setup, Task};
@@ -237,6 +242,7 @@ impl Study {
             holders: NamedHolders(HOLDERS.iter().any(|section| reader.has(section))),
             moved_keys: MovedKeys::of(&reader),
         };
+        study.check_buffer().map_err(|error| reader.with_line_of_field(error))?;
         study.check_rehearsal(&reader)?;
         study.check_dampers(&reader)?;
         study.check_comparison(&reader)?;

@@ -14,8 +14,13 @@ use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
+/// The values of the axes x and y.
+fn pair(values: &[f64]) -> [f64; 2] {
+    [values[0], values[1]]
+}
+
 /// The quantile of the normal distribution at 97.5 %: the ends of a 95 % interval are this many standard deviations away.
-const QUANTILE: f64 = 1.959_963_984_540_054;
+pub(super) const QUANTILE: f64 = 1.959_963_984_540_054;
 
 impl Study {
     /// Each robot's Coulomb friction per axis in the rehearsal, N.
@@ -95,19 +100,27 @@ impl Study {
     ///
     /// As [`Study::laboratory_on`] and [`TraceFile::trace`].
     pub fn laboratory_on_texts(&self, texts: [Option<&str>; 2]) -> Result<rig::Laboratory> {
+        self.laboratory_on(self.recorded_traces(texts)?)
+    }
+
+    /// The recorded traces in the text of the files that the study names, forward and backward; see [`TraceFile::trace`].
+    ///
+    /// # Errors
+    ///
+    /// As [`TraceFile::trace`].
+    pub fn recorded_traces(&self, texts: [Option<&str>; 2]) -> Result<[Option<Arc<rig::Trace>>; 2]> {
         let [forward, backward] = &self.emulated_network.traces;
         let unnamed = TraceFile { path: String::new(), is_round_trip: false };
         let read = |file: &Option<TraceFile>, text: Option<&str>, is_forward: bool| {
             let file = file.as_ref().unwrap_or(&unnamed);
             text.map(|text| file.trace(text, is_forward).map(Arc::new)).transpose()
         };
-        self.laboratory_on([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
+        Ok([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
     }
 
     /// The study's laboratory as it is before its recorded traces are read.
     fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
         self.check_planar()?;
-        let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Station {
             handle: rig::Handle {
                 mass: pair(self.dyad.robots()[i].mass()),
@@ -152,7 +165,9 @@ impl Study {
         rig::SessionPlan {
             architecture: self.session,
             least_damping,
+            least_mass: [0, 1].map(|robot| pair(&self.least_mass(robot))),
             lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
+            missing: self.missing(),
             has_playout_buffer: self.has_playout_buffer,
         }
     }

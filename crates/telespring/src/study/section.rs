@@ -2,14 +2,15 @@
 
 use toml::{Table, Value};
 
+use super::adversary::read_adversary;
 use super::laboratory::{self, AgentChoice, Setup, Task};
 use super::reader::Reader;
 use super::replace::unwritable;
 use super::robot::read_robot;
 use super::session::read_session;
 use super::source::Source;
-use crate::error::Result;
-use crate::rig::{Arm, Handle};
+use crate::error::{InvalidInput, Result};
+use crate::rig::{Adversary, Arm, Handle};
 use crate::session::Architecture;
 
 impl AgentChoice {
@@ -80,6 +81,27 @@ impl Handle {
             read_section("robot1", "handle", table, |reader| read_robot(reader, "robot1", 2, None))?;
         let pair = |values: &[f64]| [values[0], values[1]];
         Ok(Self { mass: pair(robot.mass()), damping: pair(robot.damping()), coulomb: pair(&section.coulomb) })
+    }
+}
+
+impl Adversary {
+    /// Reads an adversary from a table with the keys of `network.adversary`.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `adversary.memory`.
+    pub fn from_table(table: &Table) -> Result<Self> {
+        let network = [("adversary".to_owned(), Value::Table(table.clone()))].into_iter().collect();
+        let read = read_section("network", "network", &network, |reader| {
+            let entry = reader.get("network", "adversary").expect("the section has this key only");
+            let adversary = read_adversary(&entry)?;
+            adversary.check().map_err(|refusal| refusal.within("network.adversary"))?;
+            Ok(adversary)
+        });
+        read.map_err(|refusal| InvalidInput {
+            field: refusal.field.trim_start_matches("network.").to_owned(),
+            ..refusal
+        })
     }
 }
 

@@ -123,6 +123,11 @@ impl TomlText {
         write("order", "", ways.map(|way| (way.order == PacketOrder::Fifo).then(|| quoted_text("fifo"))));
         write("rate", "", ways.map(|way| way.rate.map(rate_text)));
         write("blackout", "s", ways.map(|way| way.blackout.map(blackout_text)));
+        write(
+            "adversary",
+            "",
+            ways.map(|way| way.adversary.map(|adversary| table_text(&adversary.to_table()))),
+        );
         write("trace", "", network.traces.each_ref().map(|file| file.as_ref().map(trace_text)));
     }
 

@@ -4,7 +4,7 @@ use telespring::rig::{Adversary, NetworkModel};
 use telespring::session::strategy::{Guard, Spring, StrategyChoice};
 use telespring::session::{AccountSettings, Endpoint, EndpointSettings, Law, LocalTime, Motion, Span};
 
-use crate::plant::AxisPlant;
+use crate::withstand_common::plant::AxisPlant;
 
 const PERIOD: f64 = 1e-3;
 /// The one-way delay, s.
@@ -105,13 +105,16 @@ fn bare(kind: Adversary, stiffness: f64) -> Course {
 }
 
 /// The adversaries that tell no lie about energy.
-const HONEST_ABOUT_ENERGY: [Adversary; 5] = [
+pub const HONEST_ABOUT_ENERGY: [Adversary; 5] = [
     Adversary::OldestSample { memory: 1.0 },
     Adversary::MostHarmfulSample { memory: 1.0 },
     Adversary::StretchTimed { longest: 1.0 },
     Adversary::LyingPeer { position: 0.1, stamp: -0.2, power: 0.0 },
     Adversary::LyingPeer { position: 0.02, stamp: 0.03, power: 0.0 },
 ];
+
+/// One that lies about everything.
+pub const LIAR: Adversary = Adversary::LyingPeer { position: 0.05, stamp: -0.1, power: 5.0 };
 
 #[test]
 fn law_under_guard_every_adversary_leaves_robots_near_and_at_rest() {
@@ -136,7 +139,7 @@ fn law_under_guard_every_adversary_leaves_robots_near_and_at_rest() {
 #[test]
 fn law_a_partner_that_lies_about_everything_gets_no_more_than_the_intake() {
     for stiffness in [142.0, 2000.0] {
-        let kind = Adversary::LyingPeer { position: 0.05, stamp: -0.1, power: 5.0 };
+        let kind = LIAR;
         let (guard, spring) = (guarded(kind, stiffness), bare(kind, stiffness));
         println!(
             "{kind:?}, {stiffness} N/m: guard {guard:?}, bare spring {:.2} m, {:.2} m/s",

@@ -3,8 +3,9 @@
 #![allow(clippy::disallowed_macros, reason = "the tests print what they measure")]
 
 mod bare_spring;
+mod creeping;
 mod guard;
 mod handed_over;
-#[allow(dead_code, reason = "the guard's tests use more of it")]
-#[path = "../withstand_common/plant.rs"]
-mod plant;
+mod trial;
+#[path = "../withstand_common/mod.rs"]
+mod withstand_common;

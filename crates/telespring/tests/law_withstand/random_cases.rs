@@ -4,16 +4,14 @@ use std::collections::BTreeMap;
 
 use crate::case::{Case, predictors};
 use crate::run::run;
+use crate::withstand_common::seed::seed;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use telespring::rig::{Adversary, NetworkModel};
 use telespring::session::PlayoutSettings;
 
-/// The seed of the random cases: fixed, or drawn by `make verify`.
-#[allow(clippy::disallowed_methods, reason = "make verify passes its seed this way")]
-fn seed() -> u64 {
-    std::env::var("TELESPRING_VERIFY").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_261_128)
-}
+/// The seed of the random cases, unless `make verify` draws one.
+const SEED: u64 = 20_261_128;
 
 /// What a case contains, in words.
 fn contents(case: &Case) -> Vec<&'static str> {
@@ -55,9 +53,10 @@ fn contents(case: &Case) -> Vec<&'static str> {
 }
 
 fn check_cases(cases: u64, ticks: usize) {
+    let seed = seed(SEED);
     let (mut counts, mut limited, mut sent) = (BTreeMap::new(), 0, 0);
     for number in 0..cases {
-        let mut random = ChaCha8Rng::seed_from_u64(seed() ^ (number << 32));
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ (number << 32));
         let case = Case::random(&mut random, ticks);
         match run(&case, random.next_u64(), &[]) {
             Ok(outcome) => {
@@ -65,7 +64,7 @@ fn check_cases(cases: u64, ticks: usize) {
                 sent += u64::from(outcome.sent > 1e-3);
             }
             Err(violation) => {
-                panic!("case {number} of seed {}: {violation:?}\n{case:#?}", seed());
+                panic!("case {number} of seed {seed}: {violation:?}\n{case:#?}");
             }
         }
         for name in contents(&case) {

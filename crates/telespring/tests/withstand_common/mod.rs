@@ -7,3 +7,4 @@ pub mod books;
 pub mod ledger;
 pub mod pair;
 pub mod plant;
+pub mod seed;

@@ -111,6 +111,7 @@ _LACKS: Mapping[Lack, str] = MappingProxyType(
         "stronger damper": "damper too weak for the spring",
         "softer spring": "too stiff for the sample period",
         "shorter ages": "ages longer than its damper is for",
+        "honest partner": "a partner that may lie",
     }
 )
 

@@ -54,7 +54,7 @@ def decision_screen(
 
 
 def _question(decision: Decision, heading: Sequence[str], notes: Sequence[str]) -> Text:
-    network = decision.verdicts.network
+    network = decision.stated or decision.verdicts.network
     asked = f"{format_number(decision.stiffness, 6)} N/m over {network_clause(network)}, "
     text = Text("\n".join([*heading, asked + sampling_clause(network.sample_period)]), style="bold")
     for note in notes:
@@ -83,7 +83,7 @@ def _verdict_table(decision: Decision) -> Fitting:
         if own.bound is None:
             rows.append((own.verdict.tier, formula, own.allowed, "–", "–", "–"))
             continue
-        applies = network_fits(own.verdict.assumption)
+        applies = network_fits(own.verdict, decision.ages)
         rows.append((own.verdict.tier, formula, own.allowed, own.axis, _yes_or_no(own.is_satisfied), applies))
     headings = ("network", "rule", "k, N/m", "axis", "stable", "yours")
     return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))
@@ -99,7 +99,8 @@ def _verdict_notes(decision: Decision) -> list[Text]:
         notes = []
     if decision.sampled_stable is not None:
         notes.append(Text(CONTINUOUS_TIERS))
-        notes.append(Text(sampling_note(decision.verdicts)))
+        if decision.varying is None or decision.has_playout_buffer:
+            notes.append(Text(sampling_note(decision.verdicts)))
     if any(axis.verdict.sampled_proven is False for axis in decision.axes):
         notes.append(Text(MAYBE_TOO_SMALL))
     if not decision.delay_limit_proven:

@@ -43,6 +43,9 @@ def answer_lines(decision: Decision, held: str) -> list[Text]:
         cases = [("Free handles", decision.free), (hands_name(held), decision)]
     lines = []
     for name, case in cases:
+        if case.varying is not None and not case.is_as_stated:
+            lines += answers_by_buffer(name, _varying_delay_answer(case), None, is_promised=True)
+            continue
         lines += answers_by_buffer(
             name,
             _constant_delay_answer(case),
@@ -59,6 +62,10 @@ def _varying_delay_answer(decision: Decision) -> Text:
     assert varying is not None
     status = decision.status
     word, style = _WORDS[status]
+    if decision.ages is not None and decision.ages.unjudged:
+        return Text.assemble((word, style), ": something about it is not judged, as said above.")
+    if not decision.is_bounded:
+        return Text.assemble((word, style), _unbounded(decision))
     limit = allowed_stiffness(varying.stiffness_limit, varying.is_attained)
     proven = {"no limit": "every stiffness is proven", "none": "no stiffness is proven"}.get(
         limit, f"proven is a stiffness {limit} N/m"
@@ -79,6 +86,25 @@ def _varying_delay_answer(decision: Decision) -> Text:
     return Text.assemble((word, style), why)
 
 
+def _unbounded(decision: Decision) -> str:
+    """Write why, where only what is stable on any network is proven."""
+    varying = decision.varying
+    assert varying is not None
+    limit = allowed_stiffness(varying.stiffness_limit, varying.is_attained)
+    proven = f"on any network, a stiffness {limit} N/m is proven."
+    if limit in {"none", "no limit"}:
+        proven = f"on any network, {'no' if limit == 'none' else 'every'} stiffness is proven."
+    match decision.status:
+        case "stable":
+            return f" on any network, with {_percent(RESERVE)} in reserve; {proven}"
+        case "marginal":
+            return f": stable on any network, but with too little in reserve; {proven}"
+        case "unstable":
+            return f" already at a constant delay that the network may have; {proven}"
+        case _:
+            return f": its samples may become older than any bound; {proven}"
+
+
 def _percent(share: float) -> str:
     return f"{100.0 * share:.0f} %"
 
@@ -86,6 +112,9 @@ def _percent(share: float) -> str:
 def _constant_delay_answer(decision: Decision) -> Text:
     status = decision.constant_delay_status
     word, style = _WORDS[status]
+    if decision.ages is not None and decision.ages.unjudged:
+        word, style = _WORDS["not proven"]
+        return Text.assemble((word, style), ": something about it is not judged, as said above.")
     where = "at this constant delay"
     match status:
         case "stable":

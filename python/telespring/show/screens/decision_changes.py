@@ -16,6 +16,9 @@ __all__ = ["suggested_changes"]
 
 def suggested_changes(decision: Decision) -> Padding:
     """List the changes that make an answer STABLE, or what is stable on more networks."""
+    if decision.ages is not None and decision.ages.unjudged:
+        title = "What to change is not known: not all of the study is judged."
+        return Padding(Text(title, style="bold"), (1, 0, 0, 0))
     if decision.changes is not None:
         title, lines = _changes(decision, decision.changes)
     elif decision.axes_independent is False:
@@ -74,6 +77,9 @@ def _missing(decision: Decision, changes: Changes) -> list[str]:
     """Say which kinds of change do not help."""
     if changes.is_buffer_enough:
         return []
+    if _is_varying(decision) and not decision.is_as_stated:
+        # Only the stiffness was tried.
+        return [] if changes.varying_stiffness is not None else ["no stiffness is low enough"]
     missing = []
     if changes.stiffness is None and changes.varying_stiffness is None:
         missing.append("no stiffness is low enough")

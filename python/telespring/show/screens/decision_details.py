@@ -9,6 +9,7 @@ from rich.padding import Padding
 from rich.text import Text
 
 from telespring.decision.decide import AxisDecision, Decision
+from telespring.model import JudgedNetwork
 from telespring.show.quantities import format_number, format_probability, format_stiffness, format_time
 from telespring.show.screens.arms import (
     describe_arm_operators,
@@ -29,12 +30,14 @@ _INTERVALS = 6
 
 def decision_details(decision: Decision) -> list[RenderableType]:
     """Lay out what stands behind a decision."""
+    is_varying = decision.varying is not None and not decision.has_playout_buffer
     return [
-        *_margins(decision),
-        _describe_delay_budget(decision),
+        # They are those of one constant delay.
+        *([] if is_varying else _margins(decision)),
+        *([] if is_varying else [_describe_delay_budget(decision)]),
         *_describe_attack(decision),
         *_describe_decay_rate(decision),
-        *_describe_uncertainty(decision),
+        *([] if is_varying else _describe_uncertainty(decision)),
         *_describe_in_arms(decision),
     ]
 
@@ -147,16 +150,23 @@ def _format_stable_delays(axis: AxisDecision) -> str:
 
 def _describe_delay_budget(decision: Decision) -> Padding:
     forward, backward = decision.verdicts.delay_budget
+    judged = None if decision.is_as_stated else decision.ages
     if forward == backward:
-        lines = [_delay_budget_line("each way", forward)]
+        lines = [_delay_budget_line("each way", forward, judged)]
     else:
-        lines = [_delay_budget_line("forward", forward), _delay_budget_line("backward", backward)]
+        lines = [
+            _delay_budget_line("forward", forward, judged),
+            _delay_budget_line("backward", backward, judged),
+        ]
     return Padding(Text.assemble(("Age of the oldest sample, ", "bold"), "; ".join(lines)), (1, 0, 0, 0))
 
 
-def _delay_budget_line(direction: str, budget: DelayBudget) -> str:
+def _delay_budget_line(direction: str, budget: DelayBudget, judged: JudgedNetwork | None) -> str:
+    """Write the sum for one way; ages that were judged in place of the stated ones are its first part."""
     names = ("network", "jitter", "gap", "sampling", "computing")
     parts = [(name, getattr(budget, name)) for name in names]
+    if judged is not None and judged.ages is not None:
+        parts = [("in use", budget.network + budget.jitter + budget.gap), *parts[3:]]
     terms = " + ".join(f"{format_time(seconds, 6)} {name}" for name, seconds in parts if seconds > 0.0)
     return f"{direction}: {f'{terms} = ' if terms else ''}{format_time(budget.total, 6)}"
 

@@ -41,6 +41,9 @@ __all__ = ["limits_screen"]
 
 _RESERVE = f"{100 * RESERVE:.0f} % of stiffness and of delay in reserve"
 _ANY_STIFFNESS = f"You may use any stiffness that laboratories use (up to {format_stiffness(STIFFEST_USUAL)})"
+_NOT_JUDGED = Text.assemble(
+    ("NOT PROVEN", "bold yellow"), ": something about it is not judged, as said above."
+)
 _PROBABLY = f", and with a probability of at least {100 * LEAST_PROBABILITY:.0f} %"
 
 
@@ -52,7 +55,7 @@ def limits_screen(
     `heading` names the study and its robots, `held` says what holds the handles (empty if they are free), and
     `notes` say how the question was understood.
     """
-    network = found.delays[0].verdicts.network
+    network = found.delays[0].stated or found.delays[0].verdicts.network
     sampling = sampling_clause(network.sample_period)
     if found.is_delay_given:
         asked = f"{network_clause(network)}, {sampling}"
@@ -94,6 +97,12 @@ def _usable(found: Limits, held: str) -> list[Text]:
             buffered = _usable_stiffness(row, kept)
             without = None if row.varying is None else _usable_while_varying(row.varying, kept)
         else:
+            continue
+        if row.ages is not None and row.ages.unjudged:
+            lines += answers_by_buffer(name, _NOT_JUDGED, None, is_promised=True)
+            continue
+        if without is not None and row.ages is not None and not row.ages.is_as_stated:
+            lines += answers_by_buffer(name, without, None, is_promised=True)
             continue
         lines += answers_by_buffer(
             name,
@@ -218,7 +227,7 @@ def _tier_table(found: Limits) -> Fitting:
                 TIERS[own.verdict.tier].formula,
                 own.allowed,
                 own.axis,
-                network_fits(own.verdict.assumption),
+                network_fits(own.verdict, found.delays[0].ages),
             )
             for own in tier_bounds(found.delays[0].verdicts)
         ]
@@ -234,7 +243,8 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
     varies = found.delays[0].varying is not None
     if found.free is None:
         return [_delay_table(found)]
-    if not varies or found.has_playout_buffer:
+    ages = found.delays[0].ages
+    if not varies or found.has_playout_buffer or not (ages is None or ages.is_as_stated):
         return [_hand_table(found.free, found, "", is_buffered=True)]
     return [
         _hand_table(found.free, found, "Without a playout buffer", is_buffered=False),
@@ -243,6 +253,9 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
 
 
 def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
+    if row.ages is not None and row.ages.unjudged:
+        return 0.0
+    is_buffered = is_buffered and (row.ages is None or row.ages.is_as_stated)
     return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
 
 
@@ -269,18 +282,21 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
 
 
 def _delay_table(found: Limits) -> Fitting:
-    varies = found.delays[0].varying is not None and not found.has_playout_buffer
+    first = found.delays[0]
+    varies = first.varying is not None and not found.has_playout_buffer
+    has_choice = varies and (first.ages is None or first.ages.is_as_stated)
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
-        usable = _usable_cell(row.usable_stiffness)
-        cells = [usable, format_stiffness(row.stiffness_limit).removesuffix(" N/m")]
-        if varies:
+        usable = _usable_cell(_usable_of(row, is_buffered=True))
+        limit = row.stiffness_limit if row.varying is None or not varies else row.varying.stiffness_limit
+        cells = [usable, format_stiffness(limit).removesuffix(" N/m")]
+        if has_choice:
             cells = [_usable_cell(_usable_of(row, is_buffered=False)), usable]
         tiers = (row.verdicts.tier("any constant delay"), row.verdicts.tier("any network"))
         for tier in tiers:
             allowed = allowed_stiffness(tier.stiffness_bound, tier.attained, tier.unavailable)
             cells.append(allowed.removeprefix("below ").removeprefix("up to "))
         rows.append((delay_clause(row.delay), *cells))
-    own = ("no buffer\nN/m", "with buffer\nN/m") if varies else ("you may use\nN/m", "limit\nN/m")
+    own = ("no buffer\nN/m", "with buffer\nN/m") if has_choice else ("you may use\nN/m", "limit\nN/m")
     headings = ("delay\neach way", *own, "any constant\ndelay, N/m", "any network\nN/m")
     return fitting_table("", headings, rows, right=(0, 1, 2, 3, 4), optional=(3,))

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.text import Text
 
 from telespring.decision.changes import WIDER_TIERS
-from telespring.decision.question import is_stable, stiffness_limit
-from telespring.model import Architecture, Dyad, Network, Operator, Robot
-from telespring.show.quantities import format_number, format_time
+from telespring.decision.question import assumption_of, is_stable, stiffness_limit
+from telespring.model import Architecture, Dyad, JudgedNetwork, Network, Operator, Robot
+from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
 if TYPE_CHECKING:
-    from telespring._types import Assumption, Unavailable
+    from telespring._types import Unavailable
 
 __all__ = [
     "CONTINUOUS_TIERS",
@@ -174,8 +174,10 @@ def sampling_note(judged: Verdicts) -> str:
     return f"{note} It puts b − kh in place of b, and lowers the limit for any network."
 
 
-def session_notes(session: Architecture) -> tuple[str, ...]:
-    """Say, for a study whose sides do more than a bare spring, whose answer it is; nothing for a bare spring.
+def session_notes(session: Architecture, guard_stiffness: float = math.inf) -> tuple[str, ...]:
+    """Say, for a study whose sides have the guard, whose answer it is; nothing for other sides.
+
+    `guard_stiffness` is the one up to which a guard is proven, N/m.
 
     Examples
     --------
@@ -183,24 +185,19 @@ def session_notes(session: Architecture) -> tuple[str, ...]:
     >>> session_notes(ts.Architecture(strategy="guard"))[0][:46]
     'The answer is that of the bare spring. Above i'
     """
-    if session.strategy == "guard":
-        return (
-            (
-                "The answer is that of the bare spring. Above its limits the guard weakens the force, "
-                "so that no side gives out more energy than it has, whatever the network does."
-            ),
-        )
-    if session == Architecture():
+    if session.strategy != "guard":
         return ()
-    if session.label == "spring":
-        assert session.playout_delay is not None  # what else differs
-        return (
-            (
-                "The answer is for the delay of the network. The study's sides use a motion when it is "
-                f"{format_time(session.playout_delay, 6)} old, or older if it comes later."
-            ),
-        )
-    return (f"The answer is that of the bare spring, not of the study's session ({session.label}).",)
+    proven = (
+        f" (proven up to {format_stiffness(guard_stiffness)} with these controllers)"
+        if math.isfinite(guard_stiffness)
+        else ""
+    )
+    return (
+        (
+            "The answer is that of the bare spring. Above its limits the guard weakens the force, "
+            f"so that no side gives out more energy than it has, whatever the network does{proven}."
+        ),
+    )
 
 
 def given_delay(delay: tuple[float, float]) -> str:
@@ -238,9 +235,9 @@ def network_clause(network: Network) -> str:
     return f"{given_delay(network.delay)}{f' and {more}' if more else ''}"
 
 
-def network_fits(assumption: Assumption) -> Text:
+def network_fits(verdict: Verdict, ages: JudgedNetwork | None) -> Text:
     """Write whether a tier is about the network in question, for a narrow column."""
-    match assumption:
+    match assumption_of(verdict, ages):
         case "met":
             return Text("yes")
         case "met behind playout buffer":

@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use super::{Channel, Datagram};
-use crate::error::{InvalidInput, Result};
+use crate::error::Result;
 use crate::quantity;
 use crate::session::wire::{MAX_ENERGY, MAX_STAMP};
 use crate::session::{LocalTime, Motion, Packet, PeerTime, Span, motion};
@@ -47,6 +47,28 @@ pub enum Adversary {
 }
 
 impl Adversary {
+    /// The words for all adversaries, as a study writes them.
+    pub const KINDS: [&str; 4] = ["oldest-sample", "most-harmful-sample", "stretch-timed", "lying-peer"];
+
+    /// The word for the adversary.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::rig::Adversary;
+    ///
+    /// assert_eq!(Adversary::OldestSample { memory: 1.0 }.kind(), "oldest-sample");
+    /// ```
+    pub const fn kind(&self) -> &'static str {
+        let [oldest, most_harmful, stretch_timed, lying] = Self::KINDS;
+        match self {
+            Self::OldestSample { .. } => oldest,
+            Self::MostHarmfulSample { .. } => most_harmful,
+            Self::StretchTimed { .. } => stretch_timed,
+            Self::LyingPeer { .. } => lying,
+        }
+    }
+
     /// Checks the values of the adversary.
     ///
     /// # Errors
@@ -61,19 +83,9 @@ impl Adversary {
                 quantity::SPAN.check("longest", longest)?;
             }
             Self::LyingPeer { position, stamp, power } => {
-                quantity::AMPLITUDE.check("position", position)?;
+                quantity::POSITION_SHIFT.check("position", position)?;
+                quantity::STAMP_SHIFT.check("stamp", stamp)?;
                 quantity::POWER.check("power", power)?;
-                if !(stamp.abs() <= quantity::SPAN.maximum()) {
-                    return Err(InvalidInput::new(
-                        "stamp",
-                        format!("{stamp:?}"),
-                        format!(
-                            "a shift of stamps is at most {} s, backwards or forwards",
-                            quantity::SPAN.maximum()
-                        ),
-                        "Write the shift in s.",
-                    ));
-                }
             }
         }
         Ok(())

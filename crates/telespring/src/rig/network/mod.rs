@@ -6,6 +6,7 @@
 //! | [`NetworkModel`] | what one direction does, as plain values |
 //! | [`emulator`] | the channel of a model, with seeded random numbers |
 //! | [`adversary`] | channels that do the worst they can |
+//! | [`missing`] | how many packets in a row it does not deliver |
 //! | [`trace`] | recorded delays and losses: read, described, replayed, fitted to the models |
 //!
 //! # Examples
@@ -29,6 +30,7 @@ mod burst;
 mod check;
 pub mod emulator;
 mod jitter;
+pub mod missing;
 mod model;
 pub mod trace;
 

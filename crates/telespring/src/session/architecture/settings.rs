@@ -2,7 +2,7 @@
 
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
-use super::{Architecture, PlayoutDesign, PredictorDesign, StrategyDesign};
+use super::{Architecture, GuardDesign, PlayoutDesign, PredictorDesign, StrategyDesign};
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
 use crate::session::playout::Histogram;
@@ -11,7 +11,7 @@ use crate::session::strategy::{
     Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings, Spring,
     StrategyChoice, TankSettings, TimeDomainPassivity, TwoLayer, WaveSettings, WaveVariables,
 };
-use crate::session::{AccountSettings, EndpointSettings, Law, PlayoutSettings, Span};
+use crate::session::{AccountSettings, EndpointSettings, Law, PlayoutSettings, Span, WatchdogSettings};
 
 /// What one side knows of both robots and of the network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,8 @@ pub struct SideFacts {
     pub delays: [f64; 2],
     /// The most by which a motion may be older than these delays, s: jitter and gap.
     pub lateness: [f64; 2],
+    /// How much older still a motion may become because packets are lost or wait at a link, s; no play-out waits for it.
+    pub missing: [f64; 2],
     /// Whether a fixed play-out without a delay of its own waits for the latest motion.
     pub has_playout_buffer: bool,
     /// The time between two measurements, on both sides, s.
@@ -33,16 +35,22 @@ pub struct SideFacts {
     pub computing_tick: bool,
     /// The step of the position sensor, m; 0 for none.
     pub encoder_step: f64,
+    /// The time constant with which the device's force follows the commanded one, s; 0 for none. Then
+    /// [`Endpoint::handle_acted`](crate::session::Endpoint::handle_acted) is told the mean force that acted.
+    pub actuator_lag: f64,
     /// The damping that the own robot and the partner's have at least, per axis, N·s/m.
     pub least_damping: [[f64; 2]; 2],
+    /// The mass that the own robot has at least, per axis, kg.
+    pub least_mass: [f64; 2],
 }
 
 impl Architecture {
-    /// The settings of one side: strategy, predictor and play-out of this architecture, watched, on a shared clock.
+    /// The settings of one live side: strategy, predictor and play-out of this architecture, watched, on a shared clock.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if a value is out of range, or the law has a damper and the strategy no place for it.
+    /// [`InvalidInput`] if a value is out of range, the law has a damper and the strategy no place for it, or the guard's
+    /// account bounds nothing with these facts ([`AccountSettings::check_bound`]).
     ///
     /// # Examples
     ///
@@ -55,11 +63,14 @@ impl Architecture {
     ///     law: Law { stiffness: 71.2, damping: 0.0 },
     ///     delays: [0.084, 0.084],
     ///     lateness: [0.0, 0.0],
+    ///     missing: [0.0, 0.0],
     ///     has_playout_buffer: false,
     ///     sample_period: 0.001,
     ///     computing_tick: false,
     ///     encoder_step: 0.0,
+    ///     actuator_lag: 0.0,
     ///     least_damping: [[7.7, 10.1]; 2],
+    ///     least_mass: [0.83, 1.07],
     /// };
     /// let settings = Architecture::default().endpoint_settings(&facts)?;
     /// assert_eq!(settings.playout, PlayoutSettings::Fixed { delay: Span::from_seconds(0.084) });
@@ -67,6 +78,21 @@ impl Architecture {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn endpoint_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
+        if let StrategyDesign::Guard(design) = self.strategy {
+            let [x, y] = facts.least_mass;
+            design.account(facts).check_bound(x.min(y))?;
+        }
+        let watchdog = Some(WatchdogSettings::for_period(Span::from_seconds(facts.sample_period)));
+        Ok(EndpointSettings { watchdog, ..self.rehearsal_settings(facts)? })
+    }
+
+    /// As [`Architecture::endpoint_settings`] for a side in the virtual laboratory, which asks what a coupling does: on
+    /// however old a motion, without a watchdog, and also where nothing is proven.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if a value is out of range, or the law has a damper and the strategy no place for it.
+    pub fn rehearsal_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
         let ([delay, _], [lateness, _]) = (facts.delays, facts.lateness);
         let playout = match self.playout {
             PlayoutDesign::Fixed { .. } => {
@@ -78,6 +104,7 @@ impl Architecture {
             strategy: self.strategy_choice(facts)?,
             predictor: self.predictor.choice()?,
             playout,
+            watchdog: None,
             sample_period: Span::from_seconds(facts.sample_period),
             computing_tick: facts.computing_tick,
             ..EndpointSettings::new(facts.session, facts.law, Span(0))
@@ -93,8 +120,9 @@ impl Architecture {
         }
     }
 
-    /// The largest age of a motion in use over a way with this delay and lateness, s, if the network keeps them.
-    fn largest_age(&self, facts: &SideFacts, delay: f64, lateness: f64) -> f64 {
+    /// The largest age of a motion in use over a way, s: with its delay, its lateness and what is missing, if the network
+    /// keeps them.
+    fn largest_age(&self, facts: &SideFacts, delay: f64, lateness: f64, missing: f64) -> f64 {
         let latest = delay + lateness;
         let played = match self.playout {
             PlayoutDesign::Fixed { .. } => self.fixed_delay(facts, delay, lateness),
@@ -104,11 +132,11 @@ impl Architecture {
                 wanted.min(adaptive.largest.seconds()).max(adaptive.smallest.seconds())
             }
         };
-        played.max(latest) + facts.sample_period
+        played.max(latest) + missing + facts.sample_period
     }
 
     fn strategy_choice(&self, facts: &SideFacts) -> Result<StrategyChoice> {
-        let SideFacts { law, computing_tick, encoder_step, .. } = *facts;
+        let SideFacts { law, computing_tick, .. } = *facts;
         let Law { stiffness, damping } = law;
         if damping != 0.0 && !self.strategy.has_coupling_damper() {
             return Err(InvalidInput::new(
@@ -124,22 +152,11 @@ impl Architecture {
         let [own_damping, partner_damping] = facts.least_damping;
         Ok(match self.strategy {
             StrategyDesign::Spring => StrategyChoice::Spring(Spring::new(law)),
-            StrategyDesign::Guard(design) => {
-                let settings = AccountSettings {
-                    stiffness,
-                    damping: own_damping,
-                    share: design.share,
-                    capacity: design.capacity,
-                    intake: design.intake,
-                    encoder_step,
-                    computing_tick,
-                };
-                StrategyChoice::Guard(Guard::new(law, settings)?)
-            }
+            StrategyDesign::Guard(design) => StrategyChoice::Guard(Guard::new(law, design.account(facts))?),
             StrategyDesign::InjectedDamping => {
-                let ([incoming, outgoing], [here, there]) = (facts.delays, facts.lateness);
-                let ages =
-                    [self.largest_age(facts, incoming, here), self.largest_age(facts, outgoing, there)];
+                let ages = [0, 1].map(|way: usize| {
+                    self.largest_age(facts, facts.delays[way], facts.lateness[way], facts.missing[way])
+                });
                 let settings = InjectedDampingSettings {
                     own_damping,
                     partner_damping,
@@ -189,5 +206,23 @@ impl PredictorDesign {
             Self::Kalman(design) => PredictorChoice::Kalman(Kalman::new(design.model, design.noise)?),
             Self::SharedTarget => PredictorChoice::SharedTarget(SharedTarget),
         })
+    }
+}
+
+impl GuardDesign {
+    /// The account of a side with these facts.
+    fn account(&self, facts: &SideFacts) -> AccountSettings {
+        let [damping, _] = facts.least_damping;
+        AccountSettings {
+            stiffness: facts.law.stiffness,
+            damping,
+            share: self.share,
+            capacity: self.capacity,
+            intake: self.intake,
+            encoder_step: facts.encoder_step,
+            computing_tick: facts.computing_tick,
+            sample_period: facts.sample_period,
+            actuator_lag: facts.actuator_lag,
+        }
     }
 }

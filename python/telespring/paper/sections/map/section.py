@@ -16,6 +16,7 @@ from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
+from telespring.rehearsal.traces import read_traces
 from telespring.show import figures
 from telespring.show.quantities import format_time
 from telespring.show.screens.questions import sampling_clause
@@ -68,10 +69,10 @@ def find_map(scene: Scene) -> Findings:
     status, region = None, None
     stable_for = "operators in the middle" if study.operator_ranges is not None else "all axes"
     if mark is not None:
-        question = Question(study.dyad, study.network, study.operator_ranges, study.has_playout_buffer)
+        question = Question.of_study(study, traces=read_traces(study, scene.modules).texts)
         status = decide(question, study.stiffness, uncertainty=study.uncertainty).status
-        region = _judged_delays(study, stiffness, longest)
-        stable_for = _judged_for(study)
+        region = _judged_delays(question, study, stiffness, longest)
+        stable_for = _judged_for(question)
     svg = figures.to_svg(
         figures.tier_map(
             boundaries,
@@ -134,15 +135,25 @@ SECTION = Section(
 )
 
 
-def _judged_delays(study: Study, stiffness: FloatArray, longest: float) -> FloatArray:
+def _later(question: Question) -> float:
+    """Return by how much the ages in use may exceed the delay of the network, s."""
+    assert question.stated is not None  # it comes with a study
+    pairs = zip(question.network.buffered, question.stated.delay, strict=True)
+    return round(max(0.0, *(oldest - delay for oldest, delay in pairs)), 9)
+
+
+def _judged_delays(question: Question, study: Study, stiffness: FloatArray, longest: float) -> FloatArray:
     """Return the delay, s, up to which the answer would be stable at each stiffness, also if it varies.
 
-    With the study's controllers and for every operator, as far as jitter and gaps may lengthen it.
+    With the study's controllers and for every operator, as far as the ages in use may exceed the delay. It is
+    0 where nothing bounds them, or nothing is judged.
     """
-    network, ranges = study.network, study.operator_ranges
+    network, ranges = question.network, study.operator_ranges
+    if question.unjudged or not question.is_bounded:
+        return np.zeros_like(stiffness)
     at = np.union1d(stiffness[:: 1 if ranges is None else _RANGE_STEP], [study.stiffness, stiffness[-1]])
     limits = np.array([delay_limit(study.dyad, float(k), network, ranges).delay for k in at])
-    limits = np.minimum(limits - network.jitter - network.max_gap, 4.0 * longest)
+    limits = np.minimum(limits - _later(question), 4.0 * longest)
     # Sampled controllers have steps: a line between two limits keeps below both.
     padded = np.pad(limits, 1, mode="edge")
     lower = np.minimum(np.minimum(padded[:-2], padded[2:]), limits)
@@ -172,15 +183,14 @@ def _sampled_limits(study: Study, longest: float) -> tuple[float, tuple[FloatArr
     return math.nan if any_network is None else any_network, varying
 
 
-def _judged_for(study: Study) -> str:
+def _judged_for(question: Question) -> str:
     """Say in the legend what the shaded region holds for."""
-    network = study.network
-    extra = network.jitter + network.max_gap
+    extra = _later(question)
     return ", ".join(
         [
-            "every operator" if study.operator_ranges is not None else "all axes",
+            "every operator" if question.operator_ranges is not None else "all axes",
             *([f"also {format_time(extra, 6)} later"] if extra > 0.0 else []),
-            sampling_clause(network.sample_period),
+            sampling_clause(question.network.sample_period),
         ]
     )
 

@@ -11,6 +11,7 @@ from telespring.decision.decide import decide
 from telespring.decision.question import Question, is_stable
 from telespring.decision.reserve import RESERVE
 from telespring.model import Study
+from telespring.rehearsal.traces import read_traces
 from telespring.show.decision_json import arm_stability_json, varying_json
 
 __all__ = ["answer_study"]
@@ -21,7 +22,7 @@ _ATTACK_SEED = 1
 
 def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
     """Compute the key `summary.answer` of `study.json`; programs of a target are looked up in `modules`."""
-    question = Question.of(study, study.network)
+    question = Question.of_study(study, traces=read_traces(study, modules).texts)
     decision = decide(
         question,
         study.stiffness,

@@ -1,6 +1,8 @@
 //! Recorded traces of a network: what happened to each packet that somebody sent.
 
+mod anywhere;
 mod fit;
+mod ping;
 mod playing;
 mod reading;
 pub(super) mod special;
@@ -9,12 +11,15 @@ mod statistics;
 pub use fit::{BurstFit, JitterFit, TraceFit};
 pub use playing::PlayedTrace;
 pub(crate) use reading::names_round_trips;
-pub use reading::{IrttDelay, TimeUnit, TraceUnits};
+pub use reading::{IrttDelay, TimeUnit, TraceFormat, TraceUnits};
 pub use statistics::TraceStatistics;
 
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
 use crate::session::LocalTime;
+
+/// The most packets that a trace is completed to.
+const MOST_ROWS: f64 = 1e7;
 
 /// One recorded packet of a network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,11 +79,12 @@ impl Trace {
             }
             quantity::DELAY.check(&field("delay"), row.delay).map_err(|refusal| {
                 let remedy = if row.delay < 0.0 {
-                    "The two clocks differ: take the round trip and halve it.".to_owned()
+                    "The two clocks differ: record round trips, and take half of each (--round-trip, or round_trip = true \
+                     in a study)."
                 } else {
-                    refusal.remedy.clone()
+                    "If the delays are in another unit, name the column by it, such as delay_ms."
                 };
-                InvalidInput { remedy, ..refusal }
+                InvalidInput { remedy: remedy.to_owned(), ..refusal }
             })?;
         }
         if let Some(index) = rows.windows(2).position(|pair| pair[1].time < pair[0].time) {
@@ -177,7 +183,6 @@ impl Trace {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn with_missing_rows(&self, period: f64, longest: f64) -> Result<Self> {
-        const MOST_ROWS: f64 = 1e7;
         for (field, value) in [("period", period), ("longest", longest)] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(InvalidInput::new(

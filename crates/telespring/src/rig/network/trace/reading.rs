@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::ping::is_ping_log;
 use super::{Trace, TraceRow};
 use crate::error::{InvalidInput, Result};
 
@@ -59,6 +60,38 @@ pub enum IrttDelay {
     Send,
     /// From server to client; right only if both clocks agree.
     Receive,
+}
+
+/// What a text with a trace of a network is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceFormat {
+    /// A table with a header.
+    Table,
+    /// The JSON of `irtt client -o`.
+    Irtt,
+    /// The log of `ping -D`.
+    Ping,
+}
+
+impl TraceFormat {
+    /// The format in which a text has a trace of a network; a table if it is none of the others.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::rig::trace::TraceFormat;
+    /// assert_eq!(TraceFormat::of("time_s,delay_ms\n0,20\n"), TraceFormat::Table);
+    /// assert_eq!(TraceFormat::of("PING host (10.0.0.2) 56(84) bytes of data.\n"), TraceFormat::Ping);
+    /// ```
+    pub fn of(text: &str) -> Self {
+        if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+            Self::Irtt
+        } else if is_ping_log(text) {
+            Self::Ping
+        } else {
+            Self::Table
+        }
+    }
 }
 
 const TIMES: [&str; 7] = ["time", "t", "sent", "send_time", "send", "pub_time", "timestamp"];
@@ -146,7 +179,14 @@ impl Trace {
                     format!("trace, column {kind}"),
                     format!("{:?}", header.chars().take(60).collect::<String>()),
                     "the first line names the columns time, delay and, if packets were lost, lost",
-                    format!("Name one of them {}.", known.join(", or ")),
+                    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+                        "Put a line before it that names the columns, such as time_s,delay_ms.".to_owned()
+                    } else {
+                        format!(
+                            "Name one of them {}, with its unit: {kind}_s or {kind}_ms.",
+                            known.join(" or ")
+                        )
+                    },
                 )
             })
         };
@@ -154,11 +194,10 @@ impl Trace {
         let lost = find_column(&names, &LOSSES);
         let unit = |kind: &str, column: &Column, given: Option<TimeUnit>| {
             column.unit.or(given).map(TimeUnit::per_second).ok_or_else(|| {
-                InvalidInput::missing(
-                    format!("trace, unit of {kind}"),
-                    "",
-                    format!("Name the column {kind}_s, {kind}_ms, {kind}_us or {kind}_ns."),
-                )
+                InvalidInput::missing(format!("trace, unit of {kind}"), "", {
+                    let name = split_unit(names[column.index]).0;
+                    format!("Name the column {name}_s, {name}_ms, {name}_us or {name}_ns.")
+                })
             })
         };
         let (time_unit, delay_unit) = (unit("time", &time, units.time)?, unit("delay", &delay, units.delay)?);
@@ -174,7 +213,11 @@ impl Trace {
                         format!("trace, line {}, {kind}", line + 1),
                         format!("{text:?}"),
                         "a number is required",
-                        "Correct the line, or remove it.",
+                        if text.contains(':') {
+                            "Write times as numbers, in s since any moment, such as 0.02."
+                        } else {
+                            "Correct the line, or remove it."
+                        },
                     )
                 })
             };
@@ -268,7 +311,8 @@ impl Trace {
                 InvalidInput::missing(
                     format!("trace, round_trips[{index}].delay"),
                     "ns",
-                    "Take the round trip: one way needs a server that stamps packets.",
+                    "Take the round trip (--round-trip, or round_trip = true in a study): one way needs a server that \
+                     stamps packets.",
                 )
             };
             let delay = if lost { 0 } else { delay.ok_or_else(missing)? };

@@ -35,9 +35,13 @@ pub struct TraceStatistics {
 
 /// The median time between two packets of a trace, s.
 pub(super) fn median_interval(rows: &[TraceRow]) -> f64 {
-    let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
-    steps.sort_by(f64::total_cmp);
-    quantile_of(&steps, 0.5)
+    median(rows.windows(2).map(|pair| pair[1].time - pair[0].time).collect())
+}
+
+/// The median of values of a trace; NaN without values.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    quantile_of(&values, 0.5)
 }
 
 /// A quantile of a trace's sorted values, between neighbours in proportion; NaN without values.
@@ -110,7 +114,12 @@ impl Trace {
             median: quantile_of(&sorted, 0.5),
             quantile_99: quantile_of(&sorted, 0.99),
             maximum: quantile_of(&sorted, 1.0),
-            autocorrelation: products / pairs / variance,
+            // equal delays vary by rounding only
+            autocorrelation: if sorted.first() < sorted.last() {
+                products / pairs / variance
+            } else {
+                f64::NAN
+            },
         }
     }
 }
