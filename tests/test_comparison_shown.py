@@ -223,6 +223,15 @@ def test_law_all_figures_of_a_comparison_are_drawn_if_there_is_something_to_draw
 def test_law_the_report_compares_with_the_experiments_own_trials(analysis: Analysis) -> None:
     numbers = analysis.numbers
     table = {(row["stiffness"], row["delay"]): row for row in numbers["table1"]}
+    [unconnected] = [row for row in numbers["table1"] if row["stiffness"] is None]
+    alone, best = numbers["comparison"]["unconnected"], numbers["comparison"]["best"]
+    assert alone["trials"] == unconnected["trials"]
+    means = [alone[f"te{i}_mean"] for i in (1, 2)]
+    assert means == pytest.approx([unconnected[f"te{i}_mean"] for i in (1, 2)], rel=1e-9)
+    delayed = [row[best] for row in numbers["comparison"]["conditions"] if row["delay"] > 0.0]
+    assert alone["compared"] == len(delayed) == numbers["comparison"]["delayed"]
+    assert alone["better"] == sum(each["te1_mean"] + each["te2_mean"] > sum(means) for each in delayed)
+    assert numbers["comparison"]["reference"] == "undelayed"
     own = [row for row in numbers["comparison"]["conditions"] if row["of_the_protocol"]]
     assert len(own) == 16
     for row in own:

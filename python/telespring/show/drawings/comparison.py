@@ -27,6 +27,7 @@ __all__ = [
     "draw_comparison",
     "draw_delays",
     "draw_plane",
+    "error_reference",
     "spring_boundary",
 ]
 
@@ -178,7 +179,7 @@ def draw_plane(
 
     name = _names(comparison, "network")[0] if network is None else network
     one = comparison.sel(network=name)
-    reference = _reference_of(one)
+    reference = error_reference(one)
     panels = []
     for label in strategies:
         here = one.sel(architecture=label)
@@ -251,12 +252,12 @@ def undelayed_errors(comparison: xr.Dataset, stiffness: float) -> tuple[float, f
 
 def _unconnected_errors(comparison: xr.Dataset) -> tuple[float, float]:
     """Return the mean tracking errors of both without a partner, m; NaN without a completed trial."""
-    errors = comparison.tracking_error_unconnected.transpose("trial", "robot").values
+    errors = comparison.tracking_error_unconnected.transpose(..., "robot").values
     one, two = _over_trials(np.mean, errors[None])[0].tolist()
     return one, two
 
 
-def _reference_of(one: xr.Dataset) -> Reference:
+def error_reference(one: xr.Dataset) -> Reference:
     """Say what errors on one network can be related to, at all its stiffnesses alike."""
     rehearsed = one.isel(condition=np.flatnonzero(one.is_rehearsed)) if "is_rehearsed" in one else one
     stiffnesses = np.unique(rehearsed.stiffness.values).tolist()

@@ -61,8 +61,18 @@ class MeasuredRehearsal:
     @property
     def unconnected(self) -> FloatArray:
         """Quarter errors of the unconnected trials, (trial, robot, 2); none without such a condition."""
-        alone = [i for i, (stiffness, _) in enumerate(self.conditions) if np.isnan(stiffness)]
-        return self.quarters[alone[0]] if alone else np.empty((0, 2, 2))
+        alone = self._unconnected
+        return np.empty((0, 2, 2)) if alone is None else self.quarters[alone]
+
+    @property
+    def unconnected_errors(self) -> FloatArray | None:
+        """Tracking errors of the unconnected trials, m, (trial, robot); None without such a condition."""
+        alone = self._unconnected
+        return None if alone is None else self.errors[alone]
+
+    @property
+    def _unconnected(self) -> int | None:
+        return next((i for i, (stiffness, _) in enumerate(self.conditions) if np.isnan(stiffness)), None)
 
 
 def measure_rehearsal(dataset: Path) -> MeasuredRehearsal:
@@ -93,14 +103,12 @@ def _losses(attributes: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
     return damping, np.array([robot.get("coulomb", [0.0, 0.0]) for robot in robots], dtype=np.float64)
 
 
-def side_by_side(
-    rehearsals: Mapping[str, Sequence[MeasuredRehearsal]], unconnected: FloatArray
-) -> xr.Dataset:
+def side_by_side(rehearsals: Mapping[str, Sequence[MeasuredRehearsal]], own: MeasuredRehearsal) -> xr.Dataset:
     """Lay the connected conditions of rehearsals out by architecture.
 
-    `unconnected` are the quarter errors without a partner, with which a trial that runs away is recognised.
-    The result has the names of a comparison's dataset, for one network, "study". A trial that was not run has
-    the status −1.
+    `own` is the study's rehearsal, with whose unconnected trials one that runs away is recognised. The result
+    has the names of a comparison's dataset, for one network, "study". A trial that was not run has the status
+    −1. The errors of the unconnected trials have a dimension of their own: there may be more of them.
     """
     import xarray as xr
 
@@ -119,14 +127,18 @@ def side_by_side(
     errors, limited = np.full((2, *shape, 2), np.nan)
     for a, parts in enumerate(rehearsals.values()):
         for part in parts:
-            ran_away = have_run_away(part.status, part.quarters, unconnected, part.paid)
+            ran_away = have_run_away(part.status, part.quarters, own.unconnected, part.paid)
             for i, condition in enumerate(part.conditions):
                 if np.isfinite(condition[0]):
                     place = (a, 0, conditions.index(condition), slice(part.errors.shape[1]))
                     errors[place], limited[place] = part.errors[i], part.limited_share[i]
                     status[place], diverged[place] = part.status_numbers[i], ran_away[i]
     where = ("architecture", "network", "condition", "trial")
-    variables: dict[str, Any] = {
+    alone = own.unconnected_errors
+    variables: dict[str, Any] = (
+        {} if alone is None else {"tracking_error_unconnected": (("unconnected_trial", "robot"), alone)}
+    )
+    variables |= {
         "tracking_error": ((*where, "robot"), errors),
         "limited_share": ((*where, "robot"), limited),
         "status": (where, status),

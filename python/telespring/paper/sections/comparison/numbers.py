@@ -12,6 +12,7 @@ from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.paper.published import TABLE_I
 from telespring.paper.scene import Scene
+from telespring.show.drawings.comparison import error_reference
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,12 +55,15 @@ def comparison_numbers(
             }
         )
     best = list(labels)[-1]
+    alone = _unconnected_entry(compared, rows, best)
     shown = _most_telling(rows, best)
     numbers = {
         "architectures": [{"key": key, "label": label} for key, label in labels.items()],
         "best": best,
         "delayed": sum(row["delay"] > 0.0 for row in rows),
         "trials": min(row[key]["trials"] for row in rows for key in labels if row[key] is not None),
+        "unconnected": alone,
+        "reference": error_reference(compared.sel(network="study")),
         "conditions": rows,
         "shown": shown,
         "worst": {key: _worst(rows, key) for key in labels},
@@ -84,6 +88,31 @@ def _mean_errors(compared: xr.Dataset, label: str, condition: _Condition) -> Flo
     errors = one.transpose("trial", "robot").values
     errors = errors[np.isfinite(errors).all(axis=1)]
     return np.asarray(errors.mean(axis=0)) if len(errors) else None
+
+
+def _unconnected_entry(
+    compared: xr.Dataset, rows: Sequence[Mapping[str, Any]], best: str
+) -> dict[str, Any] | None:
+    """Describe working without a partner; None if no such trial was completed.
+
+    `better` counts the delayed conditions in which both people together track better alone than under `best`.
+    """
+    if "tracking_error_unconnected" not in compared:
+        return None
+    errors = 1e3 * compared.tracking_error_unconnected.values
+    errors = errors[np.isfinite(errors).all(axis=1)]
+    if not len(errors):
+        return None
+    one, two = errors.mean(axis=0).tolist()
+    coupled = [row[best] for row in rows if row["delay"] > 0.0 and row[best] is not None]
+    means = [each["te1_mean"] + each["te2_mean"] for each in coupled if each["te1_mean"] is not None]
+    return {
+        "te1_mean": one,
+        "te2_mean": two,
+        "trials": len(errors),
+        "better": sum(mean > one + two for mean in means),
+        "compared": len(means),
+    }
 
 
 def _entry(one: xr.Dataset, undelayed: FloatArray | None) -> dict[str, Any] | None:

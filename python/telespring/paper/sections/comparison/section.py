@@ -65,7 +65,7 @@ def find_comparison(scene: Scene) -> Findings:
         ours = next((parts[0] for key, parts in measured.items() if files[key][0] == dataset), None)
         ours = ours or measure_rehearsal(dataset)
         labels = {key: architecture.label for key, architecture in architectures.items()}
-        compared = side_by_side({labels[key]: parts for key, parts in measured.items()}, ours.unconnected)
+        compared = side_by_side({labels[key]: parts for key, parts in measured.items()}, ours)
         numbers, shown = comparison_numbers(scene, compared, labels, own, ours.target_speed)
         drawings = _draw(scene, compared, labels, files, shown)
     return Findings(numbers={"comparison": numbers}, drawings=drawings)
