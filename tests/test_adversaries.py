@@ -208,7 +208,7 @@ def test_law_no_verdict_is_about_an_adversary(tmp_path: Path) -> None:
         app, ["simulate", str(file), "--duration", "0.1", "--out", str(tmp_path / "a.csv")]
     )
     assert run.exit_code == 0
-    assert "adversary of the study's network is left out" in " ".join(run.output.split())
+    assert "Not simulated, since the delay is constant here: an adversary." in " ".join(run.output.split())
 
 
 def test_law_a_comparison_proves_nothing_behind_an_adversary(tmp_path: Path) -> None:
@@ -235,8 +235,9 @@ networks = [{name = "plain"}, {name = "attacked", adversary = {kind = "oldest-sa
     ages = comparison.dataset.isel(condition=0).sel(network="attacked")
     assert float(ages.age_high.max()) < 0.052
     assert ages.within_age_range.isnull().all()
-    assert comparison.recommended is not None
-    assert comparison.recommended.grounds == "any network"
+    best = comparison.recommendation.candidate
+    assert best is not None
+    assert best.grounds == "any network"
     spring = next(each for each in comparison.recommendation.alternatives if each.architecture == "spring")
     assert spring.candidate is None
     assert [each.objection for each in spring.rejections] == ["not proven"]

@@ -147,7 +147,7 @@ def test_law_the_command_reads_the_trace_beside_the_study(tmp_path: Path) -> Non
     file.write_text(study.to_toml(), encoding="utf-8")
     missing = run("decide", str(file))
     assert missing.exit_code == 2
-    assert "uplink.csv" in missing.output
+    assert "uplink.csv" in "".join(missing.output.split())
     (tmp_path / "uplink.csv").write_text(ONE_WAY, encoding="utf-8")
     shown = run("decide", "--json", str(file), "--check")
     assert shown.exit_code == 0, shown.output

@@ -73,7 +73,10 @@ def test_law_what_is_printed_for_a_study_is_a_study_that_decide_calls_stable(
     assert stiffness is not None
     study = tmp_path / "study.toml"
     study.write_text(f"{ROBOTS}coupling.stiffness = {stiffness[1]}\n{lines[0]}")
-    assert ts.decide(ts.Study.read(study)).is_stable
+    assert ts.decide(ts.Study.read(study)).status == "not proven"
+    text = out.read_text()
+    assert ts.decide(ts.Study.read(study), traces=(text, text)).is_stable
+    assert CliRunner().invoke(cli.app, ["decide", str(study), "--check"]).exit_code == 0
     answer = json.loads(run(ragged, "--round-trip", "--study", robots, "--json").stdout)
     session = ts.Study.read(study).session
     assert session.playout == "fixed"
@@ -135,8 +138,8 @@ def test_law_both_ways_of_irtt_are_judged(tmp_path: Path) -> None:
 
 
 def test_law_lines_for_a_study_name_what_was_judged() -> None:
-    settings = ts.assess_trace(ts.Trace([0.01 * n for n in range(1000)], [0.04] * 1000)).settings()
-    lines = study_lines(settings, "a.csv", is_round_trip=True, is_completed=False)
+    found = ts.assess_trace(ts.Trace([0.01 * n for n in range(1000)], [0.04] * 1000))
+    lines = study_lines(found.settings("a.csv", round_trip=True), is_completed=False)
     assert lines == [
         "[network]",
         "delay = 0.04",

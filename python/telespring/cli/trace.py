@@ -143,12 +143,9 @@ def trace_command(
             can_rehearse = found.study.experiment is not None
             lines = written_lines(str(out_study), can_rehearse=can_rehearse)
         else:
-            lines = study_lines(
-                found.settings(),
-                (out or file).name,
-                is_round_trip=is_round_trip,
-                is_completed=found.is_completed and out is None,
-            )
+            is_completed = found.is_completed and out is None
+            named = None if is_completed else (out or file).name
+            lines = study_lines(found.settings(named, round_trip=is_round_trip), is_completed=is_completed)
         heading = asked.heading(read)
         robots = (
             [heading]

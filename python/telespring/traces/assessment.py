@@ -119,30 +119,39 @@ class TraceAssessment:
         stiffness = recommended_stiffness(usable)
         return round_limit(stiffness) if stiffness else None
 
-    def settings(self) -> dict[str, Any]:
-        """Return the keys of a study's sections `[network]` and `[session]`, for `Study.replace`.
+    def settings(self, file: str | None = None, *, round_trip: bool = False) -> dict[str, Any]:
+        """Return the keys of a study over this network, for `Study.replace`.
 
-        Delay and jitter are the ages as played, which `decide` judges. Outages are longer than what is usual:
-        then `allow_unusual` is among the keys. So is the sample period, unless it is what a study has that
-        says nothing about it. The trace itself is not: `recommended_study` has it. Robots that cannot be
-        rehearsed, because they have not two axes, have no session.
+        With a file the network is its trace, behind the play-out. Without one it has the ages as played: what
+        `decide` judges alike. Outages are longer than what is usual: then `allow_unusual` is among the keys.
+        So is the sample period, unless it is what a study has that says nothing about it. Robots that cannot
+        be rehearsed, because they have not two axes, have the ages as played and no session.
+
+        Parameters
+        ----------
+        file : str, optional
+            The file of the trace, as the study names it: relative to its folder. It must record its losses:
+            write `ways[0].trace.to_csv()` where lost packets have no rows.
+        round_trip : bool
+            Whether the delays in the file are round trips.
         """
         (forward, backward), jitter = self.recommended.network
-        network: dict[str, Any] = {
-            "delay": forward if forward == backward else {"forward": forward, "backward": backward}
-        }
-        if jitter > 0.0:
-            network["jitter"] = jitter
-        session: dict[str, Any] = {"strategy": "guard"} if self.needs_guard else {}
-        session["playout"] = {"kind": "fixed", "delay": self.recommended.delay}
+        delay = forward if forward == backward else {"forward": forward, "backward": backward}
+        network: dict[str, Any] = {"delay": delay} | ({"jitter": jitter} if jitter > 0.0 else {})
         can_rehearse = self.study.experiment is not None
+        session: dict[str, Any] = {"strategy": "guard"} if self.needs_guard and can_rehearse else {}
+        if file is not None and can_rehearse:
+            playout = self.recommended.delay
+            trace = {"file": file, "round_trip": True} if round_trip else file
+            network = {"delay": playout, "trace": trace}
+            session["playout"] = {"kind": "fixed", "delay": playout}
         is_usual = max(forward, backward) <= LONGEST_USUAL_DELAY and jitter <= usual_range("time span")[1]
         period = self.question.network.sample_period
         is_default = period == _network_of(self.study.replace(controller=None)).sample_period
         return {
             **({} if is_usual else {"allow_unusual": True}),
             "network": network,
-            **({"session": session} if can_rehearse else {}),
+            **({"session": session} if session else {}),
             **({} if is_default else {"controller": {"sample_period": period}}),
         }
 
@@ -156,11 +165,8 @@ class TraceAssessment:
 
         Parameters
         ----------
-        file : str
-            The file of the trace, as the study names it: relative to its folder. It must record its losses:
-            write `ways[0].trace.to_csv()` where lost packets have no rows.
-        round_trip : bool
-            Whether the delays in the file are round trips.
+        file, round_trip
+            As in `settings`.
 
         Returns
         -------
@@ -177,17 +183,16 @@ class TraceAssessment:
         >>> [delay for stiffness, delay in study.experiment.conditions if stiffness]
         [0.095]
         """
-        changes: dict[str, Any] = {**self.settings(), "name": f"{self.study.name} over {file}"}
+        settings = self.settings(file, round_trip=round_trip)
+        changes: dict[str, Any] = {**settings, "name": f"{self.study.name} over {file}"}
         stiffness = self.stiffness
         if self.needs_guard and self.study.has_stiffness:
             stiffness = self.study.stiffness
         if stiffness is not None:
             changes["coupling"] = {"stiffness": stiffness}
-        if self.study.experiment is not None:
-            changes["network"]["trace"] = {"file": file, "round_trip": round_trip}
-            if stiffness is not None:
-                condition = {"stiffness": stiffness, "delay": self.recommended.delay}
-                changes["protocol"] = {"stiffness": None, "delay": None, "conditions": [condition]}
+        if self.study.experiment is not None and stiffness is not None:
+            condition = {"stiffness": stiffness, "delay": self.recommended.delay}
+            changes["protocol"] = {"stiffness": None, "delay": None, "conditions": [condition]}
         return self.study.replace(network=None, session=None, comparison=None).replace(**changes)
 
 

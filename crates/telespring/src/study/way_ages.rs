@@ -205,7 +205,7 @@ impl WayFacts<'_> {
             let lasting = Some([played; 2]);
             return WayAges::Within { least: played, greatest: played, lasting };
         }
-        if let Some(ages) = self.recorded_ages(played, arrivals) {
+        if let Some(ages) = self.recorded_ages(played) {
             return ages;
         }
         let least = if may_overtake && !is_in_time {
@@ -224,24 +224,17 @@ impl WayFacts<'_> {
         }
     }
 
-    /// The ages of a recording as a fixed play-out plays it, a period wider, since a trial may begin between two packets.
-    /// `None` where something else comes on top, or the recording is finer than the packets.
-    fn recorded_ages(&self, played: f64, arrivals: &Arrivals) -> Option<WayAges> {
+    /// The ages of a recording as a fixed play-out plays it; `None` where something else comes on top.
+    fn recorded_ages(&self, played: f64) -> Option<WayAges> {
         let trace = self.trace?;
         let is_alone = self.model.rate.is_none()
             && self.model.adversary.is_none()
             && self.model.order == PacketOrder::Any;
-        let is_finer =
-            trace.rows().windows(2).any(|pair| pair[1].time - pair[0].time < self.period - ROUNDING);
-        if !is_alone || is_finer {
+        if !is_alone {
             return None;
         }
         let [least, greatest] = trace.play(played, self.period).ok()?.ages();
-        Some(WayAges::Within {
-            least: arrivals.travel.max(least - self.period).min(least),
-            greatest: greatest + self.period,
-            lasting: None,
-        })
+        Some(WayAges::Within { least, greatest, lasting: None })
     }
 
     /// The ages behind a play-out that follows the network.

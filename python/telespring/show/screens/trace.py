@@ -215,9 +215,8 @@ def written_lines(study: str, *, can_rehearse: bool) -> list[str]:
     return [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
 
 
-def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_completed: bool) -> list[str]:
-    """Return the lines of a study's sections; the trace that was judged need not be that in the file."""
-    trace = f'"{file}"' if not is_round_trip else f'{{file = "{file}", round_trip = true}}'
+def study_lines(settings: dict[str, Any], *, is_completed: bool) -> list[str]:
+    """Return the lines of a study's sections; a completed trace is not the one in the file."""
     lines = []
     for section, values in settings.items():
         if not isinstance(values, dict):
@@ -225,13 +224,8 @@ def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_
             continue
         lines.append(f"[{section}]")
         lines += [f"{key} = {_toml(value)}" for key, value in values.items()]
-        # only robots with two axes have a session, and can be rehearsed on a trace
-        if section == "network" and "session" in settings:
-            lines.append(
-                "# trace = …: the lost packets have no rows; write them with --out TRACE.csv"
-                if is_completed
-                else f"trace = {trace}"
-            )
+    if is_completed:
+        lines.append("# the ages as played; the lost packets have no rows in the file: --out TRACE.csv")
     lines.append("# a whole study, with robots: --out-study STUDY.toml")
     return lines
 
