@@ -221,6 +221,24 @@ def test_law_a_study_needs_a_trace_that_records_its_losses(tmp_path: Path) -> No
     assert run("trace", file, "--out-study", file).exit_code == 2
 
 
+def test_law_a_study_of_round_trips_says_so(tmp_path: Path) -> None:
+    file, study = tmp_path / "rtt.csv", tmp_path / "study.toml"
+    file.write_text(table([0.044] * 1500, header="time_s,rtt_s"))
+    assert run("trace", file, "--round-trip", "--out-study", study).exit_code == 0
+    written = ts.Study.read(study)
+    assert written.delay == (0.022, 0.022)
+    assert 'trace = {file = "rtt.csv", round_trip = true}' in study.read_text()
+    experiment = written.experiment
+    assert experiment is not None
+    # without it the file is refused
+    assert read_traces(experiment, tmp_path).laboratory(experiment) is not None
+    # the way that was written by the command is one way
+    assert (
+        run("trace", file, "--round-trip", "--out-study", study, "--out", tmp_path / "a.csv").exit_code == 0
+    )
+    assert 'trace = {file = "a.csv", round_trip = false}' in study.read_text()
+
+
 def test_law_robots_with_one_axis_are_judged(tmp_path: Path) -> None:
     file, robots, study = tmp_path / "a.csv", tmp_path / "robots.toml", tmp_path / "study.toml"
     file.write_text(table([0.02] * 1500))
