@@ -55,7 +55,7 @@ def test_law_the_screen_is_short_and_says_what_to_use(ragged: Path) -> None:
     assert "Successive delays are correlated" in text
     assert "Recommended: play-out" in text
     assert "If no packet without a row was lost" in text
-    assert "write them with --out TRACE.csv" in text
+    assert "the lost packets have no rows in the file: --out TRACE.csv" in text
 
 
 def test_law_what_is_printed_for_a_study_is_a_study_that_decide_calls_stable(
