@@ -235,9 +235,38 @@ networks = [{name = "plain"}, {name = "attacked", adversary = {kind = "oldest-sa
     ages = comparison.dataset.isel(condition=0).sel(network="attacked")
     assert float(ages.age_high.max()) < 0.052
     assert ages.within_age_range.isnull().all()
-    best = comparison.recommendation.candidate
-    assert best is not None
-    assert best.grounds == "any network"
+    # safe, be it worse than no partner
+    chosen = comparison.recommendation.candidate
+    assert chosen is not None
+    assert (chosen.strategy, chosen.grounds) == ("guard", "any network")
     spring = next(each for each in comparison.recommendation.alternatives if each.architecture == "spring")
     assert spring.candidate is None
     assert [each.objection for each in spring.rejections] == ["not proven"]
+
+
+def test_law_a_recording_behind_an_adversary_proves_nothing_either(tmp_path: Path) -> None:
+    # the recording has 20 ms, and so the stamps claim 50 ms; the oldest sample is 0.2 s older
+    (tmp_path / "ping.csv").write_text("time_s,delay_ms\n0,20\n1,20\n")
+    (tmp_path / "study.toml").write_text(
+        """
+robot1 = {mass = [0.8, 1.0], damping = 7.7}
+robot2 = {mass = [0.8, 1.0], damping = 7.7}
+[protocol]
+unconnected = false
+conditions = [{stiffness = 40.0, delay = 0.05}]
+trials = 1
+duration = 3.0
+discard = 1.0
+[comparison]
+architectures = ["spring"]
+networks = [
+    {name = "recorded", trace = "ping.csv"},
+    {name = "attacked", trace = "ping.csv", adversary = {kind = "oldest-sample", memory = 0.2}},
+    {name = "withheld", trace = "ping.csv", adversary = {kind = "stretch-timed", longest = 0.2}},
+]
+"""
+    )
+    comparison = ts.compare(tmp_path / "study.toml", tmp_path / "out")
+    verdicts = comparison.dataset.verdict.isel(condition=0, architecture=0)
+    assert verdicts.values.tolist() == ["stable", "not proven", "not proven"]
+    assert comparison.recommended is None

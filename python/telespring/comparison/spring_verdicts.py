@@ -42,7 +42,8 @@ class SpringVerdicts:
         """Return the answer for free and held handles together, the worse of both.
 
         It is the answer for the ages that network and play-out make at this delay, together with those that
-        were played. On a recorded trace it is that for the ages that were played.
+        were played. On a recorded trace it is that for the ages that were played, and behind an adversary,
+        whose stamps claim them, nothing is proven of one.
 
         Parameters
         ----------
@@ -66,7 +67,7 @@ class SpringVerdicts:
         """
         asked = Question.of_study(self._study, delay=delay)
         assert asked.ages is not None  # it comes with a study
-        if "unread trace" in asked.unjudged and all(map(math.isfinite, longest)):
+        if "unread trace" in asked.unjudged and not self._has_adversary and all(map(math.isfinite, longest)):
             return longest
         if asked.unjudged or asked.ages.ages is None:
             return math.inf, math.inf
@@ -79,7 +80,7 @@ class SpringVerdicts:
     ) -> Question:
         asked = Question.of_study(self._study, delay=delay)
         assert asked.ages is not None  # it comes with a study
-        if not all(map(math.isfinite, (*shortest, *longest))):
+        if self._has_adversary or not all(map(math.isfinite, (*shortest, *longest))):
             return asked
         if "unread trace" in asked.unjudged:
             return Question.of(self._study, _network_of_ages(self._controllers, shortest, longest))
