@@ -103,7 +103,8 @@ def _draw_distribution(axes: Axes, panels: TracePanels) -> None:
     _log_scale(axes, "x", delay)
     axes.set_xlabel("Delay, ms")
     axes.set_ylabel("Share of packets that take longer")
-    axes.legend(loc="best")
+    # curves may run anywhere: the legend covers what is behind it
+    axes.legend(loc="best", frameon=True, framealpha=0.9, edgecolor="none")
     panel_label(axes, "b", "distribution and fits")
 
 
