@@ -73,7 +73,8 @@ def test_law_what_is_printed_for_a_study_is_a_study_that_decide_calls_stable(
     assert stiffness is not None
     study = tmp_path / "study.toml"
     study.write_text(f"{ROBOTS}coupling.stiffness = {stiffness[1]}\n{lines[0]}")
-    assert ts.decide(ts.Study.read(study)).is_stable
+    recorded = out.read_text()
+    assert ts.decide(ts.Study.read(study), traces=(recorded, recorded)).is_stable
     answer = json.loads(run(ragged, "--round-trip", "--study", robots, "--json").stdout)
     session = ts.Study.read(study).session
     assert session.playout == "fixed"
