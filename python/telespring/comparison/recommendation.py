@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["recommend"]
 
-#: Strategies that are safe whatever network and partner do, as far as their overdraft is small (the proof is in
-#: docs/guard.md). The others need constant delays, stated ages or an honest partner (docs/strategies.md), and
-#: nobody can promise that; they are safe where the spring is stable.
+#: Strategies that are safe whatever network and partner do, as far as their overdraft is small (proven in
+#: docs/guard.md). The others need constant delays, stated ages or an honest partner (docs/strategies.md),
+#: which nobody can promise; they are safe where the spring is stable.
 _SAFE_ON_ANY_NETWORK = frozenset({"guard"})
 
 
