@@ -23,12 +23,12 @@ use crate::quantity;
 ///     computing_tick: true,
 ///     ..AccountSettings::new(2000.0, [7.7, 10.1])
 /// };
-/// let overdraft = slow.overdraft(0.8334)?;
-/// assert!((overdraft.ratio - 2000.0 * 0.02 * 0.02 / 0.8334).abs() < 1e-12);
+/// let overdraft = slow.overdraft(0.7776)?;
+/// assert!((overdraft.ratio - 2000.0 * 0.02 * 0.02 / 0.7776).abs() < 1e-12);
 /// assert!(!overdraft.is_proven() && overdraft.largest_energy(0.05).is_infinite());
-/// assert!((overdraft.proven_stiffness - 0.1 * 0.8334 / 4e-4).abs() < 1e-9);
+/// assert!((overdraft.proven_stiffness - 0.1 * 0.7776 / 4e-4).abs() < 1e-9);
 ///
-/// let fast = AccountSettings { sample_period: 0.001, ..slow }.overdraft(0.8334)?;
+/// let fast = AccountSettings { sample_period: 0.001, ..slow }.overdraft(0.7776)?;
 /// assert!(fast.is_proven() && fast.largest_energy(0.05) < 0.0506);
 /// # Ok::<(), telespring::InvalidInput>(())
 /// ```
