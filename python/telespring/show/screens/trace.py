@@ -30,6 +30,7 @@ _TIERS: tuple[tuple[Tier, str], ...] = (
 )
 #: Above it successive delays are not independent, as the emulator's are.
 _CORRELATED = 0.1
+_TWO_AXES = "# to rehearse it, give robots with two axes, such as --robot 1.2,6/1.4,7"
 _SHARES = (0.9, 0.99, 0.999)
 _WAYS = ("forward", "backward")
 _KINDS = {"uniform": "uniform", "normal": "normal", "gamma": "gamma", "lognormal": "log-normal"}
@@ -211,7 +212,8 @@ def taken_delays(recording: TraceRecording) -> str:
 def written_lines(study: str, *, can_rehearse: bool) -> list[str]:
     """Say where the whole study is, and which commands take it."""
     commands = ["decide", "rehearse"] if can_rehearse else ["decide"]
-    return [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
+    lines = [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
+    return lines if can_rehearse else [*lines, _TWO_AXES]
 
 
 def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_completed: bool) -> list[str]:
@@ -231,6 +233,8 @@ def study_lines(settings: dict[str, Any], file: str, *, is_round_trip: bool, is_
                 if is_completed
                 else f"trace = {trace}"
             )
+    if "session" not in settings:
+        lines.append(_TWO_AXES)
     lines.append("# a whole study, with robots: --out-study STUDY.toml")
     return lines
 
