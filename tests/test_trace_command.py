@@ -139,7 +139,7 @@ def test_law_both_ways_of_irtt_are_judged(tmp_path: Path) -> None:
 
 def test_law_lines_for_a_study_name_what_was_judged() -> None:
     found = ts.assess_trace(ts.Trace([0.01 * n for n in range(1000)], [0.04] * 1000))
-    lines = study_lines(found.settings("a.csv", round_trip=True), is_completed=False)
+    lines = study_lines(found.settings("a.csv", round_trip=True), is_completed=False, can_rehearse=True)
     assert lines == [
         "[network]",
         "delay = 0.04",

@@ -246,6 +246,10 @@ def test_law_robots_with_one_axis_are_judged(tmp_path: Path) -> None:
     shown = run("trace", file, "--study", robots, "--out-study", study)
     assert shown.exit_code == 0, shown.output
     assert "telespring rehearse" not in shown.stdout
+    assert "such as --robot 1.2,6/1.4,7" in shown.stdout
+    lines = run("trace", file, "--robot", "1.2,6", "--robot", "2,9").stdout
+    assert "such as --robot 1.2,6/1.4,7" in lines
+    assert "[session]" not in lines
     found = ts.assess_trace(ts.read_trace(file), ts.Study.read(robots))
     written = ts.Study.read(study)
     assert written.stiffness == found.stiffness

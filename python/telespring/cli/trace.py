@@ -139,13 +139,17 @@ def trace_command(
     if as_json:
         print_json(trace_json(found))
     else:
+        can_rehearse = found.study.experiment is not None
         if out_study is not None:
-            can_rehearse = found.study.experiment is not None
             lines = written_lines(str(out_study), can_rehearse=can_rehearse)
         else:
             is_completed = found.is_completed and out is None
             named = None if is_completed else (out or file).name
-            lines = study_lines(found.settings(named, round_trip=is_round_trip), is_completed=is_completed)
+            lines = study_lines(
+                found.settings(named, round_trip=is_round_trip),
+                is_completed=is_completed,
+                can_rehearse=can_rehearse,
+            )
         heading = asked.heading(read)
         robots = (
             [heading]

@@ -30,6 +30,7 @@ _TIERS: tuple[tuple[Tier, str], ...] = (
 )
 #: Above it successive delays are not independent, as the emulator's are.
 _CORRELATED = 0.1
+_TWO_AXES = "# to rehearse it, give robots with two axes, such as --robot 1.2,6/1.4,7"
 _SHARES = (0.9, 0.99, 0.999)
 _WAYS = ("forward", "backward")
 _KINDS = {"uniform": "uniform", "normal": "normal", "gamma": "gamma", "lognormal": "log-normal"}
@@ -212,10 +213,11 @@ def taken_delays(recording: TraceRecording) -> str:
 def written_lines(study: str, *, can_rehearse: bool) -> list[str]:
     """Say where the whole study is, and which commands take it."""
     commands = ["decide", "rehearse"] if can_rehearse else ["decide"]
-    return [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
+    lines = [f"Study: {study}", *(f"  telespring {command} {study}" for command in commands)]
+    return lines if can_rehearse else [*lines, _TWO_AXES]
 
 
-def study_lines(settings: dict[str, Any], *, is_completed: bool) -> list[str]:
+def study_lines(settings: dict[str, Any], *, is_completed: bool, can_rehearse: bool) -> list[str]:
     """Return the lines of a study's sections; a completed trace is not the one in the file."""
     lines = []
     for section, values in settings.items():
@@ -224,7 +226,9 @@ def study_lines(settings: dict[str, Any], *, is_completed: bool) -> list[str]:
             continue
         lines.append(f"[{section}]")
         lines += [f"{key} = {_toml(value)}" for key, value in values.items()]
-    if is_completed:
+    if not can_rehearse:
+        lines.append(_TWO_AXES)
+    elif is_completed:
         lines.append("# the ages as played; the lost packets have no rows in the file: --out TRACE.csv")
     lines.append("# a whole study, with robots: --out-study STUDY.toml")
     return lines
