@@ -94,7 +94,7 @@ _GROUNDS: Mapping[Grounds, str] = MappingProxyType(
     {
         "any network": "the guard gives out no more energy than it has, on any network",
         "stable spring": "the spring is stable at every delay that was compared",
-        "bounded ages": "its dampers are strong enough for every age that network and play-out make, and no older",
+        "bounded ages": "its dampers are strong enough for every age that network and play-out make",
         "honest partner": "on any network, both sides give out no more energy than went in, "
         "if the partner's program tells the truth about its energy",
     }
