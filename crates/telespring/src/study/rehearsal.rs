@@ -104,8 +104,12 @@ impl Study {
         self.laboratory_on([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
     }
 
-    /// The study's laboratory as it is before its recorded traces are read.
-    fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
+    /// The study's laboratory before its recorded traces are read: for a live program, whose network is a real one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Study::laboratory`], but for the traces.
+    pub fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
         self.check_planar()?;
         let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Station {
