@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use telespring::InvalidInput;
 use telespring::session::Span;
-use telespring::session::architecture::StrategyDesign;
+use telespring::session::architecture::{PredictorDesign, StrategyDesign};
 use telespring::study::Study;
 
 use crate::site::Safety;
@@ -213,14 +213,24 @@ impl SiteFile {
             let remedy = "Give the robot of the study that this site moves.";
             return Err(InvalidInput::new("side", self.side, "1 or 2", remedy));
         }
-        let strategy = self.study.session().strategy;
-        let is_guarded = matches!(strategy, StrategyDesign::Guard(_));
-        if !is_guarded && !matches!(self.device, DeviceChoice::Simulated { .. }) {
+        if matches!(self.device, DeviceChoice::Simulated { .. }) {
+            return Ok(());
+        }
+        let session = self.study.session();
+        if !matches!(session.strategy, StrategyDesign::Guard(_)) {
             return Err(InvalidInput::new(
                 "study.session.strategy",
-                format!("{:?}", strategy.kind()),
+                format!("{:?}", session.strategy.kind()),
                 "a robot that a person holds is coupled by the guard",
                 "Write strategy = \"guard\" under [session] of the study.",
+            ));
+        }
+        if session.predictor == PredictorDesign::SharedTarget {
+            return Err(InvalidInput::new(
+                "study.session.predictor",
+                format!("{:?}", session.predictor.kind()),
+                "the device protocol tells no target, which this predictor needs",
+                "Write predictor = \"hold\" under [session] of the study.",
             ));
         }
         Ok(())
