@@ -14,47 +14,29 @@
 
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
+mod answer;
 mod partner;
+mod receiving;
+mod report;
 mod settings;
+mod watching;
 
+pub use receiving::DatagramError;
+pub use report::SessionReport;
 pub use settings::EndpointSettings;
 
-use super::clock::{Clock, ClockReport};
-use super::event::{Event, EventKind, Events};
+use super::clock::Clock;
+use super::event::Events;
 use super::motion::Motion;
-use super::playout::{Playing, Playout, PlayoutReport};
-use super::predictor::{Played, Predictor, PredictorChoice};
-use super::strategy::{PartnerView, Strategy, StrategyChoice, StrategyReport, Tick};
+use super::playout::Playout;
+use super::predictor::PredictorChoice;
+use super::strategy::{PartnerView, Strategy, StrategyChoice};
 use super::target::Targets;
 use super::time::{LocalTime, PeerTime, Span};
-use super::watchdog::{Cause, Fault, Faults, Watchdog, WatchdogState};
-use super::wire::{Flags, LENGTH, MAX_ENERGY, MAX_SIGNAL, MAX_STAMP, MAX_STIFFNESS, Packet, PacketError};
+use super::watchdog::{Watchdog, WatchdogState};
+use super::wire::{Flags, LENGTH, MAX_ENERGY, MAX_SIGNAL, MAX_STAMP, MAX_STIFFNESS, Packet};
 use crate::error::Result;
-use partner::{Arrival, Partner};
-
-/// Why a datagram was refused.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DatagramError {
-    /// It is no packet.
-    #[error(transparent)]
-    Packet(#[from] PacketError),
-    /// It has the session id of this side.
-    #[error("the packet has the session id of this side: it came back, or both sides were given the same id")]
-    OwnSession,
-    /// It belongs to a session of the partner that is over.
-    #[error("the packet belongs to session {session:#x}, which is over: the partner has restarted since")]
-    FormerSession {
-        /// The session id.
-        session: u64,
-    },
-    /// Its stamp lies in the future, although both sides read one clock.
-    #[error("the packet is stamped {} s in the future: the clocks of the two sides differ", ahead.seconds())]
-    FromTheFuture {
-        /// How far.
-        ahead: Span,
-    },
-}
+use partner::Partner;
 
 /// A measured value that no device has; it was not used.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -62,35 +44,6 @@ pub enum DatagramError {
 pub struct ImpossibleMeasurement {
     /// The value.
     pub value: f64,
-}
-
-/// What a session has done so far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SessionReport {
-    /// The state of the watchdog; engaged without one.
-    pub state: WatchdogState,
-    /// The partner's session id; `None` before its first packet.
-    pub partner: Option<u64>,
-    /// The partner's state as of its newest packet.
-    pub partner_flags: Flags,
-    /// How often the partner has restarted.
-    pub restarts: u64,
-    /// Packets sent.
-    pub sent: u64,
-    /// Packets taken.
-    pub received: u64,
-    /// Datagrams refused.
-    pub refused: u64,
-    /// Values of the own device, the target or the measured force that were impossible.
-    pub impossible_values: u64,
-    /// Events given up because nobody fetched them.
-    pub missed_events: u64,
-    /// The partner's clock.
-    pub clock: ClockReport,
-    /// The play-out.
-    pub playout: PlayoutReport,
-    /// The strategy's account.
-    pub strategy: StrategyReport,
 }
 
 /// A value as a packet may carry it; 0 for NaN.
@@ -297,273 +250,6 @@ impl Endpoint {
             ramping: matches!(state, WatchdogState::RampingIn | WatchdogState::RampingOut { .. }),
             limited,
             restarted: self.restarted,
-        }
-    }
-
-    /// Takes the bytes of a datagram that arrived at `now`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatagramError`] if they are not a packet of the partner; nothing changes then but the counts.
-    pub fn handle_datagram(
-        &mut self,
-        now: LocalTime,
-        bytes: &[u8],
-    ) -> std::result::Result<(), DatagramError> {
-        let now = self.begin(now);
-        let taken = self.take_datagram(now, bytes);
-        match taken {
-            Ok(()) => self.received = self.received.saturating_add(1),
-            Err(refusal) => {
-                self.refused = self.refused.saturating_add(1);
-                self.events.push(now, EventKind::Refused(refusal));
-            }
-        }
-        taken
-    }
-
-    fn take_datagram(&mut self, now: LocalTime, bytes: &[u8]) -> std::result::Result<(), DatagramError> {
-        let packet = Packet::decode(bytes)?;
-        if packet.session == self.session {
-            return Err(DatagramError::OwnSession);
-        }
-        if let Some(ahead) = self.clock.ahead(now, packet.sent) {
-            return Err(DatagramError::FromTheFuture { ahead });
-        }
-        let idle =
-            matches!(self.state(), WatchdogState::Disengaged { cause: Cause::Silence | Cause::FrozenStamps });
-        match self.partner.accept(now, &packet, idle)? {
-            Arrival::First => self.events.push(now, EventKind::PartnerFound { session: packet.session }),
-            Arrival::Restarted => {
-                self.events.push(now, EventKind::PartnerRestarted { session: packet.session });
-                self.restarted = true;
-                self.clock.forget();
-                self.begin_anew(now, Cause::PartnerRestarted);
-            }
-            Arrival::Later | Arrival::Other => {}
-        }
-        let steps = self.clock.steps();
-        self.clock.handle_packet(now, &packet);
-        if self.clock.steps() > steps {
-            self.events.push(now, EventKind::ClockStepped);
-            self.begin_anew(now, Cause::ClockStepped);
-        }
-        if let Some(peer) = self.clock.to_peer(now) {
-            self.playout.insert(peer, (&packet).into());
-        }
-        Ok(())
-    }
-
-    /// Forgets the partner's motion: what comes now does not continue it.
-    fn begin_anew(&mut self, now: LocalTime, cause: Cause) {
-        self.playout.forget();
-        self.predictor.reset();
-        self.ready = false;
-        if let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.let_go(now, cause)) {
-            self.enter(now, state);
-        }
-    }
-
-    /// The force on the own handle per axis from `now` until the next call, N.
-    ///
-    /// It is computed once per measurement. Called again without a new measurement, it is the force of before, or less
-    /// while the watchdog ramps it out.
-    pub fn force(&mut self, now: LocalTime) -> [f64; 2] {
-        let now = self.begin(now);
-        if !std::mem::take(&mut self.to_answer) {
-            return self.force_without_measurement(now);
-        }
-        let looked = self.look(now);
-        self.ready = looked.is_some();
-        self.watch(now);
-        let partner = match self.state() {
-            WatchdogState::Disengaged { .. } => None,
-            // whatever the partner does now, the force falls along its last motion
-            WatchdogState::RampingOut { .. } => self.view.map(|view| PartnerView { fresh: false, ..view }),
-            _ => looked.map(|(view, playing)| {
-                self.playout.count(&playing);
-                view
-            }),
-        };
-        (self.view, self.enabled) = (partner, self.factor(now));
-        let force = self.tick(partner, self.enabled).map_or([0.0; 2], |tick| self.strategy.force(&tick));
-        let force = if force.iter().all(|value| value.is_finite()) {
-            force
-        } else {
-            self.events.push(now, EventKind::ImpossibleForce);
-            [0.0; 2]
-        };
-        let [last, _] = self.computed;
-        self.computed = [force, last];
-        force
-    }
-
-    /// The force while the own device has not reported anew.
-    fn force_without_measurement(&self, now: LocalTime) -> [f64; 2] {
-        let [last, _] = self.computed;
-        if self.watchdog.is_none() {
-            return if self.impossible_since.is_some() { [0.0; 2] } else { last };
-        }
-        let factor = self.factor(now);
-        if factor >= self.enabled { last } else { last.map(|force| force * (factor / self.enabled)) }
-    }
-
-    /// The partner as known at `now`.
-    fn look(&mut self, now: LocalTime) -> Option<(PartnerView, Playing)> {
-        let playing = self.playout.play(self.clock.to_peer(now)?)?;
-        let played =
-            Played { motion: playing.motion, time: playing.time, age: playing.age, held: playing.held };
-        let target = self.clock.to_local(playing.time).and_then(|then| self.targets.view(then));
-        let predicted = self.predictor.predict(&played, target.as_ref());
-        let view = PartnerView {
-            wanted: if predicted.impossible_value().is_none() { predicted } else { playing.motion },
-            played: playing.motion,
-            age: playing.age.seconds(),
-            fresh: playing.fresh,
-            signal: playing.signal,
-            energy_sent: self.partner.energy_sent(),
-            stiffness: self.partner.stiffness(),
-        };
-        Some((view, playing))
-    }
-
-    /// The tick of the newest measurement.
-    fn tick(&self, partner: Option<PartnerView>, enabled: f64) -> Option<Tick> {
-        let (own, previous) = (self.own?, self.previous?);
-        Some(Tick {
-            elapsed: (own.at - previous.at).seconds(),
-            own: own.motion,
-            previous: previous.motion,
-            acted: self.acted,
-            partner,
-            enabled,
-        })
-    }
-
-    /// Begins a call at `now`: time does not go back, and the watchdog judges what was before.
-    fn begin(&mut self, now: LocalTime) -> LocalTime {
-        if now > self.now {
-            self.now = now;
-            self.clock.advance(now);
-            self.watch(now);
-        }
-        self.now
-    }
-
-    /// What is wrong at `now`.
-    fn faults(&self, now: LocalTime) -> Faults {
-        let impossible = self.impossible_since.map(|since| Fault { cause: Cause::OwnMeasurement, since });
-        let silent = self.own_silence().filter(|silent| now > *silent);
-        let silent = silent.map(|since| Fault { cause: Cause::OwnSilence, since });
-        [impossible.or(silent), self.partner.fault(now)]
-    }
-
-    /// After this time the own device is silent.
-    fn own_silence(&self) -> Option<LocalTime> {
-        self.own.map(|own| own.at + self.sample_period + self.sample_period)
-    }
-
-    /// Lets the watchdog judge at `now`.
-    fn watch(&mut self, now: LocalTime) {
-        // at most every state once
-        for _ in 0..5 {
-            let (faults, ready) = (self.faults(now), self.ready);
-            let Some(state) = self.watchdog.as_mut().and_then(|watchdog| watchdog.step(now, faults, ready))
-            else {
-                return;
-            };
-            self.enter(now, state);
-        }
-    }
-
-    /// Notes a new state of the watchdog.
-    fn enter(&mut self, now: LocalTime, state: WatchdogState) {
-        let kind = match state {
-            WatchdogState::Holding { cause } => EventKind::Holding(cause),
-            WatchdogState::RampingOut { cause } => EventKind::RampingOut(cause),
-            WatchdogState::Disengaged { cause } => EventKind::Disengaged(cause),
-            WatchdogState::RampingIn => {
-                self.clock.settle(now);
-                if let Some(peer) = self.clock.to_peer(now) {
-                    self.playout.settle(peer);
-                }
-                EventKind::RampingIn
-            }
-            WatchdogState::Engaged => {
-                self.restarted = false;
-                EventKind::Engaged
-            }
-        };
-        self.events.push(now, kind);
-    }
-
-    fn note_impossible(&mut self, now: LocalTime, value: f64) {
-        self.impossible_values = self.impossible_values.saturating_add(1);
-        self.events.push(now, EventKind::ImpossibleValue { value });
-    }
-
-    /// The watchdog's factor on the force.
-    fn factor(&self, now: LocalTime) -> f64 {
-        self.watchdog.as_ref().map_or(1.0, |watchdog| watchdog.factor(now))
-    }
-
-    /// The state of the watchdog; engaged without one.
-    pub fn state(&self) -> WatchdogState {
-        self.watchdog.as_ref().map_or(WatchdogState::Engaged, Watchdog::state)
-    }
-
-    /// The oldest event not fetched yet.
-    pub fn poll_event(&mut self) -> Option<Event> {
-        self.events.poll()
-    }
-
-    /// The next time at which the state changes if nothing else comes; `None` without a watchdog or partner.
-    pub fn next_timeout(&self) -> Option<LocalTime> {
-        let watchdog = self.watchdog.as_ref()?;
-        let state = watchdog.state();
-        let acting = !matches!(state, WatchdogState::Disengaged { .. } | WatchdogState::RampingOut { .. });
-        let own = [self.own_silence().map(|silence| silence + Span(1))];
-        let faults = own.into_iter().chain(self.partner.timeouts()).flatten();
-        let coming = faults.filter(|time| acting && *time > self.now);
-        coming.chain(watchdog.next_timeout(self.faults(self.now))).min()
-    }
-
-    /// Does what is due at `now`.
-    pub fn handle_timeout(&mut self, now: LocalTime) {
-        self.begin(now);
-    }
-
-    /// The age of the partner's motion that the latest force used, s, as played and before any prediction; `None` if it
-    /// used none.
-    pub fn partner_age(&self) -> Option<f64> {
-        self.view.map(|view| view.age)
-    }
-
-    /// All energy that the partner says it has sent to this side, J: the largest total of each of its sessions.
-    pub fn partner_energy(&self) -> f64 {
-        self.partner.energy_sent()
-    }
-
-    /// The strategy's account so far: a part of the report that costs little.
-    pub fn strategy_report(&self) -> StrategyReport {
-        self.strategy.report()
-    }
-
-    /// What the session has done so far.
-    pub fn report(&self) -> SessionReport {
-        SessionReport {
-            state: self.state(),
-            partner: self.partner.session(),
-            partner_flags: self.partner.flags(),
-            restarts: self.partner.restarts,
-            sent: self.sent,
-            received: self.received,
-            refused: self.refused,
-            impossible_values: self.impossible_values,
-            missed_events: self.events.missed(),
-            clock: self.clock.report(self.now),
-            playout: self.playout.report(),
-            strategy: self.strategy.report(),
         }
     }
 }
