@@ -175,7 +175,7 @@ impl SiteFile {
         };
         let usual = Safety::default();
         let time = |field: &str, given: Option<f64>, usual: Span| {
-            given.map_or(Ok(usual), |given| span(field, given, [0.001, 10.0], usual.seconds()))
+            given.map_or(Ok(usual), |given| span(field, given, [0.005, 10.0], usual.seconds()))
         };
         let safety = Safety {
             force: safety.force.unwrap_or(usual.force),

@@ -249,6 +249,29 @@ fn law_an_impossible_measurement_ends_in_no_force_and_never_in_one_that_is_not_f
 }
 
 #[test]
+fn law_a_device_that_stands_still_is_waited_for_and_then_let_go() {
+    let mut pair = engaged();
+    let stand_still = |pair: &mut Pair, milliseconds: usize, watch: &mut dyn FnMut(f64)| {
+        pair.devices[0].change(|script| script.is_measured = false);
+        pair.run(milliseconds, |_, [[force, _], _]| watch(force));
+        pair.devices[0].change(|script| script.is_measured = true);
+    };
+    // the partner, without packets for 19 of 20 ms, does not mind either
+    for _ in 0..20 {
+        stand_still(&mut pair, 15, &mut |force| assert!((force - FORCE).abs() < 1e-9, "{force}"));
+        pair.run(3, |_, forces| assert!((forces[1][0] + FORCE).abs() < 1e-9, "{forces:?}"));
+    }
+    let mut before = FORCE;
+    stand_still(&mut pair, 200, &mut |force| {
+        assert!(before - force <= FORCE / 78.0, "{before} {force}");
+        before = force;
+    });
+    assert_eq!(before, 0.0);
+    pair.run(1000, |_, _| {});
+    assert!((pair.forces()[0][0] - FORCE).abs() < 1e-9);
+}
+
+#[test]
 fn law_the_force_is_never_above_the_limit() {
     let mut pair = engaged_by(&hman_study("coupling.stiffness = 100\nnetwork.delay = 0.02"));
     let mut largest = 0.0_f64;

@@ -44,9 +44,9 @@ impl Safety {
         for (field, span, usual) in
             [("silence", silence, "0.15"), ("stall", stall, "0.02"), ("ramp_out", ramp_out, "0.1")]
         {
-            if !(Span(1_000_000)..=Span(10_000_000_000)).contains(&span) {
+            if !(Span(5_000_000)..=Span(10_000_000_000)).contains(&span) {
                 let (field, value) = (format!("safety.{field}"), format!("{} s", span.seconds()));
-                return Err(InvalidInput::new(field, value, "0.001 to 10 s", format!("Give {usual}.")));
+                return Err(InvalidInput::new(field, value, "0.005 to 10 s", format!("Give {usual}.")));
             }
         }
         Ok(())
@@ -69,13 +69,13 @@ impl Safety {
                 "Lengthen it, or shorten the sample period.",
             ));
         }
-        let hold = whole.scaled(5.0 / 15.0);
+        let (hold, usual) = (whole.scaled(5.0 / 15.0), WatchdogSettings::default());
         Ok(WatchdogSettings {
             silence,
             hold,
             ramp_out: whole - silence - hold,
-            own_hold: self.stall,
-            ..WatchdogSettings::default()
+            own_silence: self.stall - usual.own_hold,
+            ..usual
         })
     }
 }
