@@ -287,6 +287,53 @@ fn law_the_force_is_never_above_the_limit() {
 }
 
 #[test]
+fn law_the_account_takes_the_force_that_was_commanded() {
+    // limited to 1 N, let down when the session leaves, and with a device that misses every fifth tick
+    let mut pair = Pair::limited(&study(), 0.02, 1.0);
+    let mut given = [0.0; 2];
+    let mut place = [0.0, 0.02];
+    for tick in 0..2500_u32 {
+        pair.stop[0] = tick >= 2000;
+        let phase = f64::from(tick) * 2e-3;
+        for side in 0..2 {
+            let (from, sign) = (place[side], if side == 0 { 1.0 } else { -1.0 });
+            let is_measured = side == 1 || tick % 5 != 0;
+            if is_measured {
+                place[side] = 0.02 * f64::from(u8::from(side == 1)) + sign * 0.03 * phase.sin();
+            }
+            pair.devices[side].change(|script| {
+                script.is_measured = is_measured;
+                script.position = [place[side], 0.0];
+            });
+            let is_coupled = pair.moments[side].is_some_and(|moment| moment.phase.is_coupled());
+            if is_coupled {
+                given[side] += pair.forces()[side][0] * (place[side] - from);
+            }
+        }
+        pair.tick();
+        if pair.phases() == [Phase::Ended; 2] {
+            break;
+        }
+    }
+    assert_eq!(pair.phases(), [Phase::Ended; 2]);
+    for side in 0..2 {
+        let site = pair.site_of(side);
+        let report = site.session_report().strategy;
+        assert!((site.tally().largest_force - 1.0).abs() < 1e-12, "{side}");
+        assert!(given[side].abs() > 1e-3);
+        // the sum over the last tick, at which the session ends, is not settled any more
+        let slack = 1.0 * 0.03 * 2e-3;
+        assert!(
+            (report.given_out - given[side]).abs() <= slack,
+            "{side}: {} {}",
+            report.given_out,
+            given[side]
+        );
+        assert!(site.tally().least_balance.unwrap() >= 0.0);
+    }
+}
+
+#[test]
 fn law_a_lost_answer_does_not_keep_the_sides_apart() {
     // every pattern of loss on the way to side 1 during the first greetings
     for pattern in 0..64_u32 {

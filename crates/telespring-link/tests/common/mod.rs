@@ -156,11 +156,20 @@ pub struct Pair {
 impl Pair {
     /// Both sites of these studies.
     pub fn new(studies: [&Study; 2], delay: f64) -> Self {
+        Self::with(studies, delay, Safety::default())
+    }
+
+    /// Both sites of a study, with at most this force, N.
+    pub fn limited(study: &Study, delay: f64, force: f64) -> Self {
+        Self::with([study, study], delay, Safety { force, ..Safety::default() })
+    }
+
+    fn with(studies: [&Study; 2], delay: f64, safety: Safety) -> Self {
         let ends = wire(Span::from_seconds(delay) - PERIOD);
         let devices = [Scripted::default(), Scripted::default()];
         devices[1].change(|script| script.position = [0.02, 0.0]);
-        let sites =
-            [0, 1].map(|side| Some(Self::site(studies[side], side, 11 + side as u64, &devices, &ends)));
+        let sites = [0, 1]
+            .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, safety, &devices, &ends)));
         let clock = VirtualClock(Rc::new(Cell::new(5_000_000_000)));
         Self { clock, ends, devices, sites, stop: [false; 2], moments: [None; 2] }
     }
@@ -169,17 +178,19 @@ impl Pair {
         study: &Study,
         side: usize,
         session: u64,
+        safety: Safety,
         devices: &[Scripted; 2],
         ends: &[End; 2],
     ) -> Site<Scripted, End> {
         let number = u8::try_from(side).unwrap() + 1;
-        let settings = SiteSettings::new(study, number, session, Safety::default()).unwrap();
+        let settings = SiteSettings::new(study, number, session, safety).unwrap();
         Site::new(settings, devices[side].clone(), ends[side].clone()).unwrap()
     }
 
     /// Starts the program of a side anew.
     pub fn restart(&mut self, study: &Study, side: usize, session: u64) {
-        self.sites[side] = Some(Self::site(study, side, session, &self.devices, &self.ends));
+        self.sites[side] =
+            Some(Self::site(study, side, session, Safety::default(), &self.devices, &self.ends));
     }
 
     /// One tick of both.
