@@ -98,3 +98,102 @@ impl Device for UdpDevice {
         self.link.send(now, &order.encode());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use telespring::session::Motion;
+
+    use super::*;
+
+    const MILLISECOND: Span = Span(1_000_000);
+
+    /// A device program in the hands of a test.
+    struct Robot(UdpSocket);
+
+    impl Robot {
+        fn pair() -> (Self, UdpDevice) {
+            let [robot, site] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+            robot.connect(site.local_addr().unwrap()).unwrap();
+            let there = robot.local_addr().unwrap();
+            (Self(robot), UdpDevice::on(site, there, Span(100_000_000)).unwrap())
+        }
+
+        fn send(&self, sequence: f64, x: f64, force: Option<f64>) {
+            let state = State {
+                sequence,
+                time: 0.5,
+                motion: Motion { position: [x, 0.0], velocity: [0.0; 2] },
+                measured_force: force.map(|force| [force, 0.0]),
+                is_enabled: true,
+                is_homed: true,
+                is_stopped: false,
+            };
+            self.send_row(&state.encode());
+        }
+
+        /// Sends, and gives the system time to deliver.
+        fn send_row(&self, row: &[u8]) {
+            self.0.send(row).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+    }
+
+    #[test]
+    fn law_the_newest_row_counts_and_rows_of_the_past_do_not() {
+        let (robot, mut device) = Robot::pair();
+        let now = LocalTime(0);
+        let nothing = device.read(now).unwrap();
+        assert_eq!((nothing.motion, nothing.is_ready, nothing.is_stopped), (None, false, false));
+        robot.send(5.0, 0.1, Some(1.0));
+        robot.send(6.0, 0.2, None);
+        robot.send(7.0, 0.3, Some(2.0));
+        let reading = device.read(now).unwrap();
+        assert_eq!(reading.motion.unwrap().position, [0.3, 0.0]);
+        assert_eq!(reading.acted, Some([1.5, 0.0]));
+        assert!(reading.is_ready);
+        // told once only
+        assert_eq!(device.read(now).unwrap().motion, None);
+        robot.send(7.0, 0.4, None);
+        robot.send(1.0, 0.4, None);
+        robot.send(f64::NAN, 0.4, None);
+        robot.send(f64::INFINITY, 0.4, None);
+        robot.send_row(&[0; 104]);
+        robot.send_row(b"hello");
+        let reading = device.read(now).unwrap();
+        assert_eq!((reading.motion, reading.acted, reading.is_ready), (None, None, true));
+        assert_eq!(device.refused(), 6);
+        robot.send(8.0, 0.5, None);
+        assert_eq!(device.read(now).unwrap().motion.unwrap().position, [0.5, 0.0]);
+    }
+
+    #[test]
+    fn law_a_silent_device_is_at_fault_once_it_has_spoken() {
+        let (robot, mut device) = Robot::pair();
+        let at = |milliseconds: i64| LocalTime(0) + Span(milliseconds * MILLISECOND.0);
+        assert!(device.read(at(10_000)).is_ok());
+        robot.send(1.0, 0.0, None);
+        assert!(device.read(at(10_000)).is_ok());
+        assert!(device.read(at(10_100)).is_ok());
+        assert_eq!(device.read(at(10_101)), Err(Fault::Silent));
+    }
+
+    #[test]
+    fn law_a_command_answers_the_newest_row() {
+        let (robot, mut device) = Robot::pair();
+        robot.0.set_read_timeout(Some(std::time::Duration::from_secs(2))).unwrap();
+        let hear = || {
+            let mut row = [0; 100];
+            let length = robot.0.recv(&mut row).unwrap();
+            Order::decode(&row[..length]).unwrap()
+        };
+        device.command(LocalTime(0), Command::default());
+        assert_eq!(hear(), Order { sequence: 1.0, answers: [0.0; 2], force: [0.0; 2], is_running: false });
+        robot.send(4.0, 0.0, None);
+        device.read(LocalTime(0)).unwrap();
+        device.command(LocalTime(0), Command { force: [1.0, -2.0], is_running: true });
+        assert_eq!(
+            hear(),
+            Order { sequence: 2.0, answers: [4.0, 0.5], force: [1.0, -2.0], is_running: true }
+        );
+    }
+}
