@@ -86,7 +86,8 @@ fn compare(study: &Study) -> [f64; 3] {
 
 #[test]
 fn cross_two_live_sites_move_as_the_rehearsal() {
-    // A trial counts its time in s, a site in ns: the last digit of a period differs.
+    // A trial counts its time in s, a site in ns: the last digit of a time differs, which a stable coupling forgets. Seen:
+    // 1e-16 m and 4e-14 N.
     for lines in [
         "coupling.stiffness = 71.2\nnetwork.delay = 0.084",
         "coupling.stiffness = 142\nnetwork.delay = 0.0835955\nsession.strategy = \"guard\"",
@@ -97,7 +98,7 @@ fn cross_two_live_sites_move_as_the_rehearsal() {
     ] {
         let [position, force, travel] = compare(&hman_study(lines));
         assert!(travel > 0.05, "{lines}: {travel}");
-        assert!(position <= 1e-9 && force <= 1e-7, "{lines}: {position} m, {force} N");
+        assert!(position <= 1e-12 && force <= 1e-10, "{lines}: {position} m, {force} N");
     }
 }
 
@@ -106,6 +107,6 @@ fn cross_a_computing_tick_and_a_lag_are_those_of_the_rehearsal() {
     for lines in ["laboratory.computing_tick = true", "laboratory.actuator_lag = 0.005"] {
         let base = "coupling.stiffness = 142\nnetwork.delay = 0.05\nsession.strategy = \"guard\"";
         let [position, _, travel] = compare(&hman_study(&format!("{base}\n{lines}")));
-        assert!(travel > 0.05 && position <= 1e-9, "{lines}: {position} m of {travel} m");
+        assert!(travel > 0.05 && position <= 1e-12, "{lines}: {position} m of {travel} m");
     }
 }

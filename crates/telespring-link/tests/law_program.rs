@@ -187,6 +187,59 @@ fn law_two_sites_with_other_studies_refuse_each_other() {
     }
 }
 
+#[test]
+fn law_a_signal_ends_a_session_in_an_orderly_way() {
+    let folder = folder("signal");
+    let [_, second] = write_sites(&folder, ports());
+    let mut child = program().arg("run").arg(second).args(["--seconds", "60"]).spawn().unwrap();
+    // give it time to begin; before that the signal ends it without a summary
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none());
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let summary = summary(&output);
+    assert_eq!([&summary["state"], &summary["cause"]], ["ended", "stop-requested"]);
+    // nobody came
+    assert_eq!(output.status.code(), Some(1));
+    assert!(summary["loss"]["unreachable"].as_u64().unwrap() > 0, "{summary}");
+}
+
+#[test]
+fn law_the_page_has_every_key() {
+    let page = fs::read_to_string(examples().join("../docs/connect.md")).unwrap();
+    let folder = folder("page");
+    let [site, _] = write_sites(&folder, ports());
+    let good = fs::read_to_string(&site).unwrap();
+    // what is allowed is said where a key is refused
+    let mut keys = 0;
+    for (section, at) in [
+        ("", "study = "),
+        ("network.", "[network]\n"),
+        ("device.", "[device]\n"),
+        ("safety.", "[safety]\n"),
+        ("loop.", "[loop]\n"),
+    ] {
+        let text = format!("{good}\n[loop]\npriority = 0\n");
+        let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
+        fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
+        let message = refusal(&["run", site.to_str().unwrap()]);
+        let allowed = message.split("expected ").nth(1).unwrap_or_else(|| panic!("{message}"));
+        for key in allowed.split('`').skip(1).step_by(2) {
+            if !(section.is_empty() && ["network", "device", "safety", "loop"].contains(&key)) {
+                assert!(page.contains(&format!("`{section}{key}`")), "{section}{key} {message}");
+                keys += 1;
+            }
+        }
+    }
+    assert_eq!(keys, 14);
+    let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
+    for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
+        // as a key of its own or of a group
+        assert!(page.contains(&format!("`{key}`")), "{key}");
+    }
+}
+
 /// The name of Python, if there is one.
 fn python() -> Option<&'static str> {
     ["python3", "python"].into_iter().find(|name| {
