@@ -69,6 +69,7 @@ def made_comparison(
             "diverged": (_PLACE[:-1], diverged),
             "ended_at": (_PLACE[:-1], np.where(ended, 14.0, np.nan), {"units": "s"}),
             "status": (_PLACE[:-1], ended.astype(np.int8)),
+            "guard_overdraft": (("condition",), np.full(shape[2], 1e-4), {"units": "1"}),
             "is_rehearsed": (("network", "condition"), np.ones(shape[1:3], dtype=bool)),
             "tracking_error_unconnected": (
                 ("trial", "robot"),
@@ -78,8 +79,8 @@ def made_comparison(
             "limited_share": (_PLACE, limited),
             "withheld_share": (_PLACE, 0.3 * limited),
             "force_fidelity": (_PLACE, np.where(np.isnan(error), np.nan, 0.9)),
-            "energy_final": (_PLACE[:-1], np.where(diverged, -9.0, 2.0), {"units": "J"}),
-            "energy_minimum": (_PLACE[:-1], np.where(diverged, -9.0, -0.01), {"units": "J"}),
+            "coupling_energy": (_PLACE[:-1], np.where(diverged, -9.0, 2.0), {"units": "J"}),
+            "coupling_energy_minimum": (_PLACE[:-1], np.where(diverged, -9.0, -0.01), {"units": "J"}),
             "account": (("architecture", "network", "condition", "time", "robot"), account, {"units": "J"}),
             "verdict": (
                 _PLACE[:3],
@@ -153,8 +154,8 @@ def made_conditions(comparison: xr.Dataset) -> list[dict[str, Any]]:
                         "limited_share": float(here.limited_share.mean()),
                         "withheld_share": float(here.withheld_share.mean()),
                         "force_fidelity": float(here.force_fidelity.mean()),
-                        "energy_minimum": float(here.energy_minimum.min()),
-                        "energy_final": float(here.energy_final.mean()),
+                        "coupling_energy_minimum": float(here.coupling_energy_minimum.min()),
+                        "coupling_energy": float(here.coupling_energy.mean()),
                         "verdict": str(here.verdict.values),
                     }
                 )

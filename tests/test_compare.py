@@ -101,7 +101,7 @@ def test_law_networks_with_other_delays_stand_beside_each_other(undisturbed: ts.
     assert data.condition.values[1] == "CM-71-50"
     assert data.is_rehearsed.values.tolist() == [[True, False, True] * 2, [False, True, False] * 2]
     missing = ~data.is_rehearsed
-    for name in ("tracking_error", "force_fidelity", "age_mean", "limited_share", "energy_final"):
+    for name in ("tracking_error", "force_fidelity", "age_mean", "limited_share", "coupling_energy"):
         assert data[name].where(missing).isnull().all()
         assert data[name].where(data.is_rehearsed).notnull().any()
     assert (data.status.where(missing, -1) == -1).all()
@@ -129,7 +129,7 @@ def test_cross_the_numbers_are_those_of_plain_rehearsals(
         assert here.tracking_error.values == pytest.approx(measured.tracking_error.values, rel=1e-12)
         for name in ("limited_share", "withheld_share", "given_out", "energy_sent", "held_share", "lost"):
             assert np.array_equal(here[name].values, rehearsal[name].values, equal_nan=True)
-        assert np.array_equal(here.energy_final.values, rehearsal.passivity_final.values)
+        assert np.array_equal(here.coupling_energy.values, rehearsal.coupling_energy.values)
         assert np.array_equal(here.age_low.values, rehearsal.age_low.min("trial").values)
         assert np.array_equal(here.age_high.values, rehearsal.age_high.max("trial").values)
         first = rehearsal.isel(trial=0)

@@ -41,7 +41,7 @@ def comparison(errors: dict[str, tuple[float, float]], trials: int = 3) -> xr.Da
         {
             "tracking_error": (per_robot, error),
             **dict.fromkeys(("limited_share", "withheld_share", "force_fidelity"), (per_robot, 0.1 * ones)),
-            **dict.fromkeys(("energy_final", "energy_minimum"), (per_trial, ones[..., 0])),
+            **dict.fromkeys(("coupling_energy", "coupling_energy_minimum"), (per_trial, ones[..., 0])),
             **{
                 name: ((*PLACE, "robot"), age * ones[..., 0, :])
                 for name, age in (("age_low", 0.05), ("age_mean", 0.06), ("age_high", 0.09))
@@ -50,6 +50,7 @@ def comparison(errors: dict[str, tuple[float, float]], trials: int = 3) -> xr.Da
             "status": (per_trial, np.zeros(shape, np.int8)),
             "diverged": (per_trial, np.zeros(shape, bool)),
             "verdict": (PLACE, np.full(shape[:3], "stable", dtype=object)),
+            "guard_overdraft": (("condition",), np.full(len(conditions), 1e-4)),
             "is_rehearsed": (("network", "condition"), np.ones(shape[1:3], bool)),
             "tracking_error_unconnected": (("trial", "robot"), 0.03 * ones[0, 0, 0]),
         },
@@ -111,6 +112,22 @@ def test_law_a_trial_that_ended_early_excludes_too() -> None:
     assert found.candidate is not None
     assert found.candidate.stiffness == 142.5
     assert [each.objection for each in found.rejections] == ["ended early"]
+
+
+def test_law_a_guard_that_is_not_proven_at_a_stiffness_is_no_choice_there() -> None:
+    data = comparison({"guard": (29.0, 20.0), "spring": (31.0, 30.0)})
+    data["guard_overdraft"][:] = np.where(data.stiffness > 100.0, 0.11, 0.1)
+    found = recommend(data)
+    assert found.candidate is not None
+    assert (found.candidate.architecture, found.candidate.stiffness) == ("guard", 71.2)
+    [rejection] = found.rejections
+    assert (rejection.stiffness, rejection.objection) == (142.5, "overdraft")
+    data["guard_overdraft"][:] = 0.11
+    found = recommend(data)
+    assert found.candidate is not None
+    # the bare spring needs no account
+    assert (found.candidate.architecture, found.candidate.stiffness) == ("spring", 142.5)
+    assert [each.objection for each in found.alternatives[0].rejections] == ["overdraft"] * 2
 
 
 @pytest.mark.parametrize("verdict", ["marginal", "unstable", "not proven", ""])

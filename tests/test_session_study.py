@@ -169,7 +169,7 @@ def test_law_every_strategy_is_rehearsed(strategy: str, tmp_path: Path) -> None:
         assert trials[name].dims == ("condition", "trial", "robot")
         assert np.isnan(alone[name]).all()
         assert np.isfinite(coupled[name]).all()
-    assert (alone.passivity_minimum == 0.0).all()
+    assert (alone.coupling_energy_minimum == 0.0).all()
     for name in ("age_low", "age_mean", "age_high"):
         assert np.abs(coupled[name] - 0.05).max() < 1e-12
     assert (coupled.held_share == 0.0).all()
@@ -184,7 +184,7 @@ def test_law_every_strategy_is_rehearsed(strategy: str, tmp_path: Path) -> None:
         assert "account" not in trials
     # the observer counts the same energy as both sides together, but for the last tick
     given_out = coupled.given_out.sum("robot")
-    assert np.abs(given_out + coupled.passivity_final).max() < 0.02
+    assert np.abs(given_out + coupled.coupling_energy).max() < 0.02
 
 
 def test_pin_the_bare_spring_is_the_default_bit_by_bit(tmp_path: Path) -> None:
@@ -202,7 +202,7 @@ def test_law_recordings_say_what_rehearsals_keep() -> None:
     laboratory = study.experiment.laboratory
     one = laboratory.run(142.0, 0.084, 3, 4.0, 100.0)
     many = laboratory.run_many([142.0, np.nan], [0.084, 0.0], [3, 3], 4.0, 100.0)
-    for name in ("account", "limited_share", "given_out", "age_high", "lost", "passivity_final"):
+    for name in ("account", "limited_share", "given_out", "age_high", "lost", "coupling_energy"):
         assert np.array_equal(getattr(many, name)[0], getattr(one, name))
     assert np.isnan(many.account[1]).all()
     assert np.isnan(many.limited_share[1]).all()
@@ -251,6 +251,43 @@ def test_ref_a_guarded_rehearsal_says_whose_verdict_it_prints(root: Path, tmp_pa
     assert "Warning" not in words
 
 
+@pytest.mark.parametrize("rate", [30.0, 50.0, 100.0])
+def test_law_robots_with_slow_controllers_rehearse_every_architecture(rate: float) -> None:
+    slow = ts.Study.paper().replace(
+        laboratory={"sample_period": 1.0 / rate},
+        protocol={"stiffness": [20.0], "delay": [0.1], "duration": 3.0, "discard": 1.0, "record_rate": rate},
+    )
+    for architecture in slow.comparison.architectures:
+        # the study is refused if a condition cannot run its session
+        experiment = slow.replace(session=architecture).experiment
+        assert experiment is not None
+        laboratory = experiment.laboratory_on((None, None))
+        trial = laboratory.run(20.0, 0.1, seed=1, duration=3.0, record_rate=rate)
+        assert trial.status == "completed", architecture.label
+        assert np.abs(trial.coupling_force).max() > 0.1, architecture.label
+
+
+def test_law_the_guard_of_slow_controllers_is_proven_for_soft_springs_only() -> None:
+    slow = brief().replace(laboratory={"sample_period": 0.01, "computing_tick": True, "actuator_lag": 0.005})
+    reaction, lightest = 0.01 + 0.01 + 0.005, 0.7776
+    overdraft = slow.guard_overdraft(100.0)
+    assert overdraft.ratio == pytest.approx(100.0 * reaction**2 / lightest)
+    assert overdraft.proven_stiffness == pytest.approx(0.1 * lightest / reaction**2)
+    assert overdraft.is_proven
+    assert not slow.guard_overdraft(1.01 * overdraft.proven_stiffness).is_proven
+    assert overdraft.largest_energy(2.0) == pytest.approx(2.0 / (1.0 - overdraft.ratio))
+    assert slow.guard_overdraft(10.0 * overdraft.proven_stiffness).largest_energy(1.0) == np.inf
+    # an uncertain mass counts with the lower end of its interval, a computing time as a computing tick
+    unsure = ts.Study.from_toml(
+        "robot1 = {mass = 2, mass_sd = 0.5, damping = 5}\nrobot2 = {mass = 2, damping = 5}\n"
+        "[controller]\nsample_period = 0.002\ncomputing_time = 0.0005"
+    )
+    assert unsure.guard_overdraft(50.0).ratio == pytest.approx(50.0 * 0.004**2 / (2.0 - 1.959964 * 0.5))
+    # it is run all the same, and what it is not worth is known
+    with pytest.raises(ts.InvalidInput, match="stiffness"):
+        slow.guard_overdraft(-1.0)
+
+
 def test_ref_a_verdict_says_when_the_session_is_not_what_it_judges() -> None:
     assert session_notes(ts.Architecture()) == ()
     for session, words in (
@@ -260,6 +297,8 @@ def test_ref_a_verdict_says_when_the_session_is_not_what_it_judges() -> None:
     ):
         [note] = session_notes(session)
         assert words in note
+    [note] = session_notes(ts.Architecture(strategy="guard"), 208.35)
+    assert note.endswith("(proven up to 208.3 N/m with these controllers).")
 
 
 def test_ref_the_report_lists_the_session_and_does_not_take_it_for_the_papers(root: Path) -> None:

@@ -105,7 +105,7 @@ def test_law_an_outage_names_the_guard(tmp_path: Path) -> None:
     assert shown.exit_code == 0
     assert len(shown.stdout.splitlines()) <= 30
     text = " ".join(shown.stdout.split())
-    assert "Recommended: play-out 30 ms, with the guard, at any stiffness." in text
+    assert "Recommended: play-out 30 ms, with the guard, at any stiffness up to 77760 N/m." in text
     assert "only what holds on any network is proven" in text
     assert 'strategy = "guard"' in text
     assert "allow_unusual = true" in text

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, TypeAlias, TypedDict, final, overload
+from typing import Any, ClassVar, Final, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,6 +46,7 @@ __all__ = [
     "FrequencyGrid",
     "FrequencyMargin",
     "FrequencyResponse",
+    "GuardOverdraft",
     "HandleMotion",
     "JitterFit",
     "Laboratory",
@@ -418,6 +419,7 @@ class Study:
     def experiment(self) -> Experiment | None: ...
     @property
     def session(self) -> Architecture: ...
+    def guard_overdraft(self, stiffness: float) -> GuardOverdraft: ...
     @property
     def comparison(self) -> ComparisonPlan: ...
     def __eq__(self, value: object, /) -> bool: ...
@@ -579,6 +581,17 @@ class Architecture:
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class GuardOverdraft(_Record):
+    def __new__(cls, ratio: float, hidden: float, proven_stiffness: float) -> GuardOverdraft: ...
+    ratio: Final[float]
+    hidden: Final[float]
+    proven_stiffness: Final[float]
+    LARGEST_PROVEN_RATIO: ClassVar[float]
+    @property
+    def is_proven(self) -> bool: ...
+    def largest_energy(self, available: float) -> float: ...
 
 @final
 class ComparisonPlan:
@@ -996,8 +1009,9 @@ class Recording(_Record):
         age_high: FloatArray,
         held_share: FloatArray,
         lost: FloatArray,
-        passivity_final: float,
-        passivity_minimum: float,
+        coupling_energy: float,
+        coupling_energy_minimum: float,
+        hand_energy: FloatArray,
         status: Literal["completed", "diverged", "out of reach", "too stiff"],
         ended_at: float | None,
     ) -> Recording: ...
@@ -1020,8 +1034,9 @@ class Recording(_Record):
     age_high: Final[FloatArray]
     held_share: Final[FloatArray]
     lost: Final[FloatArray]
-    passivity_final: Final[float]
-    passivity_minimum: Final[float]
+    coupling_energy: Final[float]
+    coupling_energy_minimum: Final[float]
+    hand_energy: Final[FloatArray]
     status: Final[Literal["completed", "diverged", "out of reach", "too stiff"]]
     ended_at: Final[float | None]
 
@@ -1048,8 +1063,9 @@ class Recordings(_Record):
         age_high: FloatArray,
         held_share: FloatArray,
         lost: FloatArray,
-        passivity_final: FloatArray,
-        passivity_minimum: FloatArray,
+        coupling_energy: FloatArray,
+        coupling_energy_minimum: FloatArray,
+        hand_energy: FloatArray,
         status: tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...],
         ended_at: FloatArray,
     ) -> Recordings: ...
@@ -1072,8 +1088,9 @@ class Recordings(_Record):
     age_high: Final[FloatArray]
     held_share: Final[FloatArray]
     lost: Final[FloatArray]
-    passivity_final: Final[FloatArray]
-    passivity_minimum: Final[FloatArray]
+    coupling_energy: Final[FloatArray]
+    coupling_energy_minimum: Final[FloatArray]
+    hand_energy: Final[FloatArray]
     status: Final[tuple[Literal["completed", "diverged", "out of reach", "too stiff"], ...]]
     ended_at: Final[FloatArray]
 

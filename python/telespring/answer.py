@@ -363,7 +363,7 @@ def _answer(
     springs = question.robot_springs
     heading = (*((title,) if title else ()), *describe_robots(question.dyad, names, springs))
     if study is not None:
-        notes = (*notes, *session_notes(study.session))
+        notes = (*notes, *session_notes(study.session, study.guard_overdraft(1.0).proven_stiffness))
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
     if attack_seed is not None and question.network.is_constant:
         raise InvalidInput(

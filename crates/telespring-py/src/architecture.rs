@@ -2,13 +2,14 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use telespring::session;
 use telespring::session::architecture::PlayoutDesign;
+use telespring::session::{self, Overdraft as CoreOverdraft};
 use telespring::study::{Study, Table, Value, keys};
 
-use crate::arguments::hash;
+use crate::arguments::{Number, hash};
 use crate::errors::Outcome;
 use crate::participants::{keywords, written_out};
+use crate::records::record;
 
 /// What both sides of a session do with the partner's motion: strategy, predictor and play-out. `Study.session` returns
 /// it.
@@ -121,6 +122,51 @@ impl Architecture {
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((), Bound<'py, PyDict>)> {
         Ok(((), self.settings(py)?))
+    }
+}
+
+record! {
+    /// How far the guard's account can be overdrawn: energy that a robot gives out without having it.
+    ///
+    /// `Study.guard_overdraft` returns it; `docs/guard.md` has the proof.
+    GuardOverdraft(CoreOverdraft) {
+        /// The largest overdraft as a share of the robot's kinetic energy at the same speed.
+        ratio,
+        /// What the steps of the encoder alone can overdraw, J; it does not add up.
+        hidden,
+        /// The largest stiffness for which the guard is proven with these robots and controllers, N/m.
+        proven_stiffness,
+    }
+    computed {
+        /// Whether the guard is proven: no robot gets more than 1/(1 − 0.1) times the energy that is there, and what `hidden`
+        /// adds.
+        is_proven = |overdraft| overdraft.0.is_proven(),
+    }
+    methods {
+        /// Above this ratio the guard counts as not proven.
+        #[classattr]
+        const LARGEST_PROVEN_RATIO: f64 = CoreOverdraft::LARGEST_PROVEN_RATIO;
+
+        /// The most energy that a robot can have where at most `available` was there, J; infinite from a ratio of 1 on.
+        ///
+        /// Parameters
+        /// ----------
+        /// available : float
+        ///     What the robot had at the start, its account held, and its hand and the partner gave less what was lost, J.
+        ///
+        /// Returns
+        /// -------
+        /// float
+        ///
+        /// Examples
+        /// --------
+        /// >>> import telespring as ts
+        /// >>> overdraft = ts.Study.paper().guard_overdraft(142.5)
+        /// >>> overdraft.is_proven, round(overdraft.largest_energy(1.0), 4)
+        /// (True, 1.0002)
+        fn largest_energy(&self, available: Number) -> Outcome<f64> {
+            Ok(self.0.largest_energy(available.named("available")?))
+        }
     }
 }
 

@@ -48,7 +48,7 @@ mod _core {
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use crate::architecture::{Architecture, ComparisonPlan};
+    use crate::architecture::{Architecture, ComparisonPlan, GuardOverdraft};
     #[pymodule_export]
     use crate::axis::{Crossing, DyadAxis};
     #[pymodule_export]

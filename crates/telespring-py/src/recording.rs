@@ -51,10 +51,12 @@ record! {
         held_share: Array<f64, Ix1>,
         /// Packets that had not come although later ones had.
         lost: Array<f64, Ix1>,
-        /// Energy that the coupling took from both people, less what it gave them, J; negative if it gave more.
-        passivity_final: f64,
+        /// Energy that the coupling took at both handles, less what it gave out there, J; negative if it gave more.
+        coupling_energy: f64,
         /// The smallest value of this energy during the trial, J.
-        passivity_minimum: f64,
+        coupling_energy_minimum: f64,
+        /// Energy that each hand got, J, (2 robots,), also in the unconnected mode; negative if it gave more than it got.
+        hand_energy: Array<f64, Ix1>,
         /// "completed", "diverged" (a handle went beyond 10 m), "out of reach" (of a two-link arm) or "too
         /// stiff" (time constants of a robot in a two-link arm too short to integrate).
         status: String,
@@ -109,10 +111,12 @@ record! {
         held_share: Array<f64, Ix2>,
         /// Packets that had not come although later ones had.
         lost: Array<f64, Ix2>,
-        /// Energy that the coupling took from both people, less what it gave them, J, (trials,); negative if it gave more.
-        passivity_final: Array<f64, Ix1>,
+        /// Energy that the coupling took at both handles, less what it gave out there, J, (trials,); negative if it gave more.
+        coupling_energy: Array<f64, Ix1>,
         /// The smallest value of this energy during the trial, J.
-        passivity_minimum: Array<f64, Ix1>,
+        coupling_energy_minimum: Array<f64, Ix1>,
+        /// Energy that each hand got, J, (trials, 2 robots), also in the unconnected mode; negative if it gave more than it got.
+        hand_energy: Array<f64, Ix2>,
         /// How each trial ended, as in `Recording`.
         status: Vec<String>,
         /// Time of the first tick that is left out, s, (trials,); NaN if a trial was completed.

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayon::prelude::*;
 use telespring::rig::{
-    self, Agent, ConnectedMode, Observation, PassivityReport, Record, Row, Schedule, Status, Target, Trial,
+    self, Agent, ConnectedMode, CouplingEnergy, Observation, Record, Row, Schedule, Status, Target, Trial,
     TrialOutcome,
 };
 use telespring::session::playout::Ages;
@@ -258,8 +258,9 @@ impl Laboratory {
             age_high,
             held_share,
             lost,
-            passivity_final: outcome.passivity.total,
-            passivity_minimum: outcome.passivity.minimum,
+            coupling_energy: outcome.coupling_energy.total,
+            coupling_energy_minimum: outcome.coupling_energy.minimum,
+            hand_energy: outcome.hand_energy.to_vec().into_pyarray(py).into(),
             status: status.to_owned(),
             ended_at,
         })
@@ -418,10 +419,11 @@ impl Laboratory {
             let values: Vec<_> = told.iter().flat_map(|trial| trial[quantity]).collect();
             Ok(values.into_pyarray(py).reshape([trials, 2])?.into())
         });
-        let passivity = |of: fn(&PassivityReport) -> f64| {
-            let values: Vec<_> = outcomes.iter().map(|outcome| of(&outcome.passivity)).collect();
+        let coupling_energy = |of: fn(&CouplingEnergy) -> f64| {
+            let values: Vec<_> = outcomes.iter().map(|outcome| of(&outcome.coupling_energy)).collect();
             values.into_pyarray(py).into()
         };
+        let hand_energy: Vec<_> = outcomes.iter().flat_map(|outcome| outcome.hand_energy).collect();
         let mut next = || told.next().expect("there are nine quantities");
         let ended_at: Vec<_> = ended_at.into_iter().map(|time| time.unwrap_or(f64::NAN)).collect();
         Ok(Recordings {
@@ -444,8 +446,9 @@ impl Laboratory {
             age_high: next()?,
             held_share: next()?,
             lost: next()?,
-            passivity_final: passivity(|of_trial| of_trial.total),
-            passivity_minimum: passivity(|of_trial| of_trial.minimum),
+            coupling_energy: coupling_energy(|of_trial| of_trial.total),
+            coupling_energy_minimum: coupling_energy(|of_trial| of_trial.minimum),
+            hand_energy: hand_energy.into_pyarray(py).reshape([trials, 2])?.into(),
             status,
             ended_at: ended_at.into_pyarray(py).into(),
         })

@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use telespring::InvalidInput;
 
-use crate::architecture::{Architecture, ComparisonPlan};
-use crate::arguments::{Argument, hash, holds_truth_value, written};
+use crate::architecture::{Architecture, ComparisonPlan, GuardOverdraft};
+use crate::arguments::{Argument, Number, hash, holds_truth_value, written};
 use crate::coupling::Coupling;
 use crate::errors::Outcome;
 use crate::experiment::Experiment;
@@ -395,6 +395,38 @@ impl Study {
     #[getter]
     fn comparison(&self) -> ComparisonPlan {
         ComparisonPlan::of(&self.0)
+    }
+
+    /// Say how far the guard's account can be overdrawn at a stiffness, on the axis with the least mass of both robots.
+    ///
+    /// Sample period, computing tick, lag of the actuators and encoder are those of the laboratory's controllers (1 kHz if
+    /// the study names no period); a computing time of `[controller]` counts as a computing tick, and a mass as the lower end
+    /// of its 95 % interval.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness : float
+    ///     N/m.
+    ///
+    /// Returns
+    /// -------
+    /// GuardOverdraft
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If the stiffness is out of range, or two sections give different sample periods.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> slow = ts.Study.paper().replace(laboratory={"sample_period": 0.01, "computing_tick": True})
+    /// >>> overdraft = slow.guard_overdraft(2000.0)
+    /// >>> overdraft.is_proven, round(overdraft.ratio, 2), round(overdraft.proven_stiffness)
+    /// (False, 1.03, 194)
+    fn guard_overdraft(&self, stiffness: Number) -> Outcome<GuardOverdraft> {
+        let stiffness = stiffness.named("stiffness")?;
+        Ok(GuardOverdraft(self.0.guard_overdraft(stiffness)?))
     }
 
     fn __repr__(&self) -> String {

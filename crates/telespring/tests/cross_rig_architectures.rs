@@ -229,7 +229,7 @@ fn law_a_trial_reports_what_both_sides_did() {
     }
     // the observer of both handles, and the accounts of both sides: the same energy, but for the last tick
     let given_out = one.strategy.given_out + two.strategy.given_out;
-    assert!((given_out + recording.outcome.passivity.total).abs() < 1e-3, "{given_out}");
+    assert!((given_out + recording.outcome.coupling_energy.total).abs() < 1e-3, "{given_out}");
     assert_eq!(recording.account[0], [0.05; 2]);
     assert_eq!(recording.account.len(), recording.outcome.rows);
     let laboratory = laboratory(architecture);

@@ -453,7 +453,7 @@ fn law_the_observer_counts_what_the_handles_balance_says() {
     let mut laboratory = Laboratory::paper();
     for (stiffness, delay) in [(71.2, 0.0), (71.2, 0.084), (142.0, 0.084)] {
         let recording = run(&laboratory, coupled(stiffness, delay), 4.0);
-        let observed = recording.outcome.passivity;
+        let observed = recording.outcome.coupling_energy;
         let (given, lost) = balance(&recording, &laboratory);
         let expected = -given;
         // the velocity between two ticks is not quite even
@@ -466,7 +466,7 @@ fn law_the_observer_counts_what_the_handles_balance_says() {
     }
     // undelayed, a spring cannot give more than it took, but for the little that holding a force generates
     laboratory.stations[1].agent = Agent::Skilled { stiffness: 60.0, damping: 1.0 };
-    let spring = run(&laboratory, coupled(71.2, 0.0), 4.0).outcome.passivity;
+    let spring = run(&laboratory, coupled(71.2, 0.0), 4.0).outcome.coupling_energy;
     // over a delay it gives out what the handles then lose
     let mut free = Laboratory::paper();
     for station in &mut free.stations {
@@ -474,10 +474,10 @@ fn law_the_observer_counts_what_the_handles_balance_says() {
     }
     free.stations[0].agent = Agent::Skilled { stiffness: 30.0, damping: 0.0 };
     free.stations[1].agent = Agent::Skilled { stiffness: 0.0, damping: 0.0 };
-    let delayed = run(&free, coupled(142.0, 0.2), 4.0).outcome.passivity;
+    let delayed = run(&free, coupled(142.0, 0.2), 4.0).outcome.coupling_energy;
     assert!(spring.minimum > -0.01, "{spring:?}");
     assert!(delayed.minimum < -0.1, "{delayed:?}");
-    let alone = run(&laboratory, None, 1.0).outcome.passivity;
+    let alone = run(&laboratory, None, 1.0).outcome.coupling_energy;
     assert_eq!((alone.total, alone.minimum), (0.0, 0.0));
 }
 

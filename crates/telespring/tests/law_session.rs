@@ -166,6 +166,8 @@ fn law_each_setting_is_refused_with_its_field() {
     assert_eq!(field(EndpointSettings { playout: long, ..good() }), "delay");
     let watchdog = Some(WatchdogSettings { silence: Span(1_500_000), ..WatchdogSettings::default() });
     assert_eq!(field(EndpointSettings { watchdog, ..good() }), "watchdog.silence");
+    let watchdog = Some(WatchdogSettings { frozen: Span(1_500_000), ..WatchdogSettings::default() });
+    assert_eq!(field(EndpointSettings { watchdog, ..good() }), "watchdog.frozen");
     let watchdog = Some(WatchdogSettings { ramp_out: Span(0), ..WatchdogSettings::default() });
     assert_eq!(field(EndpointSettings { watchdog, ..good() }), "watchdog.ramp_out");
 }

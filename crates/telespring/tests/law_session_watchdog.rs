@@ -3,8 +3,8 @@
 use telespring::session::watchdog::Cause;
 use telespring::session::wire::{Echo, Flags, Packet};
 use telespring::session::{
-    AdaptiveDelay, ClockSettings, Endpoint, EndpointSettings, EventKind, Law, LocalTime, Motion, PeerTime,
-    PlayoutSettings, Span, WatchdogSettings, WatchdogState,
+    AdaptiveDelay, Architecture, ClockSettings, Endpoint, EndpointSettings, EventKind, Law, LocalTime,
+    Motion, PeerTime, PlayoutSettings, SideFacts, Span, WatchdogSettings, WatchdogState,
 };
 
 const MILLISECOND: u64 = 1_000_000;
@@ -475,5 +475,63 @@ fn law_two_watched_sides_with_clocks_of_their_own_meet_and_pull_each_other() {
         let (found, error) = (report.clock.offset.unwrap().seconds(), report.clock.offset_error.unwrap());
         assert!((found - offset).abs() < error.seconds() + 2e-4, "{found}");
         assert!((report.clock.round_trip.unwrap().seconds() - 0.040).abs() < 0.0021, "{report:?}");
+    }
+}
+
+/// A live side at a rate, Hz.
+fn side_at(rate: f64, session: u64, architecture: &Architecture) -> Endpoint {
+    let facts = SideFacts {
+        session,
+        law: Law { stiffness: 1.0, damping: 0.0 },
+        delays: [0.05; 2],
+        lateness: [0.0; 2],
+        has_playout_buffer: false,
+        sample_period: 1.0 / rate,
+        computing_tick: false,
+        encoder_step: 0.0,
+        actuator_lag: 0.0,
+        least_damping: [[7.7, 10.1]; 2],
+        least_mass: [0.83, 1.07],
+    };
+    Endpoint::new(architecture.endpoint_settings(&facts).unwrap()).unwrap()
+}
+
+/// The defaults fit the controllers of slow robots: with every architecture two live sides engage and stay engaged while one
+/// packet in ten is lost, and disengage when the partner falls silent.
+#[test]
+fn law_sides_of_slow_controllers_engage_and_stay_engaged() {
+    for rate in [5.0, 30.0, 50.0, 100.0] {
+        for architecture in Architecture::usual() {
+            let label = architecture.label();
+            let mut sides = [1, 2].map(|session| side_at(rate, session, &architecture));
+            let mut faults = Vec::new();
+            for tick in 0..(8.0 * rate) as u64 {
+                let seconds = tick as f64 / rate;
+                let now = LocalTime::from_seconds(seconds);
+                let packets = sides.each_mut().map(|side| {
+                    side.handle_measurement(now, at(0.02 * seconds.sin())).unwrap();
+                    side.poll_transmit(now).unwrap()
+                });
+                for (index, side) in sides.iter_mut().enumerate() {
+                    if tick % 10 != 7 && seconds < 6.0 {
+                        side.handle_datagram(now, &packets[1 - index]).unwrap();
+                    }
+                    side.force(now);
+                    while let Some(event) = side.poll_event() {
+                        if matches!(event.kind, EventKind::RampingOut(_) | EventKind::Disengaged(_)) {
+                            faults.push(seconds);
+                        }
+                    }
+                }
+                if (3.0..6.0).contains(&seconds) {
+                    let states = sides.each_ref().map(Endpoint::state);
+                    assert_eq!(states, [WatchdogState::Engaged; 2], "{label} at {rate} Hz, {seconds} s");
+                }
+            }
+            assert!(
+                !faults.is_empty() && faults.iter().all(|time| *time > 6.0),
+                "{label} {rate}: {faults:?}"
+            );
+        }
     }
 }

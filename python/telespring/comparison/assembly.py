@@ -22,37 +22,37 @@ _CELL = ("architecture", "network")
 _PLACE = (*_CELL, "condition")
 
 #: Dimensions behind those of the place, unit and meaning of every variable that is taken from the rehearsals.
-#: The name in a rehearsal follows where it is another.
-_TAKEN: dict[str, tuple[tuple[str, ...], str, str, str]] = {
-    "tracking_error": (("trial", "robot"), "m", "mean distance to the target (Eq. 15)", ""),
-    "ended_at": (("trial",), "s", "time at which the trial ended early; NaN if it was completed", ""),
+_TAKEN: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "tracking_error": (("trial", "robot"), "m", "mean distance to the target (Eq. 15)"),
+    "ended_at": (("trial",), "s", "time at which the trial ended early; NaN if it was completed"),
     "limited_share": (
-        ("trial", "robot"), "1", "share of ticks at which the strategy gave less force than was wanted", "",
+        ("trial", "robot"), "1", "share of ticks at which the strategy gave less force than was wanted",
     ),
-    "withheld_share": (("trial", "robot"), "1", "share of the wanted force that was withheld", ""),
-    "given_out": (("trial", "robot"), "J", "energy given out at the handle", ""),
-    "energy_sent": (("trial", "robot"), "J", "energy sent to the partner", ""),
-    "energy_final": (
-        ("trial",), "J", "energy taken from both people less what was given to them", "passivity_final",
+    "withheld_share": (("trial", "robot"), "1", "share of the wanted force that was withheld"),
+    "given_out": (("trial", "robot"), "J", "energy given out at the handle"),
+    "energy_sent": (("trial", "robot"), "J", "energy sent to the partner"),
+    "coupling_energy": (
+        ("trial",), "J", "energy that the coupling took at both handles less what it gave out there",
     ),
-    "energy_minimum": (("trial",), "J", "smallest value of that at any tick", "passivity_minimum"),
-    "held_share": (("trial", "robot"), "1", "share of ticks at which an old sample was held", ""),
-    "lost": (("trial", "robot"), "1", "packets that were lost", ""),
-    "age_mean": (("robot",), "s", "mean age of the partner's samples as played", ""),
-    "age_low": (("robot",), "s", "smallest age of the partner's samples as played", ""),
-    "age_high": (("robot",), "s", "largest age of the partner's samples as played", ""),
+    "coupling_energy_minimum": (("trial",), "J", "smallest value of that at any tick"),
+    "hand_energy": (("trial", "robot"), "J", "energy that the hand got"),
+    "held_share": (("trial", "robot"), "1", "share of ticks at which an old sample was held"),
+    "lost": (("trial", "robot"), "1", "packets that were lost"),
+    "age_mean": (("robot",), "s", "mean age of the partner's samples as played"),
+    "age_low": (("robot",), "s", "smallest age of the partner's samples as played"),
+    "age_high": (("robot",), "s", "largest age of the partner's samples as played"),
     "within_age_range": (
-        ("robot",), "1", "share of time with an age for which the verdict on an age in a range holds", "",
+        ("robot",), "1", "share of time with an age for which the verdict on an age in a range holds",
     ),
     "force_fidelity": (
-        ("trial", "robot"), "1", "share of the force of the undelayed spring that was delivered", "",
+        ("trial", "robot"), "1", "share of the force of the undelayed spring that was delivered",
     ),
-    "force_gain": (("frequency",), "1", "delivered over intended force", ""),
-    "force_phase": (("frequency",), "rad", "phase of the delivered over the intended force", ""),
-    "force_coherence": (("frequency",), "1", "coherence of the delivered with the intended force", ""),
-    "account": (("time", "robot"), "J", "balance of the account, first trial; NaN without one", ""),
-    "position": (("time", "robot", "axis"), "m", "position of the handle, first trial", ""),
-    "coupling_force": (("time", "robot", "axis"), "N", "force on the handle, first trial", ""),
+    "force_gain": (("frequency",), "1", "delivered over intended force"),
+    "force_phase": (("frequency",), "rad", "phase of the delivered over the intended force"),
+    "force_coherence": (("frequency",), "1", "coherence of the delivered with the intended force"),
+    "account": (("time", "robot"), "J", "balance of the account, first trial; NaN without one"),
+    "position": (("time", "robot", "axis"), "m", "position of the handle, first trial"),
+    "coupling_force": (("time", "robot", "axis"), "N", "force on the handle, first trial"),
 }  # fmt: skip
 
 
@@ -80,8 +80,8 @@ def assemble_comparison(
     first = cells[schedule.cells[0].folder]
     places = {cell.folder: _places(cells[cell.folder], schedule) for cell in schedule.cells}
     variables: dict[str, Any] = {}
-    for name, (dimensions, units, long_name, source) in _TAKEN.items():
-        values = _spread(schedule, cells, places, source or name, dimensions)
+    for name, (dimensions, units, long_name) in _TAKEN.items():
+        values = _spread(schedule, cells, places, name, dimensions)
         variables[name] = ((*_PLACE, *dimensions), values, {"units": units, "long_name": long_name})
     status = _spread(schedule, cells, places, "status", ("trial",), missing=-1, dtype=np.int8)
     quarters = _spread(schedule, cells, places, "quarter_error", ("trial", "robot", "quarter"))
@@ -115,6 +115,14 @@ def assemble_comparison(
             _PLACE,
             verdicts,
             {"units": "1", "long_name": "answer of `telespring decide` for the bare spring"},
+        ),
+        "guard_overdraft": (
+            ("condition",),
+            np.array([schedule.study.guard_overdraft(k).ratio for k, _ in schedule.conditions]),
+            {
+                "units": "1",
+                "long_name": "overdraft of a guard's account over the robot's energy",
+            },
         ),
         "is_rehearsed": (
             ("network", "condition"),

@@ -19,7 +19,7 @@ __all__ = [
 Grounds: TypeAlias = Literal["any network", "stable spring"]
 
 #: Why a choice is not recommended, in the order in which it is looked for.
-Objection: TypeAlias = Literal["not at every delay", "ran away", "ended early", "not proven"]
+Objection: TypeAlias = Literal["not at every delay", "ran away", "ended early", "not proven", "overdraft"]
 
 
 @dataclass(frozen=True)

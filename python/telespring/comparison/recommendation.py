@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from telespring._core import GuardOverdraft
 from telespring._types import FloatArray
 from telespring.comparison.choices import Alternative, Candidate, Grounds, Recommendation, Rejection
 
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["recommend"]
 
-#: Strategies that are safe whatever network and partner do (docs/guard.md has the proof). The others need
-#: constant delays, stated ages or an honest partner (docs/strategies.md), which nobody can promise; they are
-#: safe where the spring is stable.
+#: Strategies that are safe whatever network and partner do, as far as their overdraft is small (docs/guard.md has
+#: the proof). The others need constant delays, stated ages or an honest partner (docs/strategies.md), which nobody
+#: can promise; they are safe where the spring is stable.
 _SAFE_ON_ANY_NETWORK = frozenset({"guard"})
 
 
@@ -38,9 +39,9 @@ def recommend(comparison: xr.Dataset) -> Recommendation:
 
     1. it was rehearsed on each of them,
     2. no trial ran away, and none ended early for another reason,
-    3. its strategy is safe on any network (the guard), or `decide` calls the bare spring stable on each of
-       them; that answer is of the spring that follows the motion as played, so a spring with a predictor
-       has none.
+    3. its strategy is safe on any network (the guard, as far as it is proven at that stiffness), or `decide`
+       calls the bare spring stable on each of them; that answer is of the spring that follows the motion as
+       played, so a spring with a predictor has none.
 
     Of the safe choices the one with the smallest mean tracking error wins: the mean over both people, all
     networks, delays and trials.
@@ -114,6 +115,13 @@ def _judge(
             n, c = worst
             return Rejection(stiffness, objection, networks[n], float(delays[c]), trials=count[worst])  # type: ignore[arg-type]
     grounds: Grounds = "any network"
+    overdraft = float(one["guard_overdraft"].values[conditions].max())
+    if (
+        str(one["strategy"].values) in _SAFE_ON_ANY_NETWORK
+        and overdraft > GuardOverdraft.LARGEST_PROVEN_RATIO
+    ):
+        n, c = places[0]
+        return Rejection(stiffness, "overdraft", networks[n], float(delays[c]))
     if str(one["strategy"].values) not in _SAFE_ON_ANY_NETWORK:
         grounds = "stable spring"
         predicts = str(one["predictor"].values) != "hold"

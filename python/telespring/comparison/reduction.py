@@ -26,8 +26,16 @@ if TYPE_CHECKING:
 __all__ = ["LongestAges", "measure_connected", "measure_unconnected"]
 
 #: As a rehearsal has them: of each side, and of the coupling.
-_PER_ROBOT = ("limited_share", "withheld_share", "given_out", "energy_sent", "held_share", "lost")
-_PER_TRIAL = ("status", "ended_at", "passivity_final", "passivity_minimum")
+_PER_ROBOT = (
+    "limited_share",
+    "withheld_share",
+    "given_out",
+    "energy_sent",
+    "hand_energy",
+    "held_share",
+    "lost",
+)
+_PER_TRIAL = ("status", "ended_at", "coupling_energy", "coupling_energy_minimum")
 
 
 class LongestAges(Protocol):

@@ -84,12 +84,13 @@ class Report:
     long_name: str
 
 
-#: Of each robot's side; NaN in the unconnected mode.
+#: Of each robot's side; NaN in the unconnected mode, but for what the hand got.
 SIDE_REPORTS = (
     Report("limited_share", "1", "share of the ticks at which the strategy changed the force of the spring"),
     Report("withheld_share", "1", "mean share of the spring's force that was withheld at those ticks"),
     Report("given_out", "J", "energy that the coupling gave out to the handle, as the side measured it"),
     Report("energy_sent", "J", "energy that the side's strategy sent to its partner"),
+    Report("hand_energy", "J", "energy that the hand got; negative if it gave more than it got"),
     Report("age_mean", "s", "mean age of the partner's motion in use"),
     Report("age_low", "s", "smallest age of a partner's sample in use"),
     Report("age_high", "s", "largest age of a partner's sample in use"),
@@ -99,8 +100,10 @@ SIDE_REPORTS = (
 
 #: Of the whole coupling.
 REPORTS = (
-    Report("passivity_final", "J", "energy that the coupling took from both people, less what it gave them"),
-    Report("passivity_minimum", "J", "smallest value of this energy during the trial"),
+    Report(
+        "coupling_energy", "J", "energy that the coupling took at both handles, less what it gave out there"
+    ),
+    Report("coupling_energy_minimum", "J", "smallest value of this energy during the trial"),
 )
 
 #: How a trial can end; the index here is the value in the dataset.

@@ -32,6 +32,7 @@ def trace_json(found: TraceAssessment) -> dict[str, Any]:
         "playouts": [_choice_json(choice) for choice in found.playouts],
         "recommended": _choice_json(best) | {"guard": found.needs_guard, "settings": found.settings()},
         "guarded": _choice_json(found.guarded),
+        "guard_stiffness": found.guard_stiffness,
         "recommended_if_paused": None if paused is None else _choice_json(paused),
         "axes_independent": found.axes_independent,
     }

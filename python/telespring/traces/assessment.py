@@ -72,6 +72,8 @@ class TraceAssessment:
     needs_guard
         Whether nothing is proven for a bare spring, or only what holds on any network because motions were in
         use that are older than any useful play-out.
+    guard_stiffness
+        The stiffness up to which the guard is proven with these robots and controllers, N/m; `docs/guard.md`.
     longest_useful
         No longer play-out is recommended, s.
     if_paused
@@ -87,6 +89,7 @@ class TraceAssessment:
     recommended: PlayoutChoice
     guarded: PlayoutChoice
     needs_guard: bool
+    guard_stiffness: float
     longest_useful: float
     if_paused: PlayoutChoice | None = None
     axes_independent: bool | None = None
@@ -202,6 +205,8 @@ def assess_trace(
         guarded if needs_guard else bare,
         guarded,
         needs_guard,
+        # the same whatever the stiffness asked for
+        study.guard_overdraft(1.0).proven_stiffness,
         useful,
         if_paused,
         are_axes_independent(records),

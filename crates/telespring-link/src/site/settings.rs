@@ -69,7 +69,7 @@ impl Safety {
                 "Lengthen it, or shorten the sample period.",
             ));
         }
-        let (hold, usual) = (whole.scaled(5.0 / 15.0), WatchdogSettings::default());
+        let (hold, usual) = (whole.scaled(5.0 / 15.0), WatchdogSettings::for_period(sample_period));
         Ok(WatchdogSettings {
             silence,
             hold,

@@ -37,11 +37,12 @@ impl Laboratory {
             }
         };
         let spots = Spots { count: 10, velocity: 0.3, lifetime: 0.2 };
+        let stations = [
+            side(0, Agent::Skilled { stiffness: 120.0, damping: 0.0 }),
+            side(1, Agent::Blurred { stiffness: 120.0, spots }),
+        ];
         Self {
-            stations: [
-                side(0, Agent::Skilled { stiffness: 120.0, damping: 0.0 }),
-                side(1, Agent::Blurred { stiffness: 120.0, spots }),
-            ],
+            stations,
             target: Target::FigureEight { amplitude: [0.05, 0.1], angular_frequency: 2.59 },
             controller: Controller {
                 sample_period: 1e-3,
@@ -50,7 +51,7 @@ impl Laboratory {
                 encoder_resolution: 0.0,
             },
             network: Network::each_way(NetworkModel::ideal()),
-            session: SessionPlan::spring(dyad.robots().each_ref().map(|robot| per_axis(robot.damping()))),
+            session: SessionPlan::spring(stations.map(|station| station.handle)),
         }
     }
 
@@ -102,6 +103,9 @@ impl SessionPlan {
     fn check(&self) -> Result<()> {
         for (index, damping) in self.least_damping.into_iter().enumerate() {
             check_per_axis(quantity::DAMPING, &format!("least_damping[{index}]"), damping)?;
+        }
+        for (index, mass) in self.least_mass.into_iter().enumerate() {
+            check_per_axis(quantity::MASS, &format!("least_mass[{index}]"), mass)?;
         }
         check_per_axis(quantity::SPAN, "lateness", self.lateness)
     }

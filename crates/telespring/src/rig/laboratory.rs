@@ -143,6 +143,8 @@ pub struct SessionPlan {
     pub architecture: Architecture,
     /// The damping that each robot has at least, per robot and axis, N·s/m.
     pub least_damping: [[f64; 2]; 2],
+    /// The mass that each robot has at least, per robot and axis, kg.
+    pub least_mass: [[f64; 2]; 2],
     /// The most by which a motion may be older than the delay of the condition, forward and backward, s: jitter and gap.
     pub lateness: [f64; 2],
     /// Whether a fixed play-out without a delay of its own waits that much longer, so that the age of a motion is constant.
@@ -150,10 +152,15 @@ pub struct SessionPlan {
 }
 
 impl SessionPlan {
-    /// The bare spring for robots that have at least this damping (N·s/m), over a network without jitter and gaps.
-    pub fn spring(least_damping: [[f64; 2]; 2]) -> Self {
-        let architecture = Architecture::default();
-        Self { architecture, least_damping, lateness: [0.0; 2], has_playout_buffer: false }
+    /// The bare spring for two robots whose masses and dampings are certain, over a network without jitter and gaps.
+    pub fn spring(robots: [Handle; 2]) -> Self {
+        Self {
+            architecture: Architecture::default(),
+            least_damping: robots.map(|robot| robot.damping),
+            least_mass: robots.map(|robot| robot.mass),
+            lateness: [0.0; 2],
+            has_playout_buffer: false,
+        }
     }
 }
 

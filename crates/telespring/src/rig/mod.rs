@@ -29,18 +29,22 @@
 
 mod agent;
 mod check;
+mod connected;
+mod energy;
 mod laboratory;
 pub mod network;
-mod passivity;
 pub mod plant;
 mod random;
 mod record;
 mod robot;
 mod schedule;
+mod station;
 mod target;
 mod trial;
 
 pub use agent::Observation;
+pub use connected::ConnectedMode;
+pub use energy::CouplingEnergy;
 pub use laboratory::{
     Agent, Arm, Controller, Elbow, Handle, Laboratory, Protocol, SessionPlan, Spots, Station, Target,
     TwoLinkArm,
@@ -49,11 +53,11 @@ pub use network::{
     Adversary, Blackout, Channel, Datagram, GilbertElliott, JitterDistribution, Network, NetworkModel,
     PacketOrder, RateLimit, Trace, TraceRow, trace,
 };
-pub use passivity::PassivityReport;
 pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Record, Recording, Row, Status, TrialOutcome};
 pub use robot::SimulatedRobot;
 pub use schedule::{MAX_TICKS, Schedule};
+pub use station::POSITION_LIMIT;
 pub use target::figure_eight_positions;
-pub use trial::{Callback, ConnectedMode, InterruptCheck, POSITION_LIMIT, Trial};
+pub use trial::{Callback, InterruptCheck, Trial};

@@ -1,6 +1,6 @@
 //! The recorded signals of a trial and how it ended.
 
-use super::PassivityReport;
+use super::CouplingEnergy;
 use crate::session::SessionReport;
 
 /// One value per robot and axis.
@@ -79,8 +79,14 @@ pub struct TrialOutcome {
     pub status: Status,
     /// The number of rows written, from the first.
     pub rows: usize,
-    /// The energy that passed between the coupling and the two people.
-    pub passivity: PassivityReport,
+    /// The energy that the coupling took at both handles, less what it gave out there.
+    pub coupling_energy: CouplingEnergy,
+    /// The energy that each hand got, J; negative if it gave more than it got.
+    ///
+    /// The force that an agent holds over a period, times the displacement of its handle in it; for a two-link arm its
+    /// torques times the turns of the joints. That is exact whatever the motion in the period, because plants are integrated
+    /// under just these held forces or torques.
+    pub hand_energy: [f64; 2],
     /// What both sides of the coupling did; `None` in the unconnected mode.
     pub sessions: Option<[SessionReport; 2]>,
 }
@@ -138,7 +144,8 @@ impl Recording {
             outcome: TrialOutcome {
                 status: Status::Completed,
                 rows,
-                passivity: PassivityReport::default(),
+                coupling_energy: CouplingEnergy::default(),
+                hand_energy: [0.0; 2],
                 sessions: None,
             },
             target: vec![[0.0; 2]; rows],

@@ -4,13 +4,17 @@
 //! the robot's own damping certainly took, and with the energy that the partner sent. A force that it cannot pay is
 //! reduced. `docs/guard.md` has the proof.
 
+mod device;
 mod loss;
+mod overdraft;
 mod settings;
 
+pub use overdraft::Overdraft;
 pub use settings::AccountSettings;
 
 use super::pair::{dot, finite_or};
 use crate::error::Result;
+use device::Device;
 use loss::LossWindow;
 
 /// The longest time between two measurements for which energy is taken in, s: a clock that jumps brings in no more.
@@ -52,8 +56,7 @@ pub struct EnergyAccount {
     credited: f64,
     /// The force that acted before the last measurement, N.
     acted: [f64; 2],
-    /// The size of the last force paid, N.
-    paid: f64,
+    device: Device,
     windows: [LossWindow; 2],
 }
 
@@ -80,7 +83,7 @@ impl EnergyAccount {
             given_out: 0.0,
             credited: 0.0,
             acted: [0.0; 2],
-            paid: 0.0,
+            device: Device::new(&settings),
             windows: [LossWindow::default(); 2],
         })
     }
@@ -92,6 +95,7 @@ impl EnergyAccount {
     /// or a force that is not a number empties the account, because nobody knows what was given out.
     pub fn settle(&mut self, elapsed: f64, displacement: [f64; 2], acted: [f64; 2], claimed: f64) {
         let AccountSettings { encoder_step, share, .. } = self.settings;
+        self.device.advance(elapsed);
         let given_out = dot(acted, displacement);
         let [dx, dy] = acted;
         let [ex, ey] = self.acted;
@@ -138,28 +142,27 @@ impl EnergyAccount {
     /// The force that the account can pay of the one `wanted` (N), and that counts as commanded. `stored` is the energy
     /// that the wanted spring holds, J.
     ///
-    /// The paid force has the wanted direction and at most the size √(2 k S). With a computing tick it is also at most
-    /// 2 √(2 k S) less the size of the force that is still to act. What the account holds beyond the energy of the spring
-    /// and the capacity moves to the partner. A wanted force that is not finite gives no force.
+    /// The paid force has the wanted direction and at most the size √(2 k S). It is also so small that its impulse and that
+    /// of all earlier forces still to act, behind a computing tick or a lag, is at most √(2 k S) for as long as a force
+    /// acts. What the account holds beyond the energy of the spring and the capacity moves to the partner. A wanted force
+    /// that is not finite gives no force.
     pub fn pay(&mut self, wanted: [f64; 2], stored: f64) -> [f64; 2] {
-        let AccountSettings { stiffness, capacity, computing_tick, .. } = self.settings;
+        let AccountSettings { stiffness, capacity, .. } = self.settings;
         let [x, y] = wanted;
         let size = x.hypot(y);
-        // The force that is still to act before this one.
-        let pending = if computing_tick { self.paid } else { 0.0 };
+        let (outstanding, periods) = (self.device.outstanding(), self.settings.reaction_periods());
         let most = self.largest_force();
-        let allowed = if computing_tick { most.min((2.0 * most - pending).max(0.0)) } else { most };
+        let allowed = most.min((periods * most - outstanding).max(0.0));
         let (force, paid) = match size {
             _ if !size.is_finite() => ([0.0; 2], 0.0),
             _ if size <= allowed => (wanted, size),
             _ => (wanted.map(|force| force / size * allowed), allowed),
         };
-        self.paid = paid;
+        self.device.command(paid);
         let spring = if size.is_finite() { (size * size / (2.0 * stiffness)).max(stored) } else { 0.0 };
-        // No energy leaves that the pending force may need.
-        let committed = (pending + paid) * (pending + paid) / (8.0 * stiffness);
-        let kept = if computing_tick { spring.max(committed) } else { spring };
-        let excess = self.balance - (kept + capacity);
+        // No energy leaves that the forces still to act may need.
+        let committed = (outstanding + paid) * (outstanding + paid) / (2.0 * stiffness * periods * periods);
+        let excess = self.balance - (spring.max(committed) + capacity);
         if excess > 0.0 {
             self.balance -= excess;
             self.sent = finite_or(self.sent + excess, self.sent);

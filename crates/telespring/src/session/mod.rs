@@ -44,7 +44,7 @@ mod time;
 pub mod watchdog;
 pub mod wire;
 
-pub use account::{AccountSettings, EnergyAccount};
+pub use account::{AccountSettings, EnergyAccount, Overdraft};
 pub use architecture::{Architecture, SideFacts};
 pub use clock::{Clock, ClockSettings};
 pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport};

@@ -106,6 +106,22 @@ impl Default for WatchdogSettings {
 }
 
 impl WatchdogSettings {
+    /// The usual times for controllers of this sample period: the default, but the partner counts as silent or frozen
+    /// after two periods at the earliest.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::session::{Span, WatchdogSettings};
+    /// assert_eq!(WatchdogSettings::for_period(Span(1_000_000)), WatchdogSettings::default());
+    /// let slow = WatchdogSettings::for_period(Span::from_seconds(1.0 / 30.0));
+    /// assert_eq!(slow.silence, Span(2 * 33_333_333));
+    /// ```
+    pub fn for_period(sample_period: Span) -> Self {
+        let (usual, least) = (Self::default(), sample_period + sample_period);
+        Self { silence: usual.silence.max(least), frozen: usual.frozen.max(least), ..usual }
+    }
+
     /// Checks the values.
     ///
     /// # Errors

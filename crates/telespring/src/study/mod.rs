@@ -39,6 +39,7 @@ mod changes;
 mod comparison;
 mod emulated_network;
 mod entry;
+mod guard;
 mod keys;
 mod laboratory;
 mod network;

@@ -14,8 +14,13 @@ use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
+/// The values of the axes x and y.
+fn pair(values: &[f64]) -> [f64; 2] {
+    [values[0], values[1]]
+}
+
 /// The quantile of the normal distribution at 97.5 %: the ends of a 95 % interval are this many standard deviations away.
-const QUANTILE: f64 = 1.959_963_984_540_054;
+pub(super) const QUANTILE: f64 = 1.959_963_984_540_054;
 
 impl Study {
     /// Each robot's Coulomb friction per axis in the rehearsal, N.
@@ -111,7 +116,6 @@ impl Study {
     /// As [`Study::laboratory`], but for the traces.
     pub fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
         self.check_planar()?;
-        let pair = |values: &[f64]| [values[0], values[1]];
         let side = |i: usize| rig::Station {
             handle: rig::Handle {
                 mass: pair(self.dyad.robots()[i].mass()),
@@ -156,6 +160,7 @@ impl Study {
         rig::SessionPlan {
             architecture: self.session,
             least_damping,
+            least_mass: [0, 1].map(|robot| pair(&self.least_mass(robot))),
             lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
             has_playout_buffer: self.has_playout_buffer,
         }

@@ -183,7 +183,7 @@ fn law_adversaries_make_the_bare_spring_give_out_energy() {
         let coupling = ConnectedMode { stiffness: 71.2, damping: 0.0, delay: Delay::each_way(0.02).unwrap() };
         let schedule = Schedule::new(6.0, 1000.0, 1e-3).unwrap();
         let trial = Trial { laboratory: &laboratory, coupling: Some(coupling), seed: 1, schedule };
-        trial.record::<InvalidInput>([None, None]).unwrap().outcome.passivity.total
+        trial.record::<InvalidInput>([None, None]).unwrap().outcome.coupling_energy.total
     };
     let none = given(None);
     let worst = given(Some(Adversary::MostHarmfulSample { memory: 0.5 }));

@@ -13,6 +13,7 @@ const EVERY_LAW: &[Broken] = &[
     Broken::Overdraft,
     Broken::Intake,
     Broken::Energy,
+    Broken::Bounded,
     Broken::Together,
     Broken::DiesOut,
 ];

@@ -6,6 +6,7 @@
 mod account;
 mod any_network;
 mod hman;
+mod overdraft;
 mod support;
 #[path = "../withstand_common/mod.rs"]
 mod withstand_common;

@@ -101,7 +101,7 @@ impl Case {
             }),
             _ => PlayoutSettings::Fixed { delay: Span::from_seconds(pick(random, &[0.0, 0.05, 0.2, 0.4])) },
         };
-        Self {
+        let case = Self {
             period: Span::from_seconds(seconds),
             ticks,
             let_go: ticks / 2,
@@ -121,7 +121,19 @@ impl Case {
             wrong_target: pick(random, &[(1.0, 0.0), (1.0, 0.3), (-1.0, 0.0), (20.0, 0.0)]),
             force_limit: pick(random, &[f64::INFINITY, f64::INFINITY, 20.0, 2.0]),
             lag: pick(random, &[0.0, 0.0, 0.0, 0.5, 3.0, 10.0]),
+        };
+        let period = case.period;
+        case.at_period(period)
+    }
+
+    /// The case with controllers of this sample period.
+    pub fn at_period(mut self, period: Span) -> Self {
+        self.period = period;
+        for side in &mut self.sides {
+            side.settings.sample_period = period.seconds();
+            side.settings.actuator_lag = self.lag * period.seconds();
         }
+        self
     }
 
     /// The target that a side shows: a figure of eight of 5 cm and 10 cm (Eq. 12 of Du et al. 2025), wrong on the second.
@@ -174,6 +186,7 @@ fn random_side(random: &mut ChaCha8Rng, stiffness: f64, computing_tick: bool, en
             intake: if random.random_bool(0.2) { 0.0 } else { random.random_range(0.0..0.5) },
             encoder_step,
             computing_tick,
+            ..AccountSettings::new(stiffness, robot)
         },
         hand: [0, 1].map(|_| match kind {
             3 => (

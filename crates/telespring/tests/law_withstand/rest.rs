@@ -26,12 +26,11 @@ fn law_both_robots_come_to_rest_after_the_hands_let_go() {
     while tried < 25 {
         number += 1;
         let mut random = ChaCha8Rng::seed_from_u64(number);
-        let mut case = Case::random(&mut random, 0);
+        let mut case = Case::random(&mut random, 0).at_period(Span(4_000_000));
         if !(case.is_honest(0) && case.is_honest(1)) || decay(&case) < 1.0 {
             continue;
         }
         tried += 1;
-        case.period = Span(4_000_000);
         (case.let_go, case.ticks) = (500, 500 + 15_000);
         let outcome = run(&case, random.next_u64(), &[]).unwrap();
         println!("case {number}: {:.1e} m/s", outcome.last_speed);

@@ -86,14 +86,14 @@ struct Watcher {
 
 impl Watcher {
     fn new(case: &Case, side: usize, station: &Station, unchecked: &'static [Law]) -> Self {
-        let CaseSide { damping, settings, .. } = case.sides[side];
+        let CaseSide { mass, damping, settings, .. } = case.sides[side];
         let facts = Facts {
+            mass,
             damping,
             settings,
             is_honest: case.is_honest(side),
             // its readings are whole nanoseconds
             clock_error: case.clocks[side].drift.abs() + 1e-9 / case.period.seconds(),
-            lag: case.lag,
             unchecked,
         };
         Self {

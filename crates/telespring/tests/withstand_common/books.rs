@@ -29,8 +29,10 @@ pub struct Books {
     waiting: f64,
     /// The force that acted before the last measurement, N.
     acted: [f64; 2],
-    /// The size of the last force computed, N.
-    paid: f64,
+    /// The sizes of the force that reaches the device next, of that which it follows, and of that which acts, N.
+    waiting_force: f64,
+    followed: f64,
+    acting: f64,
     /// The time and the displacement of the loss that is not credited yet, per axis.
     open: [(f64, f64); 2],
     position: Option<[f64; 2]>,
@@ -47,7 +49,9 @@ impl Books {
             claimed: 0.0,
             waiting: 0.0,
             acted: [0.0; 2],
-            paid: 0.0,
+            waiting_force: 0.0,
+            followed: 0.0,
+            acting: 0.0,
             open: [(0.0, 0.0); 2],
             position: None,
             limited_ticks: 0,
@@ -88,6 +92,9 @@ impl Books {
             }
         }
         self.acted = acted;
+        if self.settings.actuator_lag > 0.0 {
+            self.acting += (self.followed - self.acting) * -(-elapsed / self.settings.actuator_lag).exp_m1();
+        }
         let received = if is_honest {
             self.received + self.waiting.min(intake * elapsed)
         } else {
@@ -101,19 +108,21 @@ impl Books {
     /// A force was computed, and what the account holds too much is sent. Where the wanted force is not known, the excess
     /// is the reported one.
     pub fn pay(&mut self, answer: &Answer, report: &StrategyReport) {
-        let AccountSettings { stiffness, capacity, computing_tick, .. } = self.settings;
+        let AccountSettings { stiffness, capacity, computing_tick, sample_period, actuator_lag, .. } =
+            self.settings;
         let size = answer.force[0].hypot(answer.force[1]);
-        let pending = if computing_tick { self.paid } else { 0.0 };
+        // the impulse that is still to come, in sample periods, and for how many of them a force acts
+        let to_come = size + self.waiting_force + actuator_lag / sample_period * self.acting;
+        let periods = actuator_lag / sample_period + if computing_tick { 2.0 } else { 1.0 };
+        (self.waiting_force, self.followed) =
+            if computing_tick { (size, self.waiting_force) } else { (0.0, size) };
         let is_limited = report.limited_ticks > self.limited_ticks;
-        (self.paid, self.limited_ticks) = (size, report.limited_ticks);
+        self.limited_ticks = report.limited_ticks;
         let claimed = answer.claimed.unwrap_or(0.0).max(self.claimed);
         self.waiting += claimed - self.claimed;
         self.claimed = claimed;
         let excess = if answer.is_spring && !is_limited {
-            let mut kept = size.powi(2) / (2.0 * stiffness);
-            if computing_tick {
-                kept = kept.max((pending + size).powi(2) / (8.0 * stiffness));
-            }
+            let kept = size.powi(2).max((to_come / periods).powi(2)) / (2.0 * stiffness);
             (self.balance - kept - capacity).max(0.0)
         } else {
             report.energy_sent - self.sent

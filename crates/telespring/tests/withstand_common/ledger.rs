@@ -26,6 +26,8 @@ pub enum Law {
     Intake,
     /// The robot's energy exceeds what it had and got by no more than the overdraft.
     Energy,
+    /// The robot's energy is at most what was there so far over 1 less the ratio of the overdraft.
+    Bounded,
     /// Both sides together give out no more than they got.
     Together,
     /// After the hands let go the losses are bounded.
@@ -49,15 +51,14 @@ pub fn judge(unchecked: &[Law], violation: Violation) -> Result<(), Violation> {
 /// What is true of a side.
 #[derive(Debug, Clone, Copy)]
 pub struct Facts {
-    /// The damping of robot and hand together, N·s/m.
+    /// The mass and the damping of robot and hand together, kg and N·s/m.
+    pub mass: [f64; 2],
     pub damping: [f64; 2],
     pub settings: AccountSettings,
     /// Whether the totals that this side hears are those that its partner sends.
     pub is_honest: bool,
     /// The largest share by which its clock runs wrong.
     pub clock_error: f64,
-    /// The time constant of the actuator in sample periods; 0 without a lag.
-    pub lag: f64,
     /// The laws that are not checked.
     pub unchecked: &'static [Law],
 }
@@ -77,11 +78,13 @@ pub struct Ledger {
     bound: f64,
     /// The robot's work, J.
     true_work: f64,
-    /// The largest displacement of a tick as measured, m, and the largest force computed, N.
+    /// The largest displacement of a tick as measured, m.
     longest: f64,
-    strongest: f64,
     scale: f64,
     energy: f64,
+    /// The largest energy so far of the robot, and of all that it had, got and did not lose, J.
+    largest: f64,
+    available: f64,
 }
 
 impl Ledger {
@@ -100,9 +103,10 @@ impl Ledger {
             bound: 0.0,
             true_work: 0.0,
             longest: 0.0,
-            strongest: 0.0,
             scale: 1.0,
             energy,
+            largest: energy,
+            available: 0.0,
         }
     }
 
@@ -128,13 +132,22 @@ impl Ledger {
     fn overdraft(&self) -> f64 {
         let settings = &self.facts.settings;
         let longest = self.longest + 2.0_f64.sqrt() * settings.encoder_step;
-        if self.facts.lag > 0.0 {
-            // what still acts after the account is empty: the largest force and its tail, at the largest displacement
-            let ticks = 1.0 / (1.0 - (-1.0 / self.facts.lag).exp());
-            return self.strongest * longest * (ticks + if settings.computing_tick { 1.0 } else { 0.0 });
-        }
-        let factor = if settings.computing_tick { 2.0 } else { 0.5 };
-        factor * settings.stiffness * longest.powi(2)
+        0.5 * settings.stiffness * (longest * self.periods()).powi(2)
+    }
+
+    /// For how many sample periods a force acts.
+    fn periods(&self) -> f64 {
+        let settings = &self.facts.settings;
+        let tick = if settings.computing_tick { 1.0 } else { 0.0 };
+        1.0 + tick + settings.actuator_lag / settings.sample_period
+    }
+
+    /// The most by which the account can be overdrawn where the robot has at most this energy, J.
+    fn overdraft_at(&self, energy: f64) -> f64 {
+        let Facts { settings, mass: [x, y], .. } = &self.facts;
+        let fastest = (2.0 * energy / x.min(*y)).sqrt();
+        let longest = fastest * settings.sample_period + 2.0 * 2.0_f64.sqrt() * settings.encoder_step;
+        0.5 * settings.stiffness * (longest * self.periods()).powi(2)
     }
 
     pub fn check(
@@ -188,6 +201,12 @@ impl Ledger {
         if !(self.energy <= most + 1e-9 * self.scale) {
             fail(Law::Energy, self.energy, most)?;
         }
+        self.available = self.available.max(most - self.overdraft());
+        self.largest = self.largest.max(self.energy);
+        let most = self.available + self.overdraft_at(self.largest);
+        if !(self.energy <= most + 1e-9 * self.scale) {
+            fail(Law::Bounded, self.energy, most)?;
+        }
         Ok(())
     }
 
@@ -202,7 +221,6 @@ impl Ledger {
         if !size.is_finite() {
             judge(self.facts.unchecked, Violation { law: Law::Finite, time, value: size, bound: 0.0 })?;
         }
-        self.strongest = self.strongest.max(size);
         let balance = report.balance.unwrap_or(0.0);
         // what moved to the partner after the force was paid is still behind it
         let bound = (2.0 * self.facts.settings.stiffness * balance.max(0.0)).sqrt();

@@ -215,7 +215,10 @@ def _why_none(rejections: Sequence[Rejection]) -> str:
     if not rejections:
         return "none"
     softest = min(rejections, key=lambda rejection: rejection.stiffness)
-    words = {"not proven": "nothing proves it"}
+    words = {
+        "not proven": "nothing proves it",
+        "overdraft": "the controllers are too slow for a guard at this stiffness",
+    }
     return f"none: {words.get(softest.objection, softest.objection)}"
 
 

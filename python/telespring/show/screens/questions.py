@@ -11,7 +11,7 @@ from rich.text import Text
 from telespring.decision.changes import WIDER_TIERS
 from telespring.decision.question import is_stable, stiffness_limit
 from telespring.model import Architecture, Dyad, Network, Operator, Robot
-from telespring.show.quantities import format_number, format_time
+from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
 if TYPE_CHECKING:
@@ -174,8 +174,10 @@ def sampling_note(judged: Verdicts) -> str:
     return f"{note} It puts b − kh in place of b, and lowers the limit for any network."
 
 
-def session_notes(session: Architecture) -> tuple[str, ...]:
+def session_notes(session: Architecture, guard_stiffness: float = math.inf) -> tuple[str, ...]:
     """Say, for a study whose sides do more than a bare spring, whose answer it is; nothing for a bare spring.
+
+    `guard_stiffness` is the one up to which a guard is proven, N/m.
 
     Examples
     --------
@@ -184,10 +186,16 @@ def session_notes(session: Architecture) -> tuple[str, ...]:
     'The answer is that of the bare spring. Above i'
     """
     if session.strategy == "guard":
+        proven = (
+            f" (proven up to {format_stiffness(guard_stiffness)} with these controllers)"
+            if math.isfinite(guard_stiffness)
+            else ""
+        )
         return (
             (
                 "The answer is that of the bare spring. Above its limits the guard weakens the force, "
-                "so that no side gives out more energy than it has, whatever the network does."
+                "so that no side gives out more energy than it has, whatever the network does"
+                f"{proven}."
             ),
         )
     if session == Architecture():

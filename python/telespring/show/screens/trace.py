@@ -153,7 +153,8 @@ def _recommendation(found: TraceAssessment) -> list[Text]:
     if found.needs_guard:
         oldest = max(age for _, age in best.ages)
         bare = f"{stiffness} ({reserve})" if best.recommended_stiffness else "nothing"
-        answer = f"play-out {_ms(best.delay)}, with the guard, at any stiffness."
+        reach = format_stiffness(found.guard_stiffness)
+        answer = f"play-out {_ms(best.delay)}, with the guard, at any stiffness up to {reach}."
         why = (
             f"Motions up to {_ms(oldest)} old were in use: only what holds on any network is proven for a "
             f"bare spring, {bare}."

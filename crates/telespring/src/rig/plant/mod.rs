@@ -6,6 +6,9 @@ mod two_link;
 pub use lumped::LumpedPlant;
 pub use two_link::{SMALLEST_ELBOW_SINE, TwoLinkPlant};
 
+use std::f64::consts::{PI, TAU};
+
+use super::energy::held_force_energy;
 use super::{Arm, Handle};
 use crate::error::{InvalidInput, Result};
 
@@ -55,6 +58,14 @@ impl RelaxingForce {
         let (rest, _) = lumped::exponential_averages(span / self.time_constant);
         [0, 1].map(|axis| self.to[axis] + rest * (self.from[axis] - self.to[axis]))
     }
+}
+
+/// What an agent holds while a plant advances: forces (N) at the position of the handle (m), or torques (N·m) at the angles
+/// of the joints (rad).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    effort: [f64; 2],
+    place: [f64; 2],
 }
 
 /// A robot with the arm that holds its handle.
@@ -156,6 +167,30 @@ impl Plant {
                 Ok(())
             }
             Self::TwoLink(plant) => plant.advance(robot_force.mean(span), hand_force, span),
+        }
+    }
+
+    /// What the agent holds if it commands this force now (N).
+    pub(super) fn hold(&self, hand_force: [f64; 2]) -> Held {
+        match self {
+            Self::Lumped(plant) => Held { effort: hand_force, place: plant.position() },
+            Self::TwoLink(plant) => {
+                Held { effort: plant.torque_for(hand_force), place: plant.joint_angles() }
+            }
+        }
+    }
+
+    /// The energy that the agent has given to the plant with what it held since, J.
+    pub(super) fn held_energy(&self, held: &Held) -> f64 {
+        let Held { effort, place } = *held;
+        match self {
+            Self::Lumped(plant) => held_force_energy(effort, place, plant.position()),
+            Self::TwoLink(plant) => {
+                // no joint turns by half a turn in a period
+                let [first, second] = plant.joint_angles();
+                let turn = |to: f64, from: f64| (to - from + PI).rem_euclid(TAU) - PI;
+                effort[0] * turn(first, place[0]) + effort[1] * turn(second, place[1])
+            }
         }
     }
 

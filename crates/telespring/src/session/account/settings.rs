@@ -20,11 +20,16 @@ pub struct AccountSettings {
     pub encoder_step: f64,
     /// Whether a force acts only one sample period after the motion it was computed from.
     pub computing_tick: bool,
+    /// The time between two measurements, s.
+    pub sample_period: f64,
+    /// The time constant with which the device's force follows the commanded one, s; 0 for none. What is settled is then
+    /// the mean force that acted, not the commanded one.
+    pub actuator_lag: f64,
 }
 
 impl AccountSettings {
-    /// The usual settings for a spring (N/m) and a robot's least damping (N·s/m): a share of 0.7, 0.05 J, 0.3 W, no
-    /// encoder step and no computing tick.
+    /// The usual settings for a spring (N/m) and a robot's least damping (N·s/m): a share of 0.7, 0.05 J, 0.3 W, 1 kHz,
+    /// no encoder step, no computing tick and no lag.
     pub fn new(stiffness: f64, damping: [f64; 2]) -> Self {
         Self {
             stiffness,
@@ -34,6 +39,8 @@ impl AccountSettings {
             intake: 0.3,
             encoder_step: 0.0,
             computing_tick: false,
+            sample_period: 1e-3,
+            actuator_lag: 0.0,
         }
     }
 
@@ -67,6 +74,8 @@ impl AccountSettings {
         quantity::ENERGY.check("capacity", self.capacity)?;
         quantity::POWER.check("intake", self.intake)?;
         quantity::RESOLUTION.check("encoder_step", self.encoder_step)?;
+        quantity::SAMPLE_PERIOD.check("sample_period", self.sample_period)?;
+        quantity::SPAN.check("actuator_lag", self.actuator_lag)?;
         Ok(self)
     }
 }

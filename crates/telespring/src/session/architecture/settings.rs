@@ -2,7 +2,7 @@
 
 #![cfg_attr(not(test), deny(clippy::indexing_slicing))]
 
-use super::{Architecture, PlayoutDesign, PredictorDesign, StrategyDesign};
+use super::{Architecture, GuardDesign, PlayoutDesign, PredictorDesign, StrategyDesign};
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
 use crate::session::playout::Histogram;
@@ -11,7 +11,7 @@ use crate::session::strategy::{
     Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings, Spring,
     StrategyChoice, TankSettings, TimeDomainPassivity, TwoLayer, WaveSettings, WaveVariables,
 };
-use crate::session::{AccountSettings, EndpointSettings, Law, PlayoutSettings, Span};
+use crate::session::{AccountSettings, EndpointSettings, Law, PlayoutSettings, Span, WatchdogSettings};
 
 /// What one side knows of both robots and of the network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,16 +33,22 @@ pub struct SideFacts {
     pub computing_tick: bool,
     /// The step of the position sensor, m; 0 for none.
     pub encoder_step: f64,
+    /// The time constant with which the device's force follows the commanded one, s; 0 for none. Then
+    /// [`Endpoint::handle_acted`](crate::session::Endpoint::handle_acted) is told the mean force that acted.
+    pub actuator_lag: f64,
     /// The damping that the own robot and the partner's have at least, per axis, N·s/m.
     pub least_damping: [[f64; 2]; 2],
+    /// The mass that the own robot has at least, per axis, kg.
+    pub least_mass: [f64; 2],
 }
 
 impl Architecture {
-    /// The settings of one side: strategy, predictor and play-out of this architecture, watched, on a shared clock.
+    /// The settings of one live side: strategy, predictor and play-out of this architecture, watched, on a shared clock.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if a value is out of range, or the law has a damper and the strategy no place for it.
+    /// [`InvalidInput`] if a value is out of range, the law has a damper and the strategy no place for it, or the guard's
+    /// account bounds nothing with these facts ([`AccountSettings::check_bound`]).
     ///
     /// # Examples
     ///
@@ -59,7 +65,9 @@ impl Architecture {
     ///     sample_period: 0.001,
     ///     computing_tick: false,
     ///     encoder_step: 0.0,
+    ///     actuator_lag: 0.0,
     ///     least_damping: [[7.7, 10.1]; 2],
+    ///     least_mass: [0.83, 1.07],
     /// };
     /// let settings = Architecture::default().endpoint_settings(&facts)?;
     /// assert_eq!(settings.playout, PlayoutSettings::Fixed { delay: Span::from_seconds(0.084) });
@@ -67,6 +75,21 @@ impl Architecture {
     /// # Ok::<(), telespring::InvalidInput>(())
     /// ```
     pub fn endpoint_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
+        if let StrategyDesign::Guard(design) = self.strategy {
+            let [x, y] = facts.least_mass;
+            design.account(facts).check_bound(x.min(y))?;
+        }
+        let watchdog = Some(WatchdogSettings::for_period(Span::from_seconds(facts.sample_period)));
+        Ok(EndpointSettings { watchdog, ..self.rehearsal_settings(facts)? })
+    }
+
+    /// As [`Architecture::endpoint_settings`] for a side in the virtual laboratory, which asks what a coupling does: on
+    /// however old a motion, without a watchdog, and also where nothing is proven.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if a value is out of range, or the law has a damper and the strategy no place for it.
+    pub fn rehearsal_settings(&self, facts: &SideFacts) -> Result<EndpointSettings> {
         let ([delay, _], [lateness, _]) = (facts.delays, facts.lateness);
         let playout = match self.playout {
             PlayoutDesign::Fixed { .. } => {
@@ -78,6 +101,7 @@ impl Architecture {
             strategy: self.strategy_choice(facts)?,
             predictor: self.predictor.choice()?,
             playout,
+            watchdog: None,
             sample_period: Span::from_seconds(facts.sample_period),
             computing_tick: facts.computing_tick,
             ..EndpointSettings::new(facts.session, facts.law, Span(0))
@@ -108,7 +132,7 @@ impl Architecture {
     }
 
     fn strategy_choice(&self, facts: &SideFacts) -> Result<StrategyChoice> {
-        let SideFacts { law, computing_tick, encoder_step, .. } = *facts;
+        let SideFacts { law, computing_tick, .. } = *facts;
         let Law { stiffness, damping } = law;
         if damping != 0.0 && !self.strategy.has_coupling_damper() {
             return Err(InvalidInput::new(
@@ -124,18 +148,7 @@ impl Architecture {
         let [own_damping, partner_damping] = facts.least_damping;
         Ok(match self.strategy {
             StrategyDesign::Spring => StrategyChoice::Spring(Spring::new(law)),
-            StrategyDesign::Guard(design) => {
-                let settings = AccountSettings {
-                    stiffness,
-                    damping: own_damping,
-                    share: design.share,
-                    capacity: design.capacity,
-                    intake: design.intake,
-                    encoder_step,
-                    computing_tick,
-                };
-                StrategyChoice::Guard(Guard::new(law, settings)?)
-            }
+            StrategyDesign::Guard(design) => StrategyChoice::Guard(Guard::new(law, design.account(facts))?),
             StrategyDesign::InjectedDamping => {
                 let ([incoming, outgoing], [here, there]) = (facts.delays, facts.lateness);
                 let ages =
@@ -189,5 +202,23 @@ impl PredictorDesign {
             Self::Kalman(design) => PredictorChoice::Kalman(Kalman::new(design.model, design.noise)?),
             Self::SharedTarget => PredictorChoice::SharedTarget(SharedTarget),
         })
+    }
+}
+
+impl GuardDesign {
+    /// The account of a side with these facts.
+    fn account(&self, facts: &SideFacts) -> AccountSettings {
+        let [damping, _] = facts.least_damping;
+        AccountSettings {
+            stiffness: facts.law.stiffness,
+            damping,
+            share: self.share,
+            capacity: self.capacity,
+            intake: self.intake,
+            encoder_step: facts.encoder_step,
+            computing_tick: facts.computing_tick,
+            sample_period: facts.sample_period,
+            actuator_lag: facts.actuator_lag,
+        }
     }
 }

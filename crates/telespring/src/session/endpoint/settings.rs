@@ -50,13 +50,15 @@ impl EndpointSettings {
         let Some(watchdog) = &self.watchdog else { return Ok(()) };
         watchdog.check()?;
         let least = self.sample_period + self.sample_period;
-        if watchdog.silence < least {
-            return Err(InvalidInput::new(
-                "watchdog.silence",
-                format!("{} s", watchdog.silence.seconds()),
-                format!("at least two sample periods, here {} s", least.seconds()),
-                "Lengthen it: one late packet is no silence.",
-            ));
+        for (field, span) in [("watchdog.silence", watchdog.silence), ("watchdog.frozen", watchdog.frozen)] {
+            if span < least {
+                return Err(InvalidInput::new(
+                    field,
+                    format!("{} s", span.seconds()),
+                    format!("at least two sample periods, here {} s", least.seconds()),
+                    "Lengthen it, for instance with WatchdogSettings::for_period: one late packet is no fault.",
+                ));
+            }
         }
         Ok(())
     }

@@ -94,6 +94,7 @@ impl Case {
                     intake: if random.random_bool(0.2) { 0.0 } else { random.random_range(0.0..0.5) },
                     encoder_step,
                     computing_tick,
+                    ..AccountSettings::new(stiffness, robot)
                 },
                 hand: [0, 1].map(|_| {
                     if free {
@@ -130,11 +131,12 @@ impl Case {
         };
         let damping = if random.random_bool(0.25) { random.random_range(0.0..10.0) } else { 0.0 };
         let period = pick(random, &[5e-4, 1e-3, 1e-3, 4e-3]);
+        let at_period = |settings| AccountSettings { sample_period: period, ..settings };
         Self {
             period,
             ticks,
             law: Law { stiffness, damping },
-            sides,
+            sides: sides.map(|side| CaseSide { settings: at_period(side.settings), ..side }),
             network,
             predictor: pick(
                 random,

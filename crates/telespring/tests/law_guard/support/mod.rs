@@ -77,11 +77,11 @@ pub fn run(
             plant
         });
         let facts = Facts {
+            mass: side.mass,
             damping: side.damping,
             settings: side.settings,
             is_honest: case.is_honest(),
             clock_error: 0.0,
-            lag: 0.0,
             unchecked: case.unchecked,
         };
         let ledger = Ledger::new(facts, &plants, strategy.report().balance.unwrap_or(0.0));
