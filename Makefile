@@ -16,7 +16,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_QUIET := 1
 
 BINDING_SOURCES := Cargo.toml Cargo.lock pyproject.toml \
-	$(shell find crates -name '*.rs' -o -name '*.toml')
+	$(shell find crates/telespring crates/telespring-py -name '*.rs' -o -name '*.toml')
 
 # Recreate .venv if its set-up was interrupted, its folder was moved, or its Python no longer exists.
 VENV_USABLE := $(shell [ ! -e $(VENV)/.unfinished ] && [ "$$(cat $(VENV)/.place 2>/dev/null)" = "$$(pwd)" ] \
@@ -25,18 +25,26 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test lint format verify oracles fuzz bench clean toolchain remake
+.PHONY: help study test link test-link lint format verify oracles fuzz bench clean toolchain remake
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
 study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/study/
 	$(VENV)/bin/telespring reproduce
 
 # The same generated cases on every machine; `make verify` draws new ones.
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
-	PROPTEST_RNG_SEED=20251121 cargo test --workspace --locked
+	PROPTEST_RNG_SEED=20251121 cargo test --locked
 	$(PYTHON_IN_VENV) -m pytest
+
+# The live program is no default member of the workspace: what does not name it does not build it.
+link: toolchain ## build the live program, target/release/telespring-link (Linux)
+	cargo build --release --locked -p telespring-link
+
+# Real-time tests: they share the machine with nobody who can help it.
+test-link: toolchain ## test the live program
+	cargo test --locked -p telespring-link
 
 lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
 	cargo fmt --all --check
@@ -58,7 +66,7 @@ verify: export PROPTEST_RNG_SEED := $(SEED)
 verify: export TELESPRING_VERIFY := $(SEED)
 verify: $(STAMPS)/binding $(STAMPS)/oracles ## run large random comparisons (minutes to hours)
 	@echo "drawing new cases from $(SEED); repeat them with 'make verify SEED=$(SEED)'"
-	cargo test --workspace --locked --release -- --include-ignored
+	cargo test --locked --release -- --include-ignored
 	$(PYTHON_IN_VENV) -m pytest tests/test_laws.py --hypothesis-seed $(SEED) --timeout 0
 	$(PYTHON_IN_VENV) -m pytest -m verify --timeout 0
 

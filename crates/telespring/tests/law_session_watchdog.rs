@@ -330,6 +330,27 @@ fn law_a_device_that_reports_nonsense_or_nothing_is_let_go() {
 }
 
 #[test]
+fn law_a_device_may_be_given_longer_before_it_counts_as_silent() {
+    let watchdog = WatchdogSettings { own_silence: Span(20_000_000), ..WatchdogSettings::default() };
+    let settings = EndpointSettings::new(1, Law { stiffness: STIFFNESS, damping: 0.0 }, Span(0));
+    let mut session = Session::new(EndpointSettings { watchdog: Some(watchdog), ..settings });
+    session.run_well(1_000);
+    // a report every 15 ms is enough
+    session.run(2_000, |tick, packet| Happening {
+        own: (tick % 15 == 0).then_some(at(0.0)),
+        packet: Some(packet),
+    });
+    assert!(session.forces[1_000..].iter().all(|force| *force == FULL));
+    // the last one at 1995
+    session.run(3_000, |_, packet| Happening { own: None, packet: Some(packet) });
+    for millisecond in 2_000..3_000 {
+        assert!(close(session.force_at(millisecond), ramp_out(2_020.0, millisecond)), "{millisecond}");
+    }
+    let refused = WatchdogSettings { own_silence: Span(-1), ..watchdog }.check().unwrap_err();
+    assert_eq!(refused.field, "watchdog.own_silence");
+}
+
+#[test]
 fn law_a_second_fault_does_not_wait_for_the_first() {
     // the partner is silent from 1019 and held to 1119; from 1050 on the own device reports nonsense and is held for 5 ms
     let mut session = Session::plain();

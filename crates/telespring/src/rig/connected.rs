@@ -31,8 +31,8 @@ impl ConnectedMode {
 }
 
 impl Laboratory {
-    /// What one side of the coupling, 0 or 1, knows in a trial of the laboratory.
-    pub(super) fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
+    /// What one side of the coupling, 0 or 1, knows in a trial of the laboratory; live, the session id is another.
+    pub fn side_facts(&self, side: usize, coupling: &ConnectedMode) -> SideFacts {
         let Self { controller, session, .. } = self;
         let ConnectedMode { stiffness, damping, delay } = *coupling;
         // Robot 2 receives in the forward direction.

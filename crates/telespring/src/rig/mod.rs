@@ -6,6 +6,7 @@
 //! | [`Trial`] | one run with a seed; repeatable bit for bit on one type of CPU |
 //! | [`network`] | what a network does to packets; adversaries; recorded traces |
 //! | [`plant`] | robots held by arms, moved by forces |
+//! | [`SimulatedRobot`] | one robot with its arm and agent, moved step by step by the caller |
 //! | [`trial_seed`] | the seed of each trial of a rehearsal |
 //!
 //! # Examples
@@ -36,6 +37,7 @@ pub mod network;
 pub mod plant;
 mod random;
 mod record;
+mod robot;
 mod schedule;
 mod station;
 mod target;
@@ -56,6 +58,7 @@ pub use network::{
 pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Record, Recording, Row, Status, TrialOutcome};
+pub use robot::SimulatedRobot;
 pub use schedule::{MAX_TICKS, Schedule};
 pub use station::POSITION_LIMIT;
 pub use target::figure_eight_positions;

@@ -47,6 +47,16 @@ impl Target {
             .collect()
     }
 
+    /// The target at any time (s), for controllers with this period (s). A sampled target is that of the nearest tick.
+    pub(crate) fn at_time(&self, time: f64, period: f64) -> TargetPoint {
+        match self {
+            Self::FigureEight { amplitude, angular_frequency } => {
+                figure_eight(*amplitude, *angular_frequency, time)
+            }
+            Self::Sampled(_) => self.at_tick((time / period).round() as usize, period),
+        }
+    }
+
     /// The target at a tick of controllers with this period (s). A sampled target stays at its last sample.
     pub(crate) fn at_tick(&self, tick: usize, period: f64) -> TargetPoint {
         match self {

@@ -73,6 +73,9 @@ pub struct WatchdogSettings {
     pub frozen_distance: f64,
     /// How long the coupling goes on while the partner is silent or frozen.
     pub hold: Span,
+    /// Without an own measurement for this time the own device counts as silent; two sample periods at the least, and by
+    /// default.
+    pub own_silence: Span,
     /// How long the own force is held while the own device does not report.
     pub own_hold: Span,
     /// From full to zero force.
@@ -93,6 +96,7 @@ impl Default for WatchdogSettings {
             frozen: milliseconds(100),
             frozen_distance: 0.01,
             hold: milliseconds(100),
+            own_silence: Span(0),
             own_hold: milliseconds(5),
             ramp_out: milliseconds(200),
             ramp_in: milliseconds(500),
@@ -124,7 +128,17 @@ impl WatchdogSettings {
     ///
     /// [`InvalidInput`] with the field.
     pub fn check(&self) -> Result<()> {
-        let Self { silence, frozen, frozen_distance, hold, own_hold, ramp_out, ramp_in, recovery } = *self;
+        let Self {
+            silence,
+            frozen,
+            frozen_distance,
+            hold,
+            own_silence,
+            own_hold,
+            ramp_out,
+            ramp_in,
+            recovery,
+        } = *self;
         for (field, span) in [
             ("silence", silence),
             ("frozen", frozen),
@@ -142,6 +156,14 @@ impl WatchdogSettings {
                     "Shorten it, but do not leave it out.",
                 ));
             }
+        }
+        if own_silence < Span(0) {
+            return Err(InvalidInput::new(
+                "watchdog.own_silence",
+                format!("{} s", own_silence.seconds()),
+                "a time that is not negative",
+                "Give 0 for two sample periods.",
+            ));
         }
         if !(frozen_distance > 0.0 && frozen_distance.is_finite()) {
             return Err(InvalidInput::new(

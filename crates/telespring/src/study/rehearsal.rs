@@ -118,8 +118,12 @@ impl Study {
         Ok([read(forward, texts[0], true)?, read(backward, texts[1], false)?])
     }
 
-    /// The study's laboratory as it is before its recorded traces are read.
-    fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
+    /// The study's laboratory before its recorded traces are read: for a live program, whose network is a real one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Study::laboratory`], but for the traces.
+    pub fn laboratory_without_traces(&self) -> Result<rig::Laboratory> {
         self.check_planar()?;
         let side = |i: usize| rig::Station {
             handle: rig::Handle {

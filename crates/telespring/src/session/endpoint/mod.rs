@@ -84,6 +84,8 @@ struct Measured {
 pub struct Endpoint {
     session: u64,
     sample_period: Span,
+    /// Without an own measurement for this time the own device is silent, but not before two sample periods.
+    own_silence: Span,
     computing_tick: bool,
     strategy: StrategyChoice,
     predictor: PredictorChoice,
@@ -134,6 +136,7 @@ impl Endpoint {
         Ok(Self {
             session: settings.session,
             sample_period: settings.sample_period,
+            own_silence: settings.watchdog.map_or(Span(0), |watchdog| watchdog.own_silence),
             computing_tick: settings.computing_tick,
             strategy: settings.strategy,
             predictor: settings.predictor,

@@ -28,7 +28,8 @@ impl Endpoint {
 
     /// After this time the own device is silent.
     fn own_silence(&self) -> Option<LocalTime> {
-        self.own.map(|own| own.at + self.sample_period + self.sample_period)
+        let least = self.sample_period + self.sample_period;
+        self.own.map(|own| own.at + self.own_silence.max(least))
     }
 
     /// Lets the watchdog judge at `now`.

@@ -1,0 +1,82 @@
+//! Devices: the robot of one side.
+//!
+//! A device reports a motion and applies a force until the next command. It ramps its force to zero by itself if no command
+//! comes: nobody else can, once this program has died.
+
+pub mod protocol;
+mod simulated;
+mod udp;
+
+pub use simulated::Simulated;
+pub use udp::UdpDevice;
+
+use telespring::session::{LocalTime, Motion};
+
+/// What a device says at a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// The motion, if a new one has been measured since the last tick.
+    pub motion: Option<Motion>,
+    /// The mean force that acted on the handle since the last measurement, N, if it is known better than by the commands.
+    pub acted: Option<[f64; 2]>,
+    /// The target that the person is shown, if this program shows one.
+    pub target: Option<Motion>,
+    /// Whether the robot is homed and its motors may act.
+    pub is_ready: bool,
+    /// Whether its emergency stop is pressed.
+    pub is_stopped: bool,
+}
+
+/// What a device is told at a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Command {
+    /// The force on the handle until the next command, N.
+    pub force: [f64; 2],
+    /// Whether the session runs: a simulated person begins to move with it.
+    pub is_running: bool,
+}
+
+/// Why a device cannot go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The simulated arm would have to stretch beyond its reach, or its motion is too stiff.
+    #[error("the simulated robot cannot move on")]
+    Halted,
+    /// The device program has sent nothing for too long.
+    #[error("the device is silent")]
+    Silent,
+}
+
+impl Fault {
+    /// The fault in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Halted => "device-halted",
+            Self::Silent => "device-silent",
+        }
+    }
+}
+
+/// The robot of one side. No call waits or allocates.
+pub trait Device {
+    /// What the device says now.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault`] if it cannot go on.
+    fn read(&mut self, now: LocalTime) -> Result<Reading, Fault>;
+
+    /// Tells the device what to do from now on.
+    fn command(&mut self, now: LocalTime, command: Command);
+}
+
+impl<D: Device + ?Sized> Device for Box<D> {
+    fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
+        (**self).read(now)
+    }
+
+    fn command(&mut self, now: LocalTime, command: Command) {
+        (**self).command(now, command);
+    }
+}

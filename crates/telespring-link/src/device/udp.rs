@@ -1,0 +1,199 @@
+//! A robot behind the device protocol.
+
+use std::io::Error;
+use std::net::{SocketAddr, UdpSocket};
+
+use telespring::session::{LocalTime, Span};
+
+use super::protocol::{Order, State};
+use super::{Command, Device, Fault, Reading};
+use crate::transport::{ROOM, Transport, Udp};
+
+/// Rows that are looked at in one tick.
+const MOST_ROWS: usize = 64;
+
+/// A robot whose program speaks the device protocol (`docs/device-protocol.md`).
+#[derive(Debug)]
+pub struct UdpDevice {
+    link: Udp,
+    deadline: Span,
+    newest: Option<State>,
+    heard: Option<LocalTime>,
+    orders: u64,
+    refused: u64,
+}
+
+impl UdpDevice {
+    /// The robot at the address `device`; this side listens at `local`. If nothing comes for `deadline` after the first
+    /// row, the device is at fault.
+    ///
+    /// # Errors
+    ///
+    /// Those of the operating system.
+    pub fn new(local: SocketAddr, device: SocketAddr, deadline: Span) -> Result<Self, Error> {
+        Self::on(UdpSocket::bind(local)?, device, deadline)
+    }
+
+    /// As [`UdpDevice::new`], on a socket that is bound.
+    ///
+    /// # Errors
+    ///
+    /// Those of the operating system.
+    pub fn on(socket: UdpSocket, device: SocketAddr, deadline: Span) -> Result<Self, Error> {
+        let link = Udp::on(socket, device)?;
+        Ok(Self { link, deadline, newest: None, heard: None, orders: 0, refused: 0 })
+    }
+
+    /// Rows that were no data, repeated or overtaken.
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// Takes a row; the state if it is newer than all before. A device program that is started anew counts from the
+    /// beginning, and is not believed within this session.
+    fn take(&mut self, row: &[u8]) -> Option<State> {
+        let newest = self.newest.map_or(f64::NEG_INFINITY, |state| state.sequence);
+        let state = State::decode(row).filter(|state| state.sequence.is_finite() && state.sequence > newest);
+        match state {
+            Some(_) => self.newest = state,
+            None => self.refused = self.refused.saturating_add(1),
+        }
+        state
+    }
+}
+
+impl Device for UdpDevice {
+    fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
+        let (mut room, mut fresh) = ([0; ROOM], false);
+        let (mut sum, mut measured) = ([0.0; 2], 0_u32);
+        for _ in 0..MOST_ROWS {
+            let Some(length) = self.link.receive(now, &mut room) else { break };
+            let Some(state) = self.take(room.get(..length).unwrap_or_default()) else { continue };
+            fresh = true;
+            if let Some(force) = state.measured_force {
+                sum = [0, 1].map(|axis| sum[axis] + force[axis]);
+                measured += 1;
+            }
+        }
+        if fresh {
+            self.heard = Some(now);
+        } else if self.heard.is_some_and(|heard| now - heard > self.deadline) {
+            return Err(Fault::Silent);
+        }
+        let state = self.newest;
+        Ok(Reading {
+            motion: state.filter(|_| fresh).map(|state| state.motion),
+            acted: (measured > 0).then(|| sum.map(|sum| sum / f64::from(measured))),
+            target: None,
+            is_ready: state.is_some_and(|state| state.is_enabled && state.is_homed),
+            is_stopped: state.is_some_and(|state| state.is_stopped),
+        })
+    }
+
+    fn command(&mut self, now: LocalTime, command: Command) {
+        self.orders += 1;
+        let answers = self.newest.map_or([0.0; 2], |state| [state.sequence, state.time]);
+        let Command { force, is_running } = command;
+        let order = Order { sequence: self.orders as f64, answers, force, is_running };
+        self.link.send(now, &order.encode());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use telespring::session::Motion;
+
+    use super::*;
+
+    const MILLISECOND: Span = Span(1_000_000);
+
+    /// A device program in the hands of a test.
+    struct Robot(UdpSocket);
+
+    impl Robot {
+        fn pair() -> (Self, UdpDevice) {
+            let [robot, site] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+            robot.connect(site.local_addr().unwrap()).unwrap();
+            let there = robot.local_addr().unwrap();
+            (Self(robot), UdpDevice::on(site, there, Span(100_000_000)).unwrap())
+        }
+
+        fn send(&self, sequence: f64, x: f64, force: Option<f64>) {
+            let state = State {
+                sequence,
+                time: 0.5,
+                motion: Motion { position: [x, 0.0], velocity: [0.0; 2] },
+                measured_force: force.map(|force| [force, 0.0]),
+                is_enabled: true,
+                is_homed: true,
+                is_stopped: false,
+            };
+            self.send_row(&state.encode());
+        }
+
+        /// Sends, and gives the system time to deliver.
+        fn send_row(&self, row: &[u8]) {
+            self.0.send(row).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+    }
+
+    #[test]
+    fn law_the_newest_row_counts_and_rows_of_the_past_do_not() {
+        let (robot, mut device) = Robot::pair();
+        let now = LocalTime(0);
+        let nothing = device.read(now).unwrap();
+        assert_eq!((nothing.motion, nothing.is_ready, nothing.is_stopped), (None, false, false));
+        robot.send(5.0, 0.1, Some(1.0));
+        robot.send(6.0, 0.2, None);
+        robot.send(7.0, 0.3, Some(2.0));
+        let reading = device.read(now).unwrap();
+        assert_eq!(reading.motion.unwrap().position, [0.3, 0.0]);
+        assert_eq!(reading.acted, Some([1.5, 0.0]));
+        assert!(reading.is_ready);
+        // told once only
+        assert_eq!(device.read(now).unwrap().motion, None);
+        robot.send(7.0, 0.4, None);
+        robot.send(1.0, 0.4, None);
+        robot.send(f64::NAN, 0.4, None);
+        robot.send(f64::INFINITY, 0.4, None);
+        robot.send_row(&[0; 104]);
+        robot.send_row(b"hello");
+        let reading = device.read(now).unwrap();
+        assert_eq!((reading.motion, reading.acted, reading.is_ready), (None, None, true));
+        assert_eq!(device.refused(), 6);
+        robot.send(8.0, 0.5, None);
+        assert_eq!(device.read(now).unwrap().motion.unwrap().position, [0.5, 0.0]);
+    }
+
+    #[test]
+    fn law_a_silent_device_is_at_fault_once_it_has_spoken() {
+        let (robot, mut device) = Robot::pair();
+        let at = |milliseconds: i64| LocalTime(0) + Span(milliseconds * MILLISECOND.0);
+        assert!(device.read(at(10_000)).is_ok());
+        robot.send(1.0, 0.0, None);
+        assert!(device.read(at(10_000)).is_ok());
+        assert!(device.read(at(10_100)).is_ok());
+        assert_eq!(device.read(at(10_101)), Err(Fault::Silent));
+    }
+
+    #[test]
+    fn law_a_command_answers_the_newest_row() {
+        let (robot, mut device) = Robot::pair();
+        robot.0.set_read_timeout(Some(std::time::Duration::from_secs(2))).unwrap();
+        let hear = || {
+            let mut row = [0; 100];
+            let length = robot.0.recv(&mut row).unwrap();
+            Order::decode(&row[..length]).unwrap()
+        };
+        device.command(LocalTime(0), Command::default());
+        assert_eq!(hear(), Order { sequence: 1.0, answers: [0.0; 2], force: [0.0; 2], is_running: false });
+        robot.send(4.0, 0.0, None);
+        device.read(LocalTime(0)).unwrap();
+        device.command(LocalTime(0), Command { force: [1.0, -2.0], is_running: true });
+        assert_eq!(
+            hear(),
+            Order { sequence: 2.0, answers: [4.0, 0.5], force: [1.0, -2.0], is_running: true }
+        );
+    }
+}

@@ -1,0 +1,351 @@
+//! The greeting: what both sides must agree on before any force.
+//!
+//! A greeting is as long as a packet, so that both take the same way. `docs/connect.md` has it byte by byte. Nothing in it is
+//! secret, and nobody is believed because of it: who the partner is, the transport decides.
+
+use telespring::InvalidInput;
+use telespring::session::wire::{self, LENGTH};
+use telespring::study::{Coupling, Study};
+
+/// The first bytes of every greeting.
+pub const MAGIC: [u8; 4] = *b"TSPH";
+/// The version of the greeting.
+pub const VERSION: u8 = 1;
+/// The number of axes of a live session.
+const AXES: u8 = 2;
+
+/// What a greeting is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// The sender wants to be coupled, or is.
+    Hello,
+    /// The sender leaves; its force falls to zero.
+    Goodbye,
+}
+
+/// What both sides must agree on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Terms {
+    /// The version of the packets.
+    pub packets: u8,
+    /// The number of axes.
+    pub axes: u8,
+    /// The robot of the study that the sender moves, 1 or 2.
+    pub side: u8,
+    /// A fingerprint of both robots: masses, damping, friction.
+    pub robots: u64,
+    /// A fingerprint of strategy, predictor and play-out.
+    pub strategy: u64,
+    /// A fingerprint of the whole study.
+    pub study: u64,
+    /// Stiffness (N/m) and damping (N·s/m) of the coupling.
+    pub coupling: [f64; 2],
+    /// The sample period, s.
+    pub sample_period: f64,
+}
+
+/// What the two sides do not agree on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Disagreement {
+    /// The version of the greeting or of the packets.
+    Version,
+    /// The number of axes.
+    Axes,
+    /// Both sides want to move the same robot.
+    Side,
+    /// The robots.
+    Robots,
+    /// Stiffness or damping of the coupling.
+    Coupling,
+    /// The sample period.
+    SamplePeriod,
+    /// Strategy, predictor or play-out.
+    Strategy,
+    /// Something else in the study.
+    Study,
+}
+
+impl Disagreement {
+    /// All of them; the place, from 1, is the code in a greeting.
+    const ALL: [Self; 8] = [
+        Self::Version,
+        Self::Axes,
+        Self::Side,
+        Self::Robots,
+        Self::Coupling,
+        Self::SamplePeriod,
+        Self::Strategy,
+        Self::Study,
+    ];
+
+    /// The disagreement in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Version => "version",
+            Self::Axes => "axes",
+            Self::Side => "side",
+            Self::Robots => "robots",
+            Self::Coupling => "coupling",
+            Self::SamplePeriod => "sample-period",
+            Self::Strategy => "strategy",
+            Self::Study => "study",
+        }
+    }
+
+    fn code(self) -> u8 {
+        Self::ALL.iter().zip(1..).find(|(one, _)| **one == self).map_or(0, |(_, code)| code)
+    }
+}
+
+/// A number that tells contents apart, not a signature: FNV-1a with 64 bits (Fowler, Noll and Vo).
+///
+/// # Examples
+///
+/// ```
+/// use telespring_link::hello::fingerprint;
+///
+/// assert_eq!(fingerprint(b"foobar"), 0x8594_4171_f739_67e8); // as its authors print it
+/// ```
+pub fn fingerprint(content: &[u8]) -> u64 {
+    content.iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+impl Terms {
+    /// The terms of a study for the side that moves robot `side`, 1 or 2.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if the study has no stiffness, or its robots have other axes than x and y.
+    pub fn new(study: &Study, side: u8) -> Result<Self, InvalidInput> {
+        let laboratory = study.laboratory_without_traces()?;
+        let Coupling { stiffness, damping } = study.coupling()?;
+        let handles = laboratory.stations.map(|station| station.handle);
+        let numbers = handles.iter().flat_map(|handle| [handle.mass, handle.damping, handle.coulomb]);
+        let least = laboratory.session.least_damping;
+        let numbers = numbers.chain(least).flatten().flat_map(f64::to_le_bytes);
+        Ok(Self {
+            packets: wire::VERSION,
+            axes: AXES,
+            side,
+            robots: fingerprint(&numbers.collect::<Vec<u8>>()),
+            strategy: fingerprint(study.session().to_table().to_string().as_bytes()),
+            study: fingerprint(study.to_toml().as_bytes()),
+            coupling: [stiffness, damping],
+            sample_period: laboratory.controller.sample_period,
+        })
+    }
+
+    /// The first thing in which the partner's terms do not fit these.
+    pub fn disagreement(&self, partner: &Self) -> Option<Disagreement> {
+        let same = |one: f64, other: f64| one.to_bits() == other.to_bits();
+        let sides = [self.side, partner.side];
+        let checks = [
+            (self.packets == partner.packets, Disagreement::Version),
+            (self.axes == partner.axes, Disagreement::Axes),
+            (sides == [1, 2] || sides == [2, 1], Disagreement::Side),
+            (self.robots == partner.robots, Disagreement::Robots),
+            ((0..2).all(|i| same(self.coupling[i], partner.coupling[i])), Disagreement::Coupling),
+            (same(self.sample_period, partner.sample_period), Disagreement::SamplePeriod),
+            (self.strategy == partner.strategy, Disagreement::Strategy),
+            (self.study == partner.study, Disagreement::Study),
+        ];
+        checks.into_iter().find(|(agrees, _)| !agrees).map(|(_, disagreement)| disagreement)
+    }
+}
+
+/// A greeting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Greeting {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// The sender's session id; never 0.
+    pub session: u64,
+    /// The session of the receiver that the sender has agreed to; 0 for none yet.
+    pub accepted: u64,
+    /// Why the sender does not agree to the receiver's terms.
+    pub refusal: Option<Disagreement>,
+    /// The sender's terms.
+    pub terms: Terms,
+}
+
+/// Why bytes are no greeting that this side understands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoGreeting {
+    /// They are something else.
+    Foreign,
+    /// They are a greeting of another version.
+    OtherVersion,
+}
+
+impl Greeting {
+    /// The greeting as bytes.
+    pub fn encode(&self) -> [u8; LENGTH] {
+        let Terms { packets, axes, side, robots, strategy, study, coupling, sample_period } = self.terms;
+        let purpose = match self.purpose {
+            Purpose::Hello => 0,
+            Purpose::Goodbye => 1,
+        };
+        let refusal = self.refusal.map_or(0, Disagreement::code);
+        let head = MAGIC.into_iter().chain([VERSION, purpose, packets, axes]);
+        let ids = [self.session, self.accepted].into_iter().flat_map(u64::to_le_bytes);
+        let which = [side, refusal].into_iter().chain([0; 6]);
+        let prints = [robots, strategy, study].into_iter().flat_map(u64::to_le_bytes);
+        let [stiffness, damping] = coupling;
+        let numbers = [stiffness, damping, sample_period].into_iter().flat_map(f64::to_le_bytes);
+        let mut datagram = [0; LENGTH];
+        for (place, byte) in
+            datagram.iter_mut().zip(head.chain(ids).chain(which).chain(prints).chain(numbers))
+        {
+            *place = byte;
+        }
+        datagram
+    }
+
+    /// The greeting in a datagram.
+    ///
+    /// # Errors
+    ///
+    /// [`NoGreeting`] if it holds none of this version. Every byte is checked.
+    pub fn decode(datagram: &[u8]) -> Result<Self, NoGreeting> {
+        let datagram: &[u8; LENGTH] = datagram.try_into().map_err(|_| NoGreeting::Foreign)?;
+        let word = |at: usize| {
+            let mut bytes = [0; 8];
+            bytes.iter_mut().zip(datagram.iter().skip(at)).for_each(|(place, byte)| *place = *byte);
+            u64::from_le_bytes(bytes)
+        };
+        let [m, a, g, i, version, purpose, packets, axes] = word(0).to_le_bytes();
+        if [m, a, g, i] != MAGIC {
+            return Err(NoGreeting::Foreign);
+        }
+        if version != VERSION {
+            return Err(NoGreeting::OtherVersion);
+        }
+        let [side, refusal, unused @ ..] = word(24).to_le_bytes();
+        let refusal = match refusal {
+            0 => None,
+            code => Some(*Disagreement::ALL.get(usize::from(code) - 1).ok_or(NoGreeting::Foreign)?),
+        };
+        let purpose = match purpose {
+            0 => Purpose::Hello,
+            1 => Purpose::Goodbye,
+            _ => return Err(NoGreeting::Foreign),
+        };
+        let number = |at| f64::from_bits(word(at));
+        let greeting = Self {
+            purpose,
+            session: word(8),
+            accepted: word(16),
+            refusal,
+            terms: Terms {
+                packets,
+                axes,
+                side,
+                robots: word(32),
+                strategy: word(40),
+                study: word(48),
+                coupling: [number(56), number(64)],
+                sample_period: number(72),
+            },
+        };
+        let rest = datagram.iter().skip(80).chain(&unused);
+        if greeting.session == 0 || rest.copied().any(|byte| byte != 0) {
+            return Err(NoGreeting::Foreign);
+        }
+        Ok(greeting)
+    }
+}
+
+/// A session id drawn by the kernel; never 0.
+pub fn draw_session() -> u64 {
+    let mut bytes = [0; 8];
+    loop {
+        let drawn = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty());
+        let session = u64::from_le_bytes(bytes);
+        if drawn == Ok(8) && session != 0 {
+            return session;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn greeting() -> Greeting {
+        let terms = Terms::new(&Study::paper(), 1).unwrap();
+        Greeting {
+            purpose: Purpose::Hello,
+            session: 5,
+            accepted: 6,
+            refusal: Some(Disagreement::Robots),
+            terms,
+        }
+    }
+
+    #[test]
+    fn law_a_greeting_survives_encoding_and_every_byte_counts() {
+        for purpose in [Purpose::Hello, Purpose::Goodbye] {
+            for refusal in [None].into_iter().chain(Disagreement::ALL.map(Some)) {
+                let greeting = Greeting { purpose, refusal, ..greeting() };
+                assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
+            }
+        }
+        let good = greeting().encode();
+        for at in 0..LENGTH {
+            let mut bytes = good;
+            bytes[at] ^= 0x40;
+            match Greeting::decode(&bytes) {
+                Ok(other) => assert_eq!(other.encode(), bytes),
+                Err(NoGreeting::OtherVersion) => assert_eq!(at, 4),
+                Err(NoGreeting::Foreign) => assert!([0, 1, 2, 3, 5, 25].contains(&at) || at >= 26, "{at}"),
+            }
+        }
+        assert_eq!(Greeting::decode(&good[..LENGTH - 1]), Err(NoGreeting::Foreign));
+        assert_eq!(Greeting::decode(&[0; LENGTH]), Err(NoGreeting::Foreign));
+        // a packet is no greeting, and a greeting no packet
+        assert!(wire::Packet::decode(&good).is_err());
+    }
+
+    #[test]
+    fn law_any_difference_is_named() {
+        let toml = |changes: &str| {
+            let text = String::from(
+                "robot1 = {mass = 1, damping = 5, axes = [\"x\", \"y\"]}\n\
+                 robot2 = {mass = 1, damping = 5, coulomb = 0, axes = [\"x\", \"y\"]}\n\
+                 coupling.stiffness = 20\nnetwork.delay = 0.05\nsession.strategy = \"guard\"\n\
+                 laboratory.sample_period = 0.001\n",
+            );
+            let text = match changes.split_once(" -> ") {
+                Some((from, to)) => {
+                    assert!(text.contains(from));
+                    text.replace(from, to)
+                }
+                None => text,
+            };
+            Study::from_toml(&text).unwrap()
+        };
+        let here = Terms::new(&toml(""), 1).unwrap();
+        for (changes, expected) in [
+            ("", None),
+            ("damping = 5, c -> damping = 5.0000001, c", Some(Disagreement::Robots)),
+            ("coulomb = 0 -> coulomb = 1", Some(Disagreement::Robots)),
+            ("stiffness = 20 -> stiffness = 21", Some(Disagreement::Coupling)),
+            ("period = 0.001 -> period = 0.002", Some(Disagreement::SamplePeriod)),
+            ("\"guard\" -> \"spring\"", Some(Disagreement::Strategy)),
+            ("\"guard\" -> {kind = \"guard\", share = 0.5}", Some(Disagreement::Strategy)),
+            ("delay = 0.05 -> delay = 0.06", Some(Disagreement::Study)),
+        ] {
+            let there = Terms::new(&toml(changes), 2).unwrap();
+            assert_eq!(here.disagreement(&there), expected, "{changes}");
+            assert_eq!(there.disagreement(&here), expected, "{changes}");
+        }
+        let terms = Terms::new(&toml(""), 2).unwrap();
+        assert_eq!(here.disagreement(&here), Some(Disagreement::Side));
+        assert_eq!(here.disagreement(&Terms { side: 3, ..terms }), Some(Disagreement::Side));
+        assert_eq!(here.disagreement(&Terms { packets: 1, ..terms }), Some(Disagreement::Version));
+        assert_eq!(here.disagreement(&Terms { axes: 3, ..terms }), Some(Disagreement::Axes));
+    }
+}

@@ -1,0 +1,36 @@
+//! What the operating system grants a loop: a real-time priority and locked memory.
+
+#![allow(unsafe_code, reason = "no safe crate here sets the real-time priority")]
+
+use rustix::mm::{MlockAllFlags, mlockall};
+
+/// What was granted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Privileges {
+    /// The priority of the first-in-first-out schedule, 1 to 99; `Err` with the error of the operating system if it was
+    /// refused; `None` if it was not asked for.
+    pub priority: Option<Result<i32, i32>>,
+    /// Whether the memory is locked, as above.
+    pub locked_memory: Option<Result<(), i32>>,
+}
+
+/// Asks for a real-time priority for this thread, and for all memory that the program has now to stay in place. Call it on the
+/// loop's thread when all is allocated. What is refused is said, and the loop runs without it.
+pub fn claim(priority: Option<i32>, lock_memory: bool) -> Privileges {
+    Privileges {
+        priority: priority.map(set_priority),
+        // what is mapped later is not locked: a limit on it would make that fail
+        locked_memory: lock_memory
+            .then(|| mlockall(MlockAllFlags::CURRENT).map_err(|error| error.raw_os_error())),
+    }
+}
+
+fn set_priority(priority: i32) -> Result<i32, i32> {
+    let parameters = libc::sched_param { sched_priority: priority };
+    // SAFETY: 0 is the calling thread, and the parameters outlive the call, which only reads them.
+    let outcome = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
+    if outcome == 0 {
+        return Ok(priority);
+    }
+    Err(std::io::Error::last_os_error().raw_os_error().unwrap_or(0))
+}

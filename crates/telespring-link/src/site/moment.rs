@@ -1,0 +1,152 @@
+//! One tick of a site as others see it, and sums over all of them.
+
+use telespring::session::{LocalTime, Motion, Span, WatchdogState};
+
+use crate::device::Fault;
+use crate::hello::Disagreement;
+
+/// The state of a live session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// The two sides do not agree yet: no force.
+    Greeting,
+    /// The endpoint decides on the force.
+    Running,
+    /// The force falls to zero.
+    Leaving,
+    /// The session is over: no force.
+    Ended,
+}
+
+impl Phase {
+    /// The state in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Greeting => "greeting",
+            Self::Running => "running",
+            Self::Leaving => "leaving",
+            Self::Ended => "ended",
+        }
+    }
+
+    /// Whether motions are sent and a force may act.
+    pub fn is_coupled(self) -> bool {
+        matches!(self, Self::Running | Self::Leaving)
+    }
+}
+
+/// Why a session leaves or has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// The time is over, or the operator wants to stop.
+    StopRequested,
+    /// The partner said goodbye.
+    PartnerLeft,
+    /// The partner's terms are others.
+    Refused(Disagreement),
+    /// The device's emergency stop is pressed.
+    EmergencyStop,
+    /// The device's motors may not act any more, or it is not homed.
+    DeviceNotReady,
+    /// The device cannot go on.
+    Device(Fault),
+}
+
+impl Cause {
+    /// The cause in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::StopRequested => "stop-requested",
+            Self::PartnerLeft => "partner-left",
+            Self::Refused(_) => "refused",
+            Self::EmergencyStop => "emergency-stop",
+            Self::DeviceNotReady => "device-not-ready",
+            Self::Device(fault) => fault.word(),
+        }
+    }
+}
+
+/// One tick of a site.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// When.
+    pub time: LocalTime,
+    /// The state of the session.
+    pub phase: Phase,
+    /// The state of the endpoint's watchdog; it says nothing before the session runs.
+    pub state: WatchdogState,
+    /// The motion that the device reported.
+    pub motion: Option<Motion>,
+    /// The target that the person sees.
+    pub target: Option<Motion>,
+    /// The force commanded, N.
+    pub force: [f64; 2],
+    /// The energy in the account, J; `None` if the strategy keeps none.
+    pub balance: Option<f64>,
+    /// The age of the partner's motion in use, s.
+    pub age: Option<f64>,
+    /// When the partner's latest packet came.
+    pub heard: Option<LocalTime>,
+}
+
+/// Counts and sums over the ticks of a site.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tally {
+    /// Ticks.
+    pub ticks: u64,
+    /// Ticks at which the session ran.
+    pub coupled_ticks: u64,
+    /// Ticks at which the device reported no new motion, while the session ran.
+    pub unmeasured_ticks: u64,
+    /// Ticks at which more datagrams had come than one tick looks at.
+    pub full_ticks: u64,
+    /// Greetings that were not for this session.
+    pub strange_greetings: u64,
+    /// Packets of a session that was not agreed to.
+    pub strange_packets: u64,
+    /// Datagrams that came before the session ran.
+    pub early_datagrams: u64,
+    /// The largest force commanded, N.
+    pub largest_force: f64,
+    /// The least energy in the account, J; `None` if the strategy keeps none.
+    pub least_balance: Option<f64>,
+    /// Sum of the distances to the target, m, and their number.
+    pub distance: (f64, u64),
+    /// From the first to the latest tick.
+    pub first: Option<LocalTime>,
+    /// See `first`.
+    pub latest: LocalTime,
+}
+
+impl Tally {
+    pub(super) fn count(&mut self, moment: &Moment) {
+        self.ticks += 1;
+        self.first.get_or_insert(moment.time);
+        self.latest = moment.time;
+        let [x, y] = moment.force;
+        self.largest_force = self.largest_force.max(x.hypot(y));
+        if let Some(balance) = moment.balance {
+            self.least_balance = Some(self.least_balance.map_or(balance, |least| least.min(balance)));
+        }
+        if moment.phase.is_coupled() {
+            self.coupled_ticks += 1;
+            self.unmeasured_ticks += u64::from(moment.motion.is_none());
+            if let (Some(motion), Some(target)) = (moment.motion, moment.target) {
+                let [dx, dy] = [0, 1].map(|axis| motion.position[axis] - target.position[axis]);
+                self.distance = (self.distance.0 + dx.hypot(dy), self.distance.1 + 1);
+            }
+        }
+    }
+
+    /// From the first to the latest tick.
+    pub fn duration(&self) -> Span {
+        self.first.map_or(Span(0), |first| self.latest - first)
+    }
+
+    /// The mean distance to the target while the session ran, m.
+    pub fn tracking_error(&self) -> Option<f64> {
+        let (sum, count) = self.distance;
+        (count > 0).then(|| sum / count as f64)
+    }
+}

@@ -1,0 +1,107 @@
+//! From its start on a loop allocates nothing: over UDP, in real time, through a greeting, a session, garbage and its end.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::net::UdpSocket;
+use std::sync::atomic::AtomicBool;
+
+use telespring::session::Span;
+use telespring::study::Study;
+use telespring_link::device::Simulated;
+use telespring_link::real_time::{Limits, Pace, run};
+use telespring_link::site::{Cause, Phase, Safety, Site, SiteSettings};
+use telespring_link::transport::Udp;
+
+thread_local! {
+    /// How often this thread has used the allocator, and whether it may not.
+    static USES: Cell<u64> = const { Cell::new(0) };
+    static FORBIDDEN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The system's allocator, which counts its uses while they are forbidden.
+struct Watched;
+
+fn note() {
+    if FORBIDDEN.get() {
+        USES.set(USES.get() + 1);
+    }
+}
+
+// SAFETY: every call goes to the system's allocator unchanged
+unsafe impl GlobalAlloc for Watched {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        note();
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        note();
+        unsafe { System.dealloc(place, layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        note();
+        unsafe { System.realloc(place, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Watched = Watched;
+
+/// Runs one side for a second and returns the uses of the allocator by its loop, and how the session went.
+fn uses(
+    study: &Study,
+    side: u8,
+    link: Udp,
+    seconds: f64,
+    flood: Option<&UdpSocket>,
+) -> (u64, Phase, Cause, u64) {
+    let laboratory = study.laboratory().unwrap();
+    let device = Simulated::new(&laboratory, usize::from(side) - 1, 1).unwrap();
+    let settings = SiteSettings::new(study, side, u64::from(side), Safety::default()).unwrap();
+    let mut site = Site::new(settings, device, link).unwrap();
+    let limits = Limits { duration: Some(Span::from_seconds(seconds)) };
+    let stop = AtomicBool::new(false);
+    let mut pace = Pace::new(Span(1_000_000));
+    USES.set(0);
+    FORBIDDEN.set(true);
+    run(&mut site, &mut pace, limits, &stop, |_| {
+        if let Some(flood) = flood {
+            let _ = flood.send(b"no packet");
+        }
+    });
+    FORBIDDEN.set(false);
+    (USES.get(), site.phase(), site.cause().unwrap(), site.session_report().refused)
+}
+
+#[test]
+fn law_the_loop_allocates_nothing() {
+    FORBIDDEN.set(true);
+    drop(std::hint::black_box(Box::new(1)));
+    FORBIDDEN.set(false);
+    // the count works
+    assert!(USES.get() > 0);
+    let study = Study::from_toml(
+        "robot1 = {mass = 1, damping = 8, axes = [\"x\", \"y\"]}\n\
+         robot2 = {mass = 1, damping = 8, axes = [\"x\", \"y\"]}\n\
+         coupling.stiffness = 100\nnetwork.delay = 0.005\nsession = {strategy = \"guard\", playout = \"adaptive\"}",
+    )
+    .unwrap();
+    let sockets = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+    let [here, there] = sockets.each_ref().map(|socket| socket.local_addr().unwrap());
+    let [first, second] = sockets;
+    // garbage from the partner's own address
+    let flood = second.try_clone().unwrap();
+    let links = [Udp::on(first, there).unwrap(), Udp::on(second, here).unwrap()];
+    let [first, second] = links;
+    let [first, second] = std::thread::scope(|scope| {
+        let study = &study;
+        let flood = &flood;
+        let first = scope.spawn(move || uses(study, 1, first, 1.5, None));
+        let second = scope.spawn(move || uses(study, 2, second, 10.0, Some(flood)));
+        [first.join().unwrap(), second.join().unwrap()]
+    });
+    assert_eq!((first.0, first.1, first.2), (0, Phase::Ended, Cause::StopRequested));
+    assert_eq!((second.0, second.1, second.2), (0, Phase::Ended, Cause::PartnerLeft));
+    assert!(first.3 > 100, "{}", first.3);
+}
