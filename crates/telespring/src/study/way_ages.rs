@@ -11,7 +11,7 @@ use crate::rig::network::missing::LONGEST_GAP;
 use crate::rig::{Adversary, NetworkModel, PacketOrder, Trace};
 use crate::session::architecture::PlayoutDesign;
 use crate::session::playout::Histogram;
-use crate::session::{AdaptiveDelay, Span};
+use crate::session::{AdaptiveDelay, PlayoutSettings, Span};
 
 /// Times that differ by less are the same, s.
 const ROUNDING: f64 = 1e-9;
@@ -127,7 +127,8 @@ impl WayFacts<'_> {
                 sources.add(source);
             }
         }
-        let withheld = withheld_time(model)?;
+        // it takes packets, and hands them over, at ticks
+        let withheld = up(withheld_time(model)?, period);
         let lost = model.longest_loss(period)? as f64 * period;
         let [service, queue] = link_times(model, period);
         if service > period * (1.0 + ROUNDING) {
@@ -188,12 +189,15 @@ impl WayFacts<'_> {
 
     /// Whether delay, jitter and gap are all that there is: nothing of the network's losses, rate or recording.
     fn is_as_stated(&self, arrivals: &Arrivals) -> bool {
-        let is_plain = self.trace.is_none()
+        self.is_plain(arrivals) && self.latest(arrivals) <= self.delay + self.jitter + ROUNDING
+    }
+
+    /// Whether the network does nothing but delay packets, by the delay and up to the jitter.
+    fn is_plain(&self, arrivals: &Arrivals) -> bool {
+        self.trace.is_none()
             && self.model.rate.is_none()
             && self.model.adversary.is_none()
-            && arrivals.lost == 0.0;
-        let stated = self.delay + self.jitter;
-        is_plain && self.latest(arrivals) <= stated + ROUNDING
+            && arrivals.lost == 0.0
     }
 
     /// The ages behind a fixed play-out at `played` s.
@@ -205,10 +209,13 @@ impl WayFacts<'_> {
             let lasting = Some([played; 2]);
             return WayAges::Within { least: played, greatest: played, lasting };
         }
-        if let Some(ages) = self.recorded_ages(played, arrivals) {
+        if let Some(ages) = self.recorded_ages(played) {
             return ages;
         }
-        let least = if may_overtake && !is_in_time {
+        let least = if may_overtake && !is_in_time && self.is_plain(arrivals) && played >= self.delay {
+            // as stated: a neighbour of what is played may be a period younger
+            self.delay
+        } else if may_overtake && !is_in_time {
             travel
         } else if lost > 0.0 {
             travel.max(played - lost - self.period)
@@ -224,9 +231,8 @@ impl WayFacts<'_> {
         }
     }
 
-    /// The ages of a recording as a fixed play-out plays it, a period wider, since a trial may begin between two packets.
-    /// `None` where something else comes on top, or the recording is finer than the packets.
-    fn recorded_ages(&self, played: f64, arrivals: &Arrivals) -> Option<WayAges> {
+    /// The ages of a recording as a fixed play-out plays it. `None` where something else comes on top, or the recording is finer than the packets.
+    fn recorded_ages(&self, played: f64) -> Option<WayAges> {
         let trace = self.trace?;
         let is_alone = self.model.rate.is_none()
             && self.model.adversary.is_none()
@@ -237,16 +243,12 @@ impl WayFacts<'_> {
             return None;
         }
         let [least, greatest] = trace.play(played, self.period).ok()?.ages();
-        Some(WayAges::Within {
-            least: arrivals.travel.max(least - self.period).min(least),
-            greatest: greatest + self.period,
-            lasting: None,
-        })
+        Some(WayAges::Within { least, greatest, lasting: None })
     }
 
     /// The ages behind a play-out that follows the network.
     fn followed(&self, adaptive: &AdaptiveDelay, arrivals: &Arrivals, gap: f64) -> WayAges {
-        let Arrivals { travel, spread, lost, may_overtake, may_last } = *arrivals;
+        let Arrivals { travel, spread, mut lost, may_overtake, may_last } = *arrivals;
         let wanted = |age: f64| {
             let wanted = age + self.period + adaptive.margin.seconds();
             wanted.min(adaptive.largest.seconds()).max(adaptive.smallest.seconds())
@@ -255,6 +257,14 @@ impl WayFacts<'_> {
         // its quantile of the ages is that of a histogram, a little larger
         let longest = wanted(Histogram::largest_quantile(Span::from_seconds(latest)).seconds());
         let shortest = wanted(travel);
+        // Packets that come all at once after a wait may be more than the play-out holds; the newest are then lost.
+        let mut gap = gap;
+        let waiting = longest.max(latest + gap);
+        let settings = PlayoutSettings::Adaptive(*adaptive);
+        let holds = settings.capacity(Span::from_seconds(self.period)).unwrap_or(0) as f64;
+        if waiting / self.period + 2.0 > holds {
+            (lost, gap) = (lost + waiting, gap + waiting);
+        }
         let least = if may_overtake || lost > 0.0 { travel } else { travel.max(shortest) };
         let across = if lost > 0.0 { gap + self.period } else { 0.0 };
         let lasting = may_last.then(|| [shortest.max(travel), wanted(travel + spread).max(travel + spread)]);
