@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use telespring::rig::{ConnectedMode, Schedule, Trace, TraceRow, Trial};
-use telespring::study::{JudgedNetwork, Study};
+use telespring::study::{AgeSource, JudgedNetwork, Study};
 use telespring::{Delay, InvalidInput};
 
 const MS: f64 = 1e-3;
@@ -47,7 +47,8 @@ fn compare(study: &Study, trace: Option<Arc<Trace>>, seed: u64, what: &str) -> (
     let Some(ages) = judged.ages else { return (judged, 0.0) };
     let mut share: f64 = 0.0;
     // where samples overtake each other, a motion lies between two that are up to a period apart from it
-    let neighbour = if judged.is_as_stated { MS } else { 0.0 };
+    let is_plain = judged.sources.iter().all(|source| *source == AgeSource::Playout);
+    let neighbour = if is_plain { MS } else { 0.0 };
     for (used, [least, greatest]) in used(study, traces, seed, 3.0).into_iter().zip(ages) {
         assert!(
             used[0] >= least - neighbour - ROUNDING && used[1] <= greatest + ROUNDING,

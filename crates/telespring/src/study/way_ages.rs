@@ -11,7 +11,7 @@ use crate::rig::network::missing::LONGEST_GAP;
 use crate::rig::{Adversary, NetworkModel, PacketOrder, Trace};
 use crate::session::architecture::PlayoutDesign;
 use crate::session::playout::Histogram;
-use crate::session::{AdaptiveDelay, Span};
+use crate::session::{AdaptiveDelay, PlayoutSettings, Span};
 
 /// Times that differ by less are the same, s.
 const ROUNDING: f64 = 1e-9;
@@ -127,7 +127,8 @@ impl WayFacts<'_> {
                 sources.add(source);
             }
         }
-        let withheld = withheld_time(model)?;
+        // it takes packets, and hands them over, at ticks
+        let withheld = up(withheld_time(model)?, period);
         let lost = model.longest_loss(period)? as f64 * period;
         let [service, queue] = link_times(model, period);
         if service > period * (1.0 + ROUNDING) {
@@ -188,12 +189,15 @@ impl WayFacts<'_> {
 
     /// Whether delay, jitter and gap are all that there is: nothing of the network's losses, rate or recording.
     fn is_as_stated(&self, arrivals: &Arrivals) -> bool {
-        let is_plain = self.trace.is_none()
+        self.is_plain(arrivals) && self.latest(arrivals) <= self.delay + self.jitter + ROUNDING
+    }
+
+    /// Whether the network does nothing but delay packets, by the delay and up to the jitter.
+    fn is_plain(&self, arrivals: &Arrivals) -> bool {
+        self.trace.is_none()
             && self.model.rate.is_none()
             && self.model.adversary.is_none()
-            && arrivals.lost == 0.0;
-        let stated = self.delay + self.jitter;
-        is_plain && self.latest(arrivals) <= stated + ROUNDING
+            && arrivals.lost == 0.0
     }
 
     /// The ages behind a fixed play-out at `played` s.
@@ -208,7 +212,10 @@ impl WayFacts<'_> {
         if let Some(ages) = self.recorded_ages(played) {
             return ages;
         }
-        let least = if may_overtake && !is_in_time {
+        let least = if may_overtake && !is_in_time && self.is_plain(arrivals) && played >= self.delay {
+            // as stated: a neighbour of what is played may be a period younger
+            self.delay
+        } else if may_overtake && !is_in_time {
             travel
         } else if lost > 0.0 {
             travel.max(played - lost - self.period)
@@ -239,7 +246,7 @@ impl WayFacts<'_> {
 
     /// The ages behind a play-out that follows the network.
     fn followed(&self, adaptive: &AdaptiveDelay, arrivals: &Arrivals, gap: f64) -> WayAges {
-        let Arrivals { travel, spread, lost, may_overtake, may_last } = *arrivals;
+        let Arrivals { travel, spread, mut lost, may_overtake, may_last } = *arrivals;
         let wanted = |age: f64| {
             let wanted = age + self.period + adaptive.margin.seconds();
             wanted.min(adaptive.largest.seconds()).max(adaptive.smallest.seconds())
@@ -248,6 +255,14 @@ impl WayFacts<'_> {
         // its quantile of the ages is that of a histogram, a little larger
         let longest = wanted(Histogram::largest_quantile(Span::from_seconds(latest)).seconds());
         let shortest = wanted(travel);
+        // Packets that come all at once after a wait may be more than the play-out holds; the newest are then lost.
+        let mut gap = gap;
+        let waiting = longest.max(latest + gap);
+        let settings = PlayoutSettings::Adaptive(*adaptive);
+        let holds = settings.capacity(Span::from_seconds(self.period)).unwrap_or(0) as f64;
+        if waiting / self.period + 2.0 > holds {
+            (lost, gap) = (lost + waiting, gap + waiting);
+        }
         let least = if may_overtake || lost > 0.0 { travel } else { travel.max(shortest) };
         let across = if lost > 0.0 { gap + self.period } else { 0.0 };
         let lasting = may_last.then(|| [shortest.max(travel), wanted(travel + spread).max(travel + spread)]);

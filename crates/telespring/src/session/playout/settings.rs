@@ -65,7 +65,7 @@ impl PlayoutSettings {
     /// # Errors
     ///
     /// [`InvalidInput`] if a value is out of range, or more than [`MAX_CAPACITY`] samples would have to wait.
-    pub(super) fn capacity(&self, sample_period: Span) -> Result<usize> {
+    pub(crate) fn capacity(&self, sample_period: Span) -> Result<usize> {
         if sample_period < Span(1) {
             return Err(refuse(
                 "sample_period",
