@@ -154,9 +154,12 @@ impl Architecture {
             StrategyDesign::Spring => StrategyChoice::Spring(Spring::new(law)),
             StrategyDesign::Guard(design) => StrategyChoice::Guard(Guard::new(law, design.account(facts))?),
             StrategyDesign::InjectedDamping => {
-                let ages = [0, 1].map(|way: usize| {
-                    self.largest_age(facts, facts.delays[way], facts.lateness[way], facts.missing[way])
-                });
+                let ([incoming, outgoing], [here, there]) = (facts.delays, facts.lateness);
+                let [missing_here, missing_there] = facts.missing;
+                let ages = [
+                    self.largest_age(facts, incoming, here, missing_here),
+                    self.largest_age(facts, outgoing, there, missing_there),
+                ];
                 let settings = InjectedDampingSettings {
                     own_damping,
                     partner_damping,
