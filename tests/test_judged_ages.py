@@ -210,3 +210,18 @@ def test_law_the_answer_with_jitter_fits_a_screen() -> None:
         for stiffness in (60.0, 125.0, 300.0):
             shown = str(ts.decide(plain.replace(network=network), stiffness))
             assert len(shown.splitlines()) <= 30, shown
+
+
+def test_law_a_force_that_acts_late_is_judged_as_late_and_a_lag_not_at_all() -> None:
+    study = STUDY.replace(network={"delay": 0.05}, coupling={"stiffness": 60.0})
+    late = study.replace(laboratory={"computing_tick": True})
+    assert late.judged_network().has_computing_tick
+    stated = study.replace(controller={"computing_time": 0.001})
+    assert not stated.judged_network().has_computing_tick
+    assert late.judged_network().network == stated.judged_network().network == stated.network
+    assert ts.decide(late).stiffness_limit == ts.decide(stated).stiffness_limit
+    assert ts.decide(late).stiffness_limit < ts.decide(study).stiffness_limit
+    lagging = study.replace(laboratory={"actuator_lag": 0.005})
+    assert ts.decide(study).status == "stable"
+    assert ts.decide(lagging).status == "not proven"
+    assert lagging.judged_network().unjudged == ("actuator lag",)

@@ -580,6 +580,7 @@ class JudgedNetwork(_Record):
         lasting: tuple[tuple[float, float], ...],
         sources: tuple[str, ...],
         unjudged: tuple[str, ...],
+        has_computing_tick: bool,
         is_guard_predicted: bool,
     ) -> JudgedNetwork: ...
     @property
@@ -596,6 +597,8 @@ class JudgedNetwork(_Record):
     def sources(self) -> tuple[str, ...]: ...
     @property
     def unjudged(self) -> tuple[str, ...]: ...
+    @property
+    def has_computing_tick(self) -> bool: ...
     @property
     def is_guard_predicted(self) -> bool: ...
 

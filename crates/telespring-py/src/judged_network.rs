@@ -31,9 +31,12 @@ record! {
         /// What the ages come from beside delay, jitter and gap: "loss", "burst", "blackout", "rate", "rate below
         /// need", "trace", "adversary", "play-out", "adaptive play-out", "stated gap too short".
         sources: Vec<String>,
-        /// What is not judged: "unread trace", "lying peer", "predictor", "strategy". If there is any, nothing is
-        /// proven.
+        /// What is not judged: "unread trace", "lying peer", "predictor", "strategy", "actuator lag". If there
+        /// is any, nothing is proven.
         unjudged: Vec<String>,
+        /// Whether the force acts a sample period late, since the laboratory has a computing tick that the controller
+        /// does not state.
+        has_computing_tick: bool,
         /// Whether a predictor runs before the guard: the answer is that of the bare spring without it.
         is_guard_predicted: bool,
     }
@@ -50,6 +53,7 @@ impl From<study::JudgedNetwork> for JudgedNetwork {
             lasting: judged.lasting.iter().map(|delay| [delay.forward(), delay.backward()]).collect(),
             sources: judged.sources.iter().map(|source| source.word().to_owned()).collect(),
             unjudged: judged.unjudged.iter().map(|each| each.word().to_owned()).collect(),
+            has_computing_tick: judged.has_computing_tick,
             is_guard_predicted: judged.is_guard_predicted,
         }
     }

@@ -485,6 +485,7 @@ fn side_at(rate: f64, session: u64, architecture: &Architecture) -> Endpoint {
         law: Law { stiffness: 1.0, damping: 0.0 },
         delays: [0.05; 2],
         lateness: [0.0; 2],
+        missing: [0.0; 2],
         has_playout_buffer: false,
         sample_period: 1.0 / rate,
         computing_tick: false,

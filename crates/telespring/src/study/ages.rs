@@ -85,6 +85,8 @@ pub enum Unjudged {
     Predictor,
     /// A strategy that is not the bare spring and not the guard.
     Strategy,
+    /// A lag with which the force follows its command.
+    ActuatorLag,
 }
 
 impl Unjudged {
@@ -95,6 +97,7 @@ impl Unjudged {
             Self::LyingPeer => "lying peer",
             Self::Predictor => "predictor",
             Self::Strategy => "strategy",
+            Self::ActuatorLag => "actuator lag",
         }
     }
 }
@@ -117,6 +120,8 @@ pub struct JudgedNetwork {
     pub sources: Vec<AgeSource>,
     /// What is not judged; if there is any, nothing is proven.
     pub unjudged: Vec<Unjudged>,
+    /// Whether the force acts a sample period late because the laboratory computes so long: more than is stated.
+    pub has_computing_tick: bool,
     /// Whether the session has the guard with a predictor: the answer is that of the bare spring without it.
     pub is_guard_predicted: bool,
 }
@@ -149,16 +154,15 @@ impl Study {
         delay: Option<Delay>,
         traces: [Option<Arc<Trace>>; 2],
     ) -> Result<JudgedNetwork> {
-        let stated = match delay {
-            None => *self.network()?,
-            Some(delay) => Network::with_jitters(
-                delay,
-                self.network.jitters(),
-                self.network.max_gap(),
-                self.network.sample_period(),
-                self.network.computing_time(),
-            )?,
+        let delay = match delay {
+            None => self.network()?.delay(),
+            Some(delay) => delay,
         };
+        let period = self.network.sample_period();
+        let has_computing_tick = self.setup.computing_tick && self.network.computing_time() < period;
+        let computing = if has_computing_tick { period } else { self.network.computing_time() };
+        let (jitters, max_gap) = (self.network.jitters(), self.network.max_gap());
+        let stated = Network::with_jitters(delay, jitters, max_gap, period, computing)?;
         let traces = self.one_way(traces)?;
         let mut sources = SourceSet::default();
         let mut unjudged = self.unjudged_session();
@@ -190,6 +194,7 @@ impl Study {
         }
         sources.0.sort_unstable();
         (judged.sources, judged.unjudged) = (sources.0, unjudged);
+        judged.has_computing_tick = has_computing_tick;
         judged.is_guard_predicted = matches!(self.session.strategy, StrategyDesign::Guard(_))
             && self.session.predictor != PredictorDesign::Hold;
         Ok(judged)
@@ -209,6 +214,7 @@ impl Study {
             lasting: vec![first, latest],
             sources: Vec::new(),
             unjudged: Vec::new(),
+            has_computing_tick: false,
             is_guard_predicted: false,
         };
         if ways.contains(&WayAges::Unbounded) {
@@ -271,12 +277,14 @@ impl Study {
     fn unjudged_session(&self) -> Vec<Unjudged> {
         let is_neutral =
             matches!(self.session.predictor, PredictorDesign::Hold | PredictorDesign::SharedTarget);
-        match self.session.strategy {
-            StrategyDesign::Spring if is_neutral => Vec::new(),
-            StrategyDesign::Spring => vec![Unjudged::Predictor],
-            StrategyDesign::Guard(_) => Vec::new(),
-            _ => vec![Unjudged::Strategy],
-        }
+        let session = match self.session.strategy {
+            StrategyDesign::Spring if is_neutral => None,
+            StrategyDesign::Spring => Some(Unjudged::Predictor),
+            StrategyDesign::Guard(_) => None,
+            _ => Some(Unjudged::Strategy),
+        };
+        let lag = (self.setup.actuator_lag > 0.0).then_some(Unjudged::ActuatorLag);
+        session.into_iter().chain(lag).collect()
     }
 
     /// Recorded traces as one way of the study's network.

@@ -28,6 +28,8 @@ _UNJUDGED = {
     "which changes the loop; ts.maximum_stiffness(…, predictor=…) judges it at one constant delay.",
     "strategy": "Nothing is proven: the numbers are those of the bare spring, not of the session's strategy "
     "(docs/strategies.md says what it promises).",
+    "actuator lag": "Nothing is proven: the robots' forces lag behind their commands (laboratory.actuator_lag), "
+    "and no verdict judges that.",
 }
 _TOO_SHORT = "max_gap is shorter than the gaps that the losses make: the longer ones count."
 
@@ -49,6 +51,8 @@ def ages_notes(
     if ages is None:
         return ()
     notes = [_UNJUDGED[word] for word in ages.unjudged]
+    if ages.has_computing_tick:
+        notes.append("Forces act a sample period late, as in the laboratory (laboratory.computing_tick).")
     if ages.is_guard_predicted:
         notes.append("The guard's predictor is not in this answer: it changes how often the guard acts.")
     if ages.is_as_stated or "unread trace" in ages.unjudged:
