@@ -213,7 +213,26 @@ impl SiteFile {
             let remedy = "Give the robot of the study that this site moves.";
             return Err(InvalidInput::new("side", self.side, "1 or 2", remedy));
         }
-        if matches!(self.device, DeviceChoice::Simulated { .. }) {
+        let device = match self.device {
+            DeviceChoice::Simulated { .. } => None,
+            DeviceChoice::Udp { local, device, .. } => Some([local, device]),
+        };
+        let [local, peer] = self.addresses;
+        let named = [("network.local", Some(local)), ("network.peer", Some(peer))].into_iter().chain([
+            ("device.local", device.map(|[local, _]| local)),
+            ("device.device", device.map(|[_, device]| device)),
+        ]);
+        for (field, address) in named {
+            if let Some(address) = address.filter(|address| !address.ip().is_loopback()) {
+                return Err(InvalidInput::new(
+                    field,
+                    address,
+                    "an address of this machine: nobody checks who sends a packet",
+                    "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+                ));
+            }
+        }
+        if device.is_none() {
             return Ok(());
         }
         let session = self.study.session();
