@@ -162,6 +162,7 @@ fn law_a_live_side_refuses_what_the_account_does_not_bound_and_its_remedy_works(
             law: Law { stiffness, damping: 0.0 },
             delays: [0.05; 2],
             lateness: [0.0; 2],
+            missing: [0.0; 2],
             has_playout_buffer: false,
             sample_period: 0.01,
             computing_tick,
