@@ -299,7 +299,7 @@ mod tests {
             ("64 bytes from 8.8.8.8: seq=0 ttl=118 time=14.123 ms", answer(0, 0.014_123, None)),
             (
                 "[1700000000.123456] 64 Bytes von h (1.2.3.4): icmp_seq=8 ttl=64 Zeit=0.045 ms (DUP!)",
-                answer(8, 4.5e-5, stamp),
+                answer(8, 0.045 / 1e3, stamp),
             ),
             ("[1700000000.123456] no answer yet for icmp_seq=9", Line::Unanswered { sequence: 9 }),
             ("From 10.0.0.1 icmp_seq=3 Destination Host Unreachable", Line::Unanswered { sequence: 3 }),
