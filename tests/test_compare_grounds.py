@@ -189,6 +189,14 @@ def test_law_the_bare_spring_stands_on_its_verdict_alone(verdict: str) -> None:
     [
         ("spring", {"session": {"predictor": "linear"}}, "known prediction"),
         ("spring", {"laboratory": {"computing_tick": True}}, "force without a computing tick"),
+        (
+            "spring",
+            {
+                "laboratory": {"computing_tick": True},
+                "controller": {"sample_period": PERIOD, "computing_time": 1e-6},
+            },
+            "force without a computing tick",
+        ),
         ("spring", {"laboratory": {"actuator_lag": 0.005}}, "force without a lag"),
         ("injected-damping", {"session": {"predictor": "kalman"}}, "known prediction"),
         *(

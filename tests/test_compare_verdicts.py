@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,3 +122,28 @@ def test_law_ages_that_all_lie_in_the_verdict_need_no_search() -> None:
 def test_law_a_damper_under_sampled_controllers_has_no_verdict_on_ages() -> None:
     verdicts = SpringVerdicts(STUDY.replace(coupling={"stiffness": 60.0, "damping": 2.0}))
     assert np.isnan(verdicts.longest_ages(60.0, (0.05, 0.05), (0.06, 0.06))).all()
+
+
+def test_law_a_promised_buffer_makes_no_recorded_delay_constant(tmp_path: Path) -> None:
+    """The ages behind it are those that were played, and they varied."""
+    (tmp_path / "t.csv").write_text("time_s,delay_ms\n0,20\n1,260\n2,20\n")
+    network = {"trace": "t.csv", "delay": 0.05}
+    ages = (0.05, 0.05), (0.26, 0.26)
+    words = [
+        SpringVerdicts(STUDY.replace(network={**network, "playout_buffer": promised})).status(
+            45.0, 0.05, *ages
+        )
+        for promised in (False, True)
+    ]
+    assert words == ["not proven", "not proven"]
+
+
+def test_cross_controllers_that_are_rehearsed_slowly_are_judged_so() -> None:
+    """Continuous controllers on paper, sampled every 25 ms in the laboratory."""
+    sampled = ts.Study.paper().replace(controller={"sample_period": 0.025}, network={"delay": 0.05})
+    on_paper = sampled.replace(controller={"sample_period": 0.0}, laboratory={"sample_period": 0.025})
+    ages = (0.05, 0.05), (0.05, 0.05)
+    for stiffness in (60.0, 130.0):
+        word = SpringVerdicts(on_paper).status(stiffness, 0.05, *ages)
+        assert word == ts.decide(sampled, stiffness).status
+    assert word == "unstable"

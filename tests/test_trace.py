@@ -243,3 +243,24 @@ def test_law_what_is_no_trace_is_refused(time: list[float], delay: list[float], 
     with pytest.raises(ts.InvalidInput) as refused:
         ts.Trace(time, delay)
     assert refused.value.field == field
+
+
+def test_cross_forces_that_act_late_count_as_computing_time() -> None:
+    """A laboratory that computes for a tick is judged as controllers that need their whole period."""
+    trace = ts.Trace([0.02 * n for n in range(1000)], [0.05 + 0.005 * (n % 2) for n in range(1000)])
+    study = ts.Study.paper().replace(controller={"sample_period": 0.025})
+    late = ts.assess_trace(trace, study.replace(laboratory={"computing_tick": True}))
+    stated = study.replace(controller={"sample_period": 0.025, "computing_time": 0.025})
+    assert late.stiffness == ts.assess_trace(trace, stated).stiffness
+    assert late.stiffness is not None
+    assert late.stiffness < 0.8 * (ts.assess_trace(trace, study).stiffness or 0.0)
+
+
+def test_law_behind_a_lag_only_the_guard_is_recommended_as_far_as_it_is_proven() -> None:
+    trace = ts.Trace([0.02 * n for n in range(1000)], [0.05] * 1000)
+    study = ts.Study.paper().replace(controller={"sample_period": 0.001}, laboratory={"actuator_lag": 0.03})
+    found = ts.assess_trace(trace, study)
+    assert found.needs_guard
+    assert found.stiffness is not None
+    assert found.stiffness <= found.guard_stiffness < found.recommended.usable_stiffness
+    assert found.recommended_study("t.csv").session.strategy == "guard"

@@ -126,8 +126,9 @@ def _lack_of_spring(place: Place) -> Lack | None:
     settings = place.experiment.settings
     if place.study.session.predictor not in _OUTSIDE_OF_THE_LOOP:
         return "known prediction"
-    is_tick_judged = place.study.replace(network={"delay": place.delay}).network.computing_time > 0.0
-    if settings.computing_tick and not is_tick_judged:
+    judged = place.study.replace(network={"delay": place.delay}).network
+    # a shorter computing time does not count the whole tick
+    if settings.computing_tick and not 0.0 < judged.sample_period <= judged.computing_time:
         return "force without a computing tick"
     if settings.actuator_lag > 0.0:
         return "force without a lag"

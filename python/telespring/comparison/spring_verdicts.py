@@ -9,6 +9,7 @@ import numpy as np
 from telespring._core import Network, Study
 from telespring.decision.decide import decide
 from telespring.decision.question import Question
+from telespring.rehearsal.run import require_experiment
 from telespring.theory.verdicts import verdicts
 
 __all__ = ["SpringVerdicts"]
@@ -28,11 +29,13 @@ class SpringVerdicts:
     """
 
     def __init__(self, study: Study) -> None:
-        self._study = study.replace(session={"strategy": "spring", "predictor": "hold"})
+        self._study = _with_sampled_controllers(study).replace(
+            session={"strategy": "spring", "predictor": "hold"}
+        )
         # Behind an adversary the ages that were played are what it claims.
         self._has_adversary = any(adversary is not None for adversary in study.adversaries)
         # A study may leave the delay to its protocol.
-        self._controllers = study.replace(network={"delay": 0.0}).network
+        self._controllers = self._study.judged_network(0.0, (None, None)).network
         self._statuses: dict[tuple[float, Network, bool, bool], str] = {}
         self._bounds: dict[tuple[tuple[float, float], tuple[float, float]], float | None] = {}
 
@@ -83,7 +86,9 @@ class SpringVerdicts:
         if self._has_adversary or not all(map(math.isfinite, (*shortest, *longest))):
             return asked
         if "unread trace" in asked.unjudged:
-            return Question.of(self._study, _network_of_ages(self._controllers, shortest, longest))
+            # Whatever buffer is promised, these are the ages behind it.
+            network = _network_of_ages(self._controllers, shortest, longest)
+            return Question.of(self._study, network, has_playout_buffer=False)
         if asked.ages.ages is None:
             return asked
         # Robot 1 receives on the way backward.
@@ -139,6 +144,13 @@ class SpringVerdicts:
             self._bounds[key] = judged.tier("age in a range").stiffness_bound
         bound = self._bounds[key]
         return None if bound is None else stiffness < bound
+
+
+def _with_sampled_controllers(study: Study) -> Study:
+    """Return the study with controllers that are sampled as those of its rehearsal are, if it states none."""
+    if study.replace(network={"delay": 0.0}).network.sample_period > 0.0:
+        return study
+    return study.replace(controller={"sample_period": require_experiment(study).sample_period})
 
 
 def _network_of_ages(

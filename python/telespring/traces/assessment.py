@@ -77,7 +77,7 @@ class TraceAssessment:
         The one for a stiffer spring with the guard.
     needs_guard
         Whether nothing is proven for a bare spring, or only what holds on any network because motions were in
-        use that are older than any useful play-out.
+        use that are older than any useful play-out, or because forces lag behind their commands.
     guard_stiffness
         The stiffness up to which the guard is proven with these robots and controllers, N/m; `docs/guard.md`.
     longest_useful
@@ -102,6 +102,11 @@ class TraceAssessment:
     axes_independent: bool | None = None
 
     @property
+    def has_lag(self) -> bool:
+        """Whether the robots' forces lag behind their commands, which no limit of a bare spring counts."""
+        return _controllers_of(self.study)[1]
+
+    @property
     def is_completed(self) -> bool:
         """Whether the trace that was judged differs from the recorded one by missing rows."""
         return any(way.missing is not None for way in self.ways)
@@ -110,12 +115,13 @@ class TraceAssessment:
     def stiffness(self) -> float | None:
         """The stiffness to use, N/m, rounded down to four digits; None if nothing is proven.
 
-        With the guard it is that for 99 % of the time, where that is the larger one.
+        With the guard it is that for 99 % of the time, where that is the larger one, as far as the guard is
+        proven.
         """
         best = self.recommended
         usable = best.usable_stiffness
         if self.needs_guard:
-            usable = max(usable, best.mostly_usable_stiffness)
+            usable = min(max(usable, best.mostly_usable_stiffness), self.guard_stiffness)
         stiffness = recommended_stiffness(usable)
         return round_limit(stiffness) if stiffness else None
 
@@ -258,7 +264,7 @@ def assess_trace(
         longest_loss = as_number("longest_loss", longest_loss)
     if study is None:
         study = Study.paper().replace(coupling=None, network=None, controller=None)
-    network = _network_of(study)
+    network, has_lag = _controllers_of(study)
     question = Question.of(study, network, has_playout_buffer=False)
     errors = RobotErrors(study.uncertainty, records)
     period = network.sample_period or _PACKETS
@@ -277,7 +283,8 @@ def assess_trace(
     playouts = judge(completed[0][0], completed[1][0])
     bare, guarded = best_playout(playouts, useful), best_playout(playouts, useful, guarded=True)
     oldest = max(age for _, age in bare.ages)
-    needs_guard = bare.usable_stiffness == 0.0 or (bare.tier == "any network" and oldest > useful)
+    is_old = bare.tier == "any network" and oldest > useful
+    needs_guard = has_lag or bare.usable_stiffness == 0.0 or is_old
     if_paused = None
     if any(way.missing is not None and way.missing.lost for way in ways):
         forward, backward = _complete(traces, 0.0)
@@ -297,6 +304,20 @@ def assess_trace(
         if_paused,
         are_axes_independent(records),
     )
+
+
+def _controllers_of(study: Study) -> tuple[Network, bool]:
+    """Return the timing of a study's controllers as it rehearses them, and whether their forces lag."""
+    stated = _network_of(study)
+    if study.experiment is None:
+        return stated, False
+    settings = study.experiment.settings
+    period, computing = stated.sample_period, stated.computing_time
+    if period == 0.0 and study.experiment.sample_period > _PACKETS:
+        period = study.experiment.sample_period
+    if settings.computing_tick:
+        computing = period
+    return Network(0.0, sample_period=period, computing_time=computing), settings.actuator_lag > 0.0
 
 
 def _network_of(study: Study) -> Network:

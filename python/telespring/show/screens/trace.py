@@ -170,11 +170,14 @@ def _recommendation(found: TraceAssessment) -> list[Text]:
         bare = f"{stiffness} ({reserve})" if best.recommended_stiffness else "nothing"
         reach = format_stiffness(found.guard_stiffness)
         answer = f"play-out {_ms(best.delay)}, with the guard, at any stiffness up to {reach}."
-        why = (
-            f"Motions up to {_ms(oldest)} old were in use: only what holds on any network is proven for a "
-            f"bare spring, {bare}."
-        )
-        if guarded.mostly_usable_stiffness > best.usable_stiffness:
+        if found.has_lag:
+            why = "Forces lag (laboratory.actuator_lag): no limit of a bare spring counts that."
+        else:
+            why = (
+                f"Motions up to {_ms(oldest)} old were in use: only what holds on any network is proven for "
+                f"a bare spring, {bare}."
+            )
+        if guarded.mostly_usable_stiffness > best.usable_stiffness and not found.has_lag:
             why += (
                 f" {100 * MOSTLY:g} % of the time {format_stiffness(guarded.mostly_usable_stiffness)} is "
                 "stable without the guard."
