@@ -225,3 +225,14 @@ def test_law_a_force_that_acts_late_is_judged_as_late_and_a_lag_not_at_all() -> 
     assert ts.decide(study).status == "stable"
     assert ts.decide(lagging).status == "not proven"
     assert lagging.judged_network().unjudged == ("actuator lag",)
+
+
+def test_law_continuous_controllers_are_judged_as_the_laboratory_samples_them() -> None:
+    slow = {"laboratory": {"sample_period": 0.025}, "protocol": {"record_rate": 40.0}}
+    study = STUDY.replace(network={"delay": 0.05}, coupling={"stiffness": 60.0}, controller=None, **slow)
+    continuous = study.replace(controller={"sample_period": 0.0})
+    assert ts.decide(continuous).stiffness_limit == ts.decide(study).stiffness_limit
+    plain = continuous.replace(laboratory=None, protocol={"record_rate": None})
+    limit = ts.decide(plain).stiffness_limit
+    assert limit is not None
+    assert limit > 1.3 * ts.decide(study).stiffness_limit

@@ -158,7 +158,11 @@ impl Study {
             None => self.network()?.delay(),
             Some(delay) => delay,
         };
-        let period = self.network.sample_period();
+        // Of continuous controllers the laboratory says how they are rehearsed.
+        let period = match (self.network.sample_period(), self.setup.sample_period) {
+            (0.0, Some(sampled)) => sampled,
+            (stated, _) => stated,
+        };
         let has_computing_tick = self.setup.computing_tick && self.network.computing_time() < period;
         let computing = if has_computing_tick { period } else { self.network.computing_time() };
         let (jitters, max_gap) = (self.network.jitters(), self.network.max_gap());
