@@ -364,10 +364,7 @@ proptest! {
         }
         let [first, second] = axis.sides.map(|side| side.mass / side.ground_stiffness.max(1.0));
         let delay = (turns * first.min(second).sqrt()).min(50.0);
-        let most = maximum_stiffness(&axis, delay);
-        // About one in 3,000 of these almost undamped dyads is refused; proptest fails if many are.
-        prop_assume!(!most.as_ref().is_err_and(|refusal| refusal.allowed.contains("did not end")));
-        let most = most.unwrap();
+        let most = maximum_stiffness(&axis, delay).unwrap();
         // Below 1e-4 of the elastic terms two crossings lie too close for the count of roots.
         let resolved = 1e-4 * axis.sides.iter().map(|side| side.ground_stiffness).fold(1.0, f64::max);
         if most > 1.01 * resolved {
