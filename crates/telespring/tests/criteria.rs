@@ -281,6 +281,61 @@ fn any_axis() -> impl Strategy<Value = DyadAxis> {
     )
 }
 
+#[test]
+fn law_a_search_without_an_answer_is_refused() {
+    let damped = |b: f64| DyadAxis::new(1.0, b, 1.0, b).unwrap();
+    for (axis, delay, outcome) in [
+        (damped(7.0), 1e-320, "found none below an unstable stiffness"),
+        (damped(1e-200), 0.1, "found no unstable stiffness"),
+    ] {
+        let refusal = maximum_stiffness(&axis, delay).unwrap_err();
+        assert!(refusal.allowed.contains(outcome), "{refusal}");
+    }
+    // The remedy: what is negligible is set to 0.
+    assert_eq!(maximum_stiffness(&damped(7.0), 0.0).unwrap(), f64::INFINITY);
+    assert_eq!(maximum_stiffness(&damped(0.0), 0.1).unwrap(), 0.0);
+}
+
+/// Rounding hid the valley of the light side: the critical stiffness was three times, the maximum four times too
+/// large. The maximum is from characteristic roots counted with 120 digits.
+#[test]
+fn ref_a_light_side_at_a_heavy_one() {
+    let axis = DyadAxis::with_operators(
+        5.1005063247995423e2,
+        1.4610507688675192e5,
+        4.689497401853613e-4,
+        1.0121099142450593e-6,
+        0.0,
+        6.049123375253727e-16,
+        4.921014415145325e-5,
+    )
+    .unwrap();
+    let critical = critical_stiffness(&axis);
+    assert!(crossings(&axis, critical * (1.0 - 1e-6)).unwrap().is_empty(), "{critical}");
+    assert!(!crossings(&axis, critical * (1.0 + 1e-6)).unwrap().is_empty(), "{critical}");
+    let most = maximum_stiffness(&axis, 2.7342371819029864e-6).unwrap();
+    assert!((most / 11_318_365.164 - 1.0).abs() < 1e-8, "{most}");
+}
+
+#[test]
+fn law_delays_that_were_not_examined_are_not_stable() {
+    let axis = DyadAxis::with_operators(1.0, 2.0, 1.0, 2.0, 50.0, 50.0, 0.0).unwrap();
+    // The softest spring with a crossing: two of them follow each other for more than a million periods.
+    let critical = critical_stiffness(&axis);
+    let (mut none, mut some) = (critical * (1.0 - 1e-8), critical * (1.0 + 1e-8));
+    for _ in 0..60 {
+        let middle = 0.5 * (none + some);
+        if crossings(&axis, middle).unwrap().is_empty() { none = middle } else { some = middle }
+    }
+    let last = stable_delays(&axis, some, f64::INFINITY).unwrap().last().unwrap().1;
+    let followed = crossings(&axis, some)
+        .unwrap()
+        .iter()
+        .map(|crossing| crossing.delay + 1e6 * crossing.period())
+        .fold(f64::INFINITY, f64::min);
+    assert!(last <= followed, "{last} {followed}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
@@ -364,10 +419,7 @@ proptest! {
         }
         let [first, second] = axis.sides.map(|side| side.mass / side.ground_stiffness.max(1.0));
         let delay = (turns * first.min(second).sqrt()).min(50.0);
-        let most = maximum_stiffness(&axis, delay);
-        // About one in 3,000 of these almost undamped dyads is refused; proptest fails if many are.
-        prop_assume!(!most.as_ref().is_err_and(|refusal| refusal.allowed.contains("did not end")));
-        let most = most.unwrap();
+        let most = maximum_stiffness(&axis, delay).unwrap();
         // Below 1e-4 of the elastic terms two crossings lie too close for the count of roots.
         let resolved = 1e-4 * axis.sides.iter().map(|side| side.ground_stiffness).fold(1.0, f64::max);
         if most > 1.01 * resolved {

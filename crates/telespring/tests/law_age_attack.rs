@@ -159,7 +159,7 @@ fn law_it_allows_more_than_tiers_1_and_2_for_unequal_robots() {
 }
 
 #[test]
-fn cross_an_attack_succeeds_from_a_little_above_the_bound_on() {
+fn cross_an_attack_succeeds_a_little_above_the_bound() {
     // A prototype's attack, N/m, on two identical arms: by mean age and half width in ms.
     let robot = Robot::new(vec![0.8334], vec![7.7257], None).unwrap();
     let dyad = Dyad::new(robot.clone(), robot, None, 0.0).unwrap();

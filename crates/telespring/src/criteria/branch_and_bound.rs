@@ -13,11 +13,12 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::f64::consts::TAU;
+use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::complex_box::{Disc, Interval, Rectangle};
+use super::box_tests::{BoxContent, examine_box};
+use super::complex_box::{Interval, Rectangle};
 
 /// The three factors of one side: N = A + D.
 #[derive(Debug, Clone, Copy)]
@@ -48,11 +49,27 @@ pub(crate) struct FactorBox {
     pub by_parameter: ([SideSlopes; 2], Interval),
 }
 
-/// L at a point and a bound on its rounding error.
+/// L at a point, and bounds on the rounding errors of its real and its imaginary part.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Logarithm {
+    /// L without its half turns.
     pub value: Complex64,
-    pub error: f64,
+    /// Half turns of the factors, kept apart so that the rest keeps its digits.
+    pub half_turns: i32,
+    pub error: Complex64,
+}
+
+impl Logarithm {
+    /// The nearest whole number of turns, as half turns.
+    pub fn nearest_turns(&self) -> f64 {
+        let whole = 0.5 * (self.value.im / PI + f64::from(self.half_turns));
+        2.0 * whole.round()
+    }
+
+    /// L less a number of half turns.
+    pub fn less(&self, half_turns: f64) -> Complex64 {
+        Complex64::new(self.value.re, self.value.im - (half_turns - f64::from(self.half_turns)) * PI)
+    }
 }
 
 /// A characteristic function on a line or circle, as a function of two variables: one that grows with the
@@ -68,6 +85,10 @@ pub(crate) trait LineFunction {
     fn is_real_at(&self, frequency: f64) -> bool;
     /// True if crossings anywhere in this box are not wanted.
     fn is_excluded(&self, region: &Region) -> bool;
+    /// True if D is the same function for both sides.
+    fn has_common_coupling(&self) -> bool {
+        false
+    }
     /// The largest number of boxes of one search.
     fn most_boxes(&self) -> usize {
         MAX_BOXES
@@ -205,193 +226,4 @@ fn split_region(region: &Region, frequency: bool) -> [Region; 2] {
         let (low, high) = split(region.parameter);
         [Region { parameter: low, ..*region }, Region { parameter: high, ..*region }]
     }
-}
-
-/// What a box of the search holds.
-enum BoxContent {
-    Nothing,
-    Solution(f64, f64),
-    Undecided { split_frequency: bool },
-}
-
-/// Relative slack of the tests on moduli and phases, which keeps their rounding from deciding.
-const SLACK: f64 = 1e-13;
-
-/// Whether the moduli of the factors differ everywhere in a box.
-fn moduli_differ(factors: &FactorBox, log_growth: f64) -> bool {
-    let [first, second] =
-        factors.sides.each_ref().map(|side| (side.whole.modulus(), side.coupling.modulus()));
-    let whole = (first.0.0 * second.0.0, first.0.1 * second.0.1);
-    let growth = log_growth.exp();
-    let returned = (first.1.0 * second.1.0 * growth, first.1.1 * second.1.1 * growth);
-    whole.0 > returned.1 * (1.0 + SLACK) || whole.1 * (1.0 + SLACK) < returned.0
-}
-
-/// Whether an interval of phases, known to `error`, holds no whole number of turns.
-fn is_between_turns(low: f64, high: f64, error: f64) -> bool {
-    ((low - error) / TAU).ceil() > ((high + error) / TAU).floor()
-}
-
-/// Whether the arguments of the factors and the delay never add up to whole turns in a box.
-fn phases_differ(factors: &FactorBox) -> bool {
-    let Interval { mut low, mut high } = factors.turn;
-    let mut size = high.abs();
-    for side in &factors.sides {
-        let (whole, coupling) = (side.whole.argument(), side.coupling.argument());
-        low += whole.low - coupling.high;
-        high += whole.high - coupling.low;
-        size += whole.low.abs().max(whole.high.abs()) + coupling.low.abs().max(coupling.high.abs());
-    }
-    is_between_turns(low, high, SLACK * size)
-}
-
-/// A disc around a derivative of L; `None` if a factor may be 0.
-fn log_derivative(sides: &[SideFactors; 2], (slopes, turn): &([SideSlopes; 2], Interval)) -> Option<Disc> {
-    let mut sum = Disc {
-        centre: Complex64::new(0.0, 0.5 * (turn.low + turn.high)),
-        radius: 0.5 * (turn.high - turn.low),
-    };
-    for (side, slope) in sides.iter().zip(slopes) {
-        // With N = A + D: N'/N − D'/D = (A' − D' A/D)/N, which keeps the digits where A is small.
-        let ratio = Disc::around(&side.alone).times(Disc::around(&side.coupling).reciprocal()?);
-        let change = Disc::around(&slope.alone).minus(Disc::around(&slope.coupling).times(ratio));
-        sum = sum.plus(change.times(Disc::around(&side.whole).reciprocal()?));
-    }
-    Some(sum)
-}
-
-/// Im(conj(a) b), the component of b perpendicular to a times |a|, for the box search.
-fn cross_product(a: Complex64, b: Complex64) -> f64 {
-    a.re * b.im - a.im * b.re
-}
-
-/// Decides whether a box of the search holds no solution, at most one, or must be split.
-fn examine_box(function: &impl LineFunction, part: &Region) -> BoxContent {
-    if function.is_excluded(part) {
-        return BoxContent::Nothing;
-    }
-    let factors = function.factors(part);
-    if moduli_differ(&factors, function.log_growth()) || phases_differ(&factors) {
-        return BoxContent::Nothing;
-    }
-    let (w, p) = (0.5 * (part.frequency.0 + part.frequency.1), 0.5 * (part.parameter.0 + part.parameter.1));
-    let (dw, dp) = (w - part.frequency.0, p - part.parameter.0);
-    let derivatives = log_derivative(&factors.sides, &factors.by_frequency)
-        .zip(log_derivative(&factors.sides, &factors.by_parameter));
-    let Some((by_w, by_p)) = derivatives else {
-        if dw <= 1e-15 * w && dp <= 1e-15 * p {
-            return BoxContent::Solution(w, p);
-        }
-        return BoxContent::Undecided { split_frequency: frequency_moves_more(&factors, dw, dp) };
-    };
-
-    // Where the function is real its phase is a multiple of π, and leaves it at once if it is monotone.
-    let ends = [part.frequency.0, part.frequency.1];
-    let mut waits_for_parameter = false;
-    if ends.iter().any(|&end| function.is_real_at(end)) {
-        let slope = by_w.centre.im.abs() - by_w.radius;
-        let size = by_w.centre.im.abs() + by_w.radius;
-        if slope > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI {
-            return BoxContent::Nothing;
-        }
-        // Where one value of the parameter leaves no doubt about the slope, the range of the parameter does.
-        let single = function.factors(&Region { parameter: (p, p), ..*part });
-        waits_for_parameter = log_derivative(&single.sides, &single.by_frequency).is_some_and(|by_w| {
-            let size = by_w.centre.im.abs() + by_w.radius;
-            by_w.centre.im.abs() - by_w.radius > SLACK * size && 2.0 * dw * size < 0.99 * std::f64::consts::PI
-        });
-    }
-
-    // The value at the centre, less the nearest multiple of 2πj, and its possible change over the box.
-    let Logarithm { value, error } = function.logarithm(w, p);
-    let turns = (value.im / TAU).round();
-    let value = Complex64::new(value.re, value.im - turns * TAU);
-    let reach = |disc: &Disc, component: f64| component.abs() + disc.radius;
-    let real_change = reach(&by_w, by_w.centre.re) * dw + reach(&by_p, by_p.centre.re) * dp + error;
-    let phase_change = reach(&by_w, by_w.centre.im) * dw + reach(&by_p, by_p.centre.im) * dp + error;
-    if value.re.abs() > real_change
-        || is_between_turns(
-            value.im - phase_change,
-            value.im + phase_change,
-            f64::EPSILON * TAU * turns.abs(),
-        )
-    {
-        return BoxContent::Nothing;
-    }
-    // Another multiple of 2πj may be reached, too.
-    let one_turn = phase_change + value.im.abs() < 0.99 * TAU;
-
-    // Along the direction of one derivative only the other one and the curvature change the value.
-    let determinant = cross_product(by_w.centre, by_p.centre);
-    let (w_size, p_size) = (by_w.centre.norm(), by_p.centre.norm());
-    let remainder = by_w.radius * dw + by_p.radius * dp + error;
-    if one_turn
-        && (cross_product(by_w.centre, value).abs() > determinant.abs() * dp + w_size * remainder
-            || cross_product(by_p.centre, value).abs() > determinant.abs() * dw + p_size * remainder)
-    {
-        return BoxContent::Nothing;
-    }
-    // At most one solution if the derivative stays invertible over the box.
-    let injective = one_turn
-        && by_w.radius * p_size + by_p.radius * w_size + by_w.radius * by_p.radius < 0.5 * determinant.abs();
-    if injective && let Some(content) = newton_in_box(function, part, (w, p), turns) {
-        return content;
-    }
-    // A box this narrow holds at most a double solution, where two branches touch.
-    if dw <= 1e-13 * w && dp <= 1e-13 * p {
-        return BoxContent::Solution(w, p);
-    }
-    let frequency_matters = (w_size + by_w.radius) * dw > (p_size + by_p.radius) * dp;
-    BoxContent::Undecided { split_frequency: frequency_matters && !waits_for_parameter }
-}
-
-/// Whether the frequency changes the factors of a box more than the parameter does, relative to their size.
-fn frequency_moves_more(factors: &FactorBox, dw: f64, dp: f64) -> bool {
-    let largest = |slopes: &[SideSlopes; 2], d: f64| {
-        let sides = slopes.iter().zip(&factors.sides);
-        sides
-            .flat_map(|(slope, side)| {
-                let own = slope.alone.modulus().1 + slope.coupling.modulus().1;
-                [own / side.whole.modulus().1, slope.coupling.modulus().1 / side.coupling.modulus().1]
-            })
-            .map(|change| change * d)
-            .filter(|change| !change.is_nan())
-            .fold(0.0, f64::max)
-    };
-    largest(&factors.by_frequency.0, dw) > largest(&factors.by_parameter.0, dp)
-}
-
-/// Newton's iteration in a box of the search with at most one solution; `None` if it leaves the box.
-fn newton_in_box(
-    function: &impl LineFunction,
-    part: &Region,
-    (mut w, mut p): (f64, f64),
-    turns: f64,
-) -> Option<BoxContent> {
-    let inside = |(low, high): (f64, f64), x: f64, slack: f64| {
-        let margin = slack * (high - low) + 1e-13 * x.abs();
-        x >= low - margin && x <= high + margin
-    };
-    let mut previous = f64::INFINITY;
-    for _ in 0..30 {
-        let factors = function.factors(&Region { frequency: (w, w), parameter: (p, p) });
-        let by_w = log_derivative(&factors.sides, &factors.by_frequency)?.centre;
-        let by_p = log_derivative(&factors.sides, &factors.by_parameter)?.centre;
-        let value = function.logarithm(w, p).value - Complex64::new(0.0, turns * TAU);
-        let determinant = cross_product(by_w, by_p);
-        let step_w = cross_product(by_p, value) / determinant;
-        let step_p = -cross_product(by_w, value) / determinant;
-        w += step_w;
-        p += step_p;
-        let size = (step_w / w).abs() + (step_p / p).abs();
-        if !inside(part.frequency, w, 1.0) || !inside(part.parameter, p, 1.0) {
-            return None;
-        }
-        if size < 1e-15 || size < 1e-9 && size >= 0.5 * previous {
-            let own = inside(part.frequency, w, 1e-9) && inside(part.parameter, p, 1e-9);
-            return Some(if own { BoxContent::Solution(w, p) } else { BoxContent::Nothing });
-        }
-        previous = size;
-    }
-    None
 }

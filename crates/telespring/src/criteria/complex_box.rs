@@ -1,9 +1,9 @@
 //! Sets of complex numbers that enclose the factors of a characteristic function over a box.
 //!
-//! A rectangle is exact for factors whose real and imaginary parts are monotone. A disc is simple to multiply
-//! and to invert, which is all that the derivatives need.
+//! A rectangle is exact for factors whose real and imaginary parts are monotone. It bounds each part by itself:
+//! next to an undamped motion one part is smaller than the other by many decades.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
@@ -31,13 +31,22 @@ impl Interval {
     }
 
     /// The smallest interval that holds all products of two numbers.
+    #[inline]
     pub fn times(self, other: Self) -> Self {
+        if self.low >= 0.0 && other.low >= 0.0 {
+            return Self { low: self.low * other.low, high: self.high * other.high };
+        }
         let products =
             [self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high];
         products.into_iter().fold(Self::point(products[0]), |hull, product| Self {
-            low: hull.low.min(product),
-            high: hull.high.max(product),
+            low: if product < hull.low { product } else { hull.low },
+            high: if product > hull.high { product } else { hull.high },
         })
+    }
+
+    /// The negatives of all numbers.
+    pub fn turned(self) -> Self {
+        Self { low: -self.high, high: -self.low }
     }
 
     /// The interval widened by a distance on both sides.
@@ -46,7 +55,7 @@ impl Interval {
     }
 
     /// The smallest and the largest absolute value.
-    fn absolute(self) -> (f64, f64) {
+    pub fn absolute(self) -> (f64, f64) {
         let high = self.low.abs().max(self.high.abs());
         let low = if self.low <= 0.0 && self.high >= 0.0 { 0.0 } else { self.low.abs().min(self.high.abs()) };
         (low, high)
@@ -72,10 +81,24 @@ impl Rectangle {
         (re.0.hypot(im.0), re.1.hypot(im.1))
     }
 
-    /// An interval that holds the arguments of all numbers, up to whole turns; a whole turn if 0 lies inside.
-    pub fn argument(&self) -> Interval {
+    /// The arguments of all numbers, up to whole turns; a whole turn if 0 lies inside.
+    pub fn argument(&self) -> Argument {
+        let Self { re, im } = *self;
+        if re.high < 0.0 {
+            // Next to the negative axis the rest of a half turn keeps its digits.
+            let opposite = Self { re: re.turned(), im: im.turned() };
+            return Argument { half_turns: 1, rest: opposite.principal_argument() };
+        }
+        Argument { half_turns: 0, rest: self.principal_argument() }
+    }
+
+    /// The arguments of all numbers of a rectangle that does not lie left of the imaginary axis.
+    fn principal_argument(&self) -> Interval {
         let Self { re, im } = *self;
         let corner = |at_real: f64, at_imaginary: f64| at_imaginary.atan2(at_real);
+        if im.low == 0.0 && im.high == 0.0 && re.low > 0.0 {
+            return Interval::point(0.0);
+        }
         if im.low >= 0.0 {
             // The upper half-plane: the right edge has the smallest argument.
             let low = corner(re.high, if re.high > 0.0 { im.low } else { im.high });
@@ -83,63 +106,94 @@ impl Rectangle {
             return Interval { low, high };
         }
         if im.high <= 0.0 {
-            let Interval { low, high } =
-                Self { re, im: Interval { low: -im.high, high: -im.low } }.argument();
-            return Interval { low: -high, high: -low };
+            return Self { re, im: im.turned() }.principal_argument().turned();
         }
         if re.low > 0.0 {
             return Interval { low: corner(re.low, im.low), high: corner(re.low, im.high) };
         }
-        if re.high < 0.0 {
-            return Interval { low: corner(re.high, im.high), high: corner(re.high, im.low) + TAU };
-        }
         Interval { low: -PI, high: PI }
     }
-}
 
-/// All complex numbers within a distance of a centre.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Disc {
-    pub centre: Complex64,
-    pub radius: f64,
-}
-
-impl Disc {
-    /// The smallest disc around a rectangle.
-    pub fn around(rectangle: &Rectangle) -> Self {
-        let Rectangle { re, im } = *rectangle;
-        Self {
-            centre: Complex64::new(0.5 * (re.low + re.high), 0.5 * (im.low + im.high)),
-            radius: (0.5 * (re.high - re.low)).hypot(0.5 * (im.high - im.low)),
-        }
-    }
-
-    /// The sum of two discs.
+    /// The sum of two rectangles.
     pub fn plus(self, other: Self) -> Self {
-        Self { centre: self.centre + other.centre, radius: self.radius + other.radius }
+        Self { re: self.re.plus(other.re), im: self.im.plus(other.im) }
     }
 
-    /// The difference of two discs.
+    /// The difference of two rectangles.
     pub fn minus(self, other: Self) -> Self {
-        Self { centre: self.centre - other.centre, radius: self.radius + other.radius }
+        Self { re: self.re.plus(other.re.turned()), im: self.im.plus(other.im.turned()) }
     }
 
-    /// A disc that holds all products of two discs.
+    /// A rectangle that holds all products of two rectangles.
     pub fn times(self, other: Self) -> Self {
         Self {
-            centre: self.centre * other.centre,
-            radius: self.centre.norm() * other.radius
-                + other.centre.norm() * self.radius
-                + self.radius * other.radius,
+            re: self.re.times(other.re).plus(self.im.times(other.im).turned()),
+            im: self.re.times(other.im).plus(self.im.times(other.re)),
         }
     }
 
-    /// The reciprocals of all numbers of the disc; `None` if 0 is one of them.
+    /// The smallest rectangle that holds the reciprocals of all numbers; `None` if 0 is one of them.
     pub fn reciprocal(self) -> Option<Self> {
-        let size = self.centre.norm();
-        // Factored, so that neither square overflows.
-        let gap = (size - self.radius) * (1.0 + self.radius / size);
-        (gap > 0.0)
-            .then(|| Self { centre: self.centre.conj() / size / gap, radius: self.radius / size / gap })
+        let Self { re, im } = self;
+        if im.low == 0.0 && im.high == 0.0 && re.low > 0.0 {
+            return Some(Self { re: Interval { low: 1.0 / re.high, high: 1.0 / re.low }, im });
+        }
+        let is_zero_inside = re.low <= 0.0 && re.high >= 0.0 && im.low <= 0.0 && im.high >= 0.0;
+        (!is_zero_inside)
+            .then(|| Self { re: part_of_reciprocal(re, im), im: part_of_reciprocal(im, re).turned() })
+    }
+
+    /// The centre of a rectangle.
+    pub fn centre(&self) -> Complex64 {
+        Complex64::new(0.5 * (self.re.low + self.re.high), 0.5 * (self.im.low + self.im.high))
+    }
+
+    /// Half of the width of both parts of a rectangle.
+    pub fn radii(&self) -> (f64, f64) {
+        (0.5 * (self.re.high - self.re.low), 0.5 * (self.im.high - self.im.low))
+    }
+}
+
+/// The range of a/(a² + b²), one part of the reciprocal of the numbers of a rectangle without 0.
+fn part_of_reciprocal(a: Interval, b: Interval) -> Interval {
+    let (nearest, farthest) = b.absolute();
+    // Divided by the larger one, so that no square overflows.
+    let value = |a: f64, b: f64| {
+        if a.abs() >= b { 1.0 / (a + b * (b / a)) } else { (a / b) / (a * (a / b) + b) }
+    };
+    // Over b the largest modulus lies at the smallest |b|; over a it lies at |a| = |b|.
+    let largest = |low: f64, high: f64| value(nearest.clamp(low, high), nearest);
+    let smallest = |low: f64, high: f64| value(low, farthest).min(value(high, farthest));
+    if a.low >= 0.0 {
+        Interval { low: smallest(a.low, a.high), high: largest(a.low, a.high) }
+    } else if a.high <= 0.0 {
+        Interval { low: -largest(-a.high, -a.low), high: -smallest(-a.high, -a.low) }
+    } else {
+        Interval { low: -largest(0.0, -a.low), high: largest(0.0, a.high) }
+    }
+}
+
+/// The arguments of a set of numbers: a whole number of half turns and the rest, so that the rest keeps its digits
+/// next to the negative axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Argument {
+    pub half_turns: i32,
+    pub rest: Interval,
+}
+
+impl Argument {
+    /// The difference of two arguments.
+    pub fn minus(self, other: Self) -> Self {
+        Self { half_turns: self.half_turns - other.half_turns, rest: self.rest.plus(other.rest.turned()) }
+    }
+
+    /// The sum of two arguments.
+    pub fn plus(self, other: Self) -> Self {
+        Self { half_turns: self.half_turns + other.half_turns, rest: self.rest.plus(other.rest) }
+    }
+
+    /// The width of the rest.
+    pub fn width(&self) -> f64 {
+        self.rest.high - self.rest.low
     }
 }

@@ -54,27 +54,30 @@ pub(super) fn stiffness_crossings(
 pub(super) fn finished(axis: &DyadAxis, found: Found) -> Result<Vec<f64>> {
     match found {
         Found::All(parameters) => Ok(parameters),
-        Found::Unfinished(_) => {
-            let [first, second] = &axis.sides;
-            let value = format!(
-                "m1 {:?}, b1 {:?}, kh1 {:?}, m2 {:?}, b2 {:?}, kh2 {:?}, c {:?}",
-                first.mass,
-                first.damping,
-                first.ground_stiffness,
-                second.mass,
-                second.damping,
-                second.ground_stiffness,
-                axis.coupling_damping
-            );
-            Err(InvalidInput::new(
-                "axis",
-                value,
-                "the search for its crossings did not end: these values, or the delay, span too many decades",
-                "Set values that are negligible to 0, shorten the delay, or test single stiffnesses with the \
-                 maximum delay, which needs no search.",
-            ))
-        }
+        Found::Unfinished(_) => Err(unsearchable(axis, "did not end")),
     }
+}
+
+/// The refusal of an axis whose crossings could not be searched, with what the search did.
+pub(super) fn unsearchable(axis: &DyadAxis, outcome: &str) -> InvalidInput {
+    let [first, second] = &axis.sides;
+    let value = format!(
+        "m1 {:?}, b1 {:?}, kh1 {:?}, m2 {:?}, b2 {:?}, kh2 {:?}, c {:?}",
+        first.mass,
+        first.damping,
+        first.ground_stiffness,
+        second.mass,
+        second.damping,
+        second.ground_stiffness,
+        axis.coupling_damping
+    );
+    InvalidInput::new(
+        "axis",
+        value,
+        format!("the search for its crossings {outcome}: these values, or the delay, span too many decades"),
+        "Set values that are negligible to 0, shorten the delay, or test single stiffnesses with the maximum \
+         delay, which needs no search.",
+    )
 }
 
 /// An upper bound on |s| of every root right of −`decay_rate`, for all stiffnesses up to `stiffness`.

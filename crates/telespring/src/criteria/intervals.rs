@@ -40,8 +40,9 @@ pub fn maximum_delay(axis: &DyadAxis, stiffness: f64) -> Result<f64> {
 ///
 /// Intervals are open, except for a start at 0. A dyad that is stable at every short delay but not without
 /// delay, for lack of damping, starts at the smallest positive number. A delay at which a root only touches
-/// the imaginary axis ends one interval and starts the next; at most a million such touches are listed. The
-/// `horizon` may be infinite: beyond some delay a dyad is always or never stable.
+/// the imaginary axis ends one interval and starts the next. The `horizon` may be infinite: beyond some delay a dyad
+/// is always or never stable. A crossing is followed through a million periods; the list ends there, and no longer
+/// delay counts as stable.
 ///
 /// # Errors
 ///
@@ -85,9 +86,11 @@ pub(super) fn stable_delays_within(axis: &DyadAxis, crossings: &[Crossing], hori
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (delay, crossing, turn) = match next {
             Some(event) if event.0 < last && *event.2 < MAX_TURNS => event,
-            _ => {
-                if unstable == 0 && start < last {
-                    stable.push((start, last));
+            next => {
+                // What follows a crossing that is not followed does not count as stable.
+                let end = next.map_or(last, |event| event.0.min(last));
+                if unstable == 0 && start < end {
+                    stable.push((start, end));
                 }
                 return stable;
             }

@@ -2,7 +2,7 @@
 
 use super::branch_and_bound::{Region, Wanted, crossing_parameters};
 use super::critical::critical_stiffness;
-use super::crossing_search::{finished, stiffness_crossings};
+use super::crossing_search::{finished, stiffness_crossings, unsearchable};
 use super::crossings::all_crossings;
 use super::intervals::{is_in_any, is_stable_without_delay, stable_delays, unstable_roots};
 use super::lines::DampingLine;
@@ -20,7 +20,7 @@ use crate::quantity;
 /// # Errors
 ///
 /// [`InvalidInput`] if the delay (s) is out of range, or if masses, dampings and stiffnesses differ by so many
-/// decades that the search does not end.
+/// decades that the search does not end or finds nothing.
 ///
 /// # Examples
 ///
@@ -78,20 +78,20 @@ pub fn maximum_stiffness(axis: &DyadAxis, delay: f64) -> Result<f64> {
     if first.is_finite() { Ok(first) } else { first_crossing_stiffness(axis, soft, delay) }
 }
 
-/// The smallest stiffness above `low` at which a root crosses, N/m.
+/// The smallest stiffness above `low` at which a root crosses, N/m; a refusal of the axis if none is found.
 ///
 /// With a positive delay every large stiffness is unstable, so that a crossing lies below the first unstable
 /// stiffness of a doubling sequence.
 fn first_crossing_stiffness(axis: &DyadAxis, low: f64, delay: f64) -> Result<f64> {
     let mut high = 2.0 * low;
-    while unstable_roots(axis, high, delay) == 0 {
+    while high > 0.0 && high.is_finite() && unstable_roots(axis, high, delay) == 0 {
         high *= 2.0;
-        if !high.is_finite() {
-            return Ok(f64::INFINITY);
-        }
+    }
+    if high == 0.0 || !high.is_finite() {
+        return Err(unsearchable(axis, "found no unstable stiffness"));
     }
     let first = stiffness_crossings(axis, 2.0 * delay, 0.0, (low, high), Wanted::Least, &[])?;
-    Ok(first.first().copied().unwrap_or(high))
+    first.first().copied().ok_or_else(|| unsearchable(axis, "found none below an unstable stiffness"))
 }
 
 /// The smallest damping d, N·s/m, added to both robots, such that every larger addition is stable at this

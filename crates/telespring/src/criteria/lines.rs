@@ -26,21 +26,40 @@ impl Line<'_> {
         let (sigma, c) = (self.decay_rate, self.axis.coupling_damping);
         let coupling = Complex64::new(stiffness - c * sigma, c * frequency);
         let size = frequency.hypot(sigma);
-        let mut value = Complex64::new(-sigma, frequency) * self.round_trip;
-        let mut error = size * self.round_trip;
+        let turn = frequency * self.round_trip;
+        let mut value = Complex64::new(-sigma * self.round_trip, turn);
+        let mut error = Complex64::new(sigma * self.round_trip, turn);
+        let mut half_turns = 0;
         for side in &self.axis.sides {
             let (m, b) = (side.mass, side.damping + added);
             let alone = Complex64::new(
                 side.ground_stiffness + (m * sigma - b) * sigma - m * frequency * frequency,
                 frequency * (b - 2.0 * m * sigma),
             );
-            value += ln_1p(alone / coupling);
+            let whole = alone + coupling;
             let terms = (m * size + b) * size + side.ground_stiffness;
             // Rounding in A and in D changes ln(1 + A/D) by the relative error of either times A/N.
             let spread = 1.0 + (stiffness + c * size) / coupling.norm();
-            error += terms * spread / (alone + coupling).norm();
+            let by_ratio = terms * spread / whole.norm();
+            value.re += ln_1p(alone / coupling).re;
+            error.re += by_ratio;
+            // The arguments of N and D by themselves: only the real part of N cancels.
+            let is_left = whole.re < 0.0;
+            let own = if is_left { -whole } else { whole };
+            let (of_whole, of_coupling) = (own.arg(), coupling.arg());
+            let (real, imaginary) = (terms + stiffness + c * sigma, frequency * (b + c + 2.0 * m * sigma));
+            let lost = (real * whole.im.abs() + imaginary * whole.re.abs()) / whole.norm_sqr();
+            let by_arguments = lost + of_whole.abs() + of_coupling.abs();
+            if by_arguments < by_ratio {
+                half_turns += i32::from(is_left);
+                value.im += of_whole - of_coupling;
+                error.im += by_arguments;
+            } else {
+                value.im += ln_1p(alone / coupling).im;
+                error.im += by_ratio;
+            }
         }
-        Logarithm { value, error: 4.0 * f64::EPSILON * error }
+        Logarithm { value, half_turns, error: error * (4.0 * f64::EPSILON) }
     }
 }
 
@@ -177,6 +196,11 @@ impl LineFunction for StiffnessLine<'_> {
         self.line.decay_rate * self.line.round_trip
     }
 
+    /// Both sides hold the same spring and damper.
+    fn has_common_coupling(&self) -> bool {
+        true
+    }
+
     /// With an unknown stiffness the function is real at ω = 0.
     fn is_real_at(&self, frequency: f64) -> bool {
         frequency == 0.0
@@ -256,6 +280,11 @@ impl LineFunction for DampingLine<'_> {
     /// ln g = 0 on the imaginary axis with an unknown damping.
     fn log_growth(&self) -> f64 {
         0.0
+    }
+
+    /// Both sides hold the same spring and damper.
+    fn has_common_coupling(&self) -> bool {
+        true
     }
 
     /// With an unknown damping the function is real at ω = 0.

@@ -13,6 +13,7 @@
 //! | what does a predictor change? | [`predicted_maximum_stiffness`], [`predicted_maximum_delay`], [`predicted_unstable_root_count`], [`predicted_stability_map`] |
 //! | what do the paper's formulas give? | [`paper_critical_stiffness`], [`paper_maximum_delay`] |
 
+mod box_tests;
 pub(crate) mod branch_and_bound;
 pub(crate) mod complex_box;
 mod critical;

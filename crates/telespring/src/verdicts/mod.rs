@@ -261,11 +261,11 @@ impl Verdicts {
     }
 
     /// The same verdicts with an attack searched for: a network that keeps the ages in their range and the order of the
-    /// samples, and still makes the motion of this dyad grow, from the lowest stiffness that was found on.
+    /// samples, and still makes the motion of this dyad grow, at the lowest stiffness that was found.
     ///
     /// The attack is simulated with the operators whose age in a range allows least. It is greedy: in each step it plays
-    /// the sample that gives each side most power. `seed` draws the starts. A lower attack may exist, down to the bound.
-    /// Takes up to some seconds.
+    /// the sample that gives each side most power. `seed` draws the starts. A lower attack may exist, down to the bound,
+    /// and nothing is proven for stiffer springs. Takes up to some seconds.
     ///
     /// # Panics
     ///

@@ -199,7 +199,8 @@ impl LineFunction for CircleLine {
             let spread = 1.0 + coupling_size / coupling.norm();
             error += size * spread / (alone + coupling).norm();
         }
-        Logarithm { value, error: 4.0 * f64::EPSILON * error }
+        let error = 4.0 * f64::EPSILON * error;
+        Logarithm { value, half_turns: 0, error: Complex64::new(error, error) }
     }
 
     /// ln g = 0 on the unit circle.

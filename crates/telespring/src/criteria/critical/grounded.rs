@@ -1,11 +1,15 @@
 //! The critical stiffness with a grounded operator: the lowest point of a curve, enclosed by subdivision
 //! with Bernstein coefficients.
 
+use crate::criteria::crossings::all_crossings;
 use crate::model::DyadAxis;
 use crate::poly::{Polynomial, Real, positive_roots};
 
 /// The certified range ends this relative distance below the returned stiffness.
 const RESOLUTION: f64 = 1e-9;
+
+/// The largest number of ranges examined.
+const MAX_ROUNDS: u32 = 64;
 
 /// F(ξ, k) in powers of ξ = ω² (rows, to ξ⁴) and of k (columns, to k³: k⁴ cancels).
 type Tensor = [[f64; 4]; 5];
@@ -17,19 +21,28 @@ pub(super) fn critical_stiffness(axis: &DyadAxis) -> f64 {
     let soft_spring = (axis.coupling_damping > 0.0).then(|| 1e-9 * stiffness_scale(axis));
     let Some(lowest) = bound.or(soft_spring) else { return 0.0 };
     let mut best = scan_frequencies(axis, lowest);
-    // Each round either proves F > 0 below `best` or finds a smaller stiffness with F ≤ 0.
-    for _ in 0..64 {
-        match frequency_of_negative_value(
-            axis,
-            lowest,
-            best.stiffness * (1.0 - RESOLUTION),
-            best.squared_frequency,
-        ) {
-            None => break,
-            Some(squared_frequency) => best = descend_along_curve(axis, squared_frequency, best),
+    let mut distance = RESOLUTION;
+    // Each round proves F > 0 below `best`, finds a smaller stiffness with F ≤ 0, or, where rounding leaves it open,
+    // proves less.
+    for _ in 0..MAX_ROUNDS {
+        let highest = best.stiffness * (1.0 - distance);
+        // The crossings at one stiffness, in more digits, see what rounding hides from the coefficients.
+        let negative = frequency_of_negative_value(axis, lowest, highest, best.squared_frequency)
+            .or_else(|| all_crossings(axis, highest).first().map(|crossing| crossing.frequency.powi(2)));
+        let Some(squared_frequency) = negative else {
+            let proven = if distance > RESOLUTION { highest } else { best.stiffness };
+            return if bound.is_none() && proven < 1e3 * lowest { 0.0 } else { proven };
+        };
+        let lower = descend_along_curve(axis, squared_frequency, best);
+        if lower.stiffness < highest {
+            best = lower;
+        } else if distance < 0.5 {
+            distance *= 10.0;
+        } else {
+            break;
         }
     }
-    if bound.is_none() && best.stiffness < 1e3 * lowest { 0.0 } else { best.stiffness }
+    bound.unwrap_or(0.0)
 }
 
 /// A point on the curve F = 0.

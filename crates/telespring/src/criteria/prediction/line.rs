@@ -140,7 +140,8 @@ impl LineFunction for PredictedLine<'_> {
             let spread = 1.0 + size(&polynomials.coupling, frequency) / coupling.norm();
             error += size(&polynomials.alone, frequency) * spread / whole.norm();
         }
-        Logarithm { value, error: 16.0 * f64::EPSILON * error }
+        let error = 16.0 * f64::EPSILON * error;
+        Logarithm { value, half_turns: 0, error: Complex64::new(error, error) }
     }
 
     /// The delayed term does not grow on the imaginary axis.
