@@ -94,7 +94,7 @@ OWN: dict[str, dict[str, Any]] = {
 }
 
 
-OTHERS = {"Agent", "Arm", "Experiment", "Study", "Task", "Trajectory", "compare", "rehearse"}
+OTHERS = {"Adversary", "Agent", "Arm", "Experiment", "Study", "Task", "Trajectory", "compare", "rehearse"}
 METHODS = ["maximum_delay", "critical_stiffness", "stability_map", "is_stable", "crossings", "stable_delays"]
 
 

@@ -27,6 +27,7 @@ from telespring._types import (
 )
 
 __all__ = [
+    "Adversary",
     "Agent",
     "Architecture",
     "Arm",

@@ -121,7 +121,10 @@ def network_json(found: Decision | DelayLimits) -> dict[str, Any]:
     if ages is None:
         return {"stated": found.verdicts.network.to_dict(), "judged": None}
     assert found.stated is not None  # it comes with the ages
-    return {"stated": found.stated.to_dict(), "judged": ages.to_dict()}
+    is_all_stated = ages.is_as_stated and not (
+        ages.sources or ages.unjudged or ages.has_computing_tick or ages.is_guard_predicted
+    )
+    return {"stated": found.stated.to_dict(), "judged": None if is_all_stated else ages.to_dict()}
 
 
 def _changes_json(changes: Changes) -> dict[str, Any]:
