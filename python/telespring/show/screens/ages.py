@@ -28,8 +28,8 @@ _UNJUDGED = {
     "which changes the loop; ts.maximum_stiffness(…, predictor=…) judges it at one constant delay.",
     "strategy": "Nothing is proven: the numbers are those of the bare spring, not of the session's strategy "
     "(docs/strategies.md says what it promises).",
-    "actuator lag": "Nothing is proven: the robots' forces lag behind their commands (laboratory.actuator_lag), "
-    "and no verdict judges that.",
+    "actuator lag": "Nothing is proven: no verdict judges forces that lag behind their commands "
+    "(laboratory.actuator_lag).",
 }
 _TOO_SHORT = "max_gap is shorter than the gaps that the losses make: the longer ones count."
 
