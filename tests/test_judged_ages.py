@@ -212,6 +212,12 @@ def test_law_the_answer_with_jitter_fits_a_screen() -> None:
             assert len(shown.splitlines()) <= 30, shown
 
 
+def limit(study: ts.Study) -> float:
+    found = ts.decide(study).stiffness_limit
+    assert found is not None
+    return found
+
+
 def test_law_a_force_that_acts_late_is_judged_as_late_and_a_lag_not_at_all() -> None:
     study = STUDY.replace(network={"delay": 0.05}, coupling={"stiffness": 60.0})
     late = study.replace(laboratory={"computing_tick": True})
@@ -219,8 +225,8 @@ def test_law_a_force_that_acts_late_is_judged_as_late_and_a_lag_not_at_all() -> 
     stated = study.replace(controller={"computing_time": 0.001})
     assert not stated.judged_network().has_computing_tick
     assert late.judged_network().network == stated.judged_network().network == stated.network
-    assert ts.decide(late).stiffness_limit == ts.decide(stated).stiffness_limit
-    assert ts.decide(late).stiffness_limit < ts.decide(study).stiffness_limit
+    assert limit(late) == limit(stated)
+    assert limit(late) < limit(study)
     lagging = study.replace(laboratory={"actuator_lag": 0.005})
     assert ts.decide(study).status == "stable"
     assert ts.decide(lagging).status == "not proven"
@@ -231,8 +237,6 @@ def test_law_continuous_controllers_are_judged_as_the_laboratory_samples_them() 
     slow = {"laboratory": {"sample_period": 0.025}, "protocol": {"record_rate": 40.0}}
     study = STUDY.replace(network={"delay": 0.05}, coupling={"stiffness": 60.0}, controller=None, **slow)
     continuous = study.replace(controller={"sample_period": 0.0})
-    assert ts.decide(continuous).stiffness_limit == ts.decide(study).stiffness_limit
+    assert limit(continuous) == limit(study)
     plain = continuous.replace(laboratory=None, protocol={"record_rate": None})
-    limit = ts.decide(plain).stiffness_limit
-    assert limit is not None
-    assert limit > 1.3 * ts.decide(study).stiffness_limit
+    assert limit(plain) > 1.3 * limit(study)
