@@ -159,6 +159,15 @@ def test_law_a_trial_that_ended_early_is_not_drawn_as_nothing() -> None:
     assert any(text.endswith(", 3/4") for text in texts(draw_plane(data, ("spring", "guard"))))
 
 
+def test_law_a_strategy_without_any_error_leaves_the_panels_their_width() -> None:
+    data = made_comparison(("spring", "guard"), (142.5,), (0.0, 0.084))
+    data.status[0, 0] = 1
+    data.tracking_error[0, 0] = np.nan
+    figure = draw_delays(data)
+    figure.draw_without_rendering()
+    assert all(axes.get_position().width > 0.8 for axes in figure.axes)
+
+
 def test_law_the_plane_shows_the_larger_of_both_costs() -> None:
     data = made_comparison()
     figure = draw_plane(data, ("guard + shared-target",))

@@ -194,6 +194,8 @@ def _draw_panel(
         )
         # A line leaves the scale where it does; what is beyond is written above.
         line.set_clip_path(Rectangle((-1e6, 0.0), 2e6, 1e3 * limit, transform=axes.transData))
+        # Without a point the clip would count as its extent.
+        line.set_in_layout(False)
         axes.errorbar(
             1e3 * curve.delay[fits],
             1e3 * mean[fits],
