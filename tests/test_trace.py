@@ -264,3 +264,8 @@ def test_law_behind_a_lag_only_the_guard_is_recommended_as_far_as_it_is_proven()
     assert found.stiffness is not None
     assert found.stiffness <= found.guard_stiffness < found.recommended.usable_stiffness
     assert found.recommended_study("t.csv").session.strategy == "guard"
+    # its own stiffness stays as far as the guard is proven
+    for own, expected in ((40.0, 40.0), (20_000.0, found.guard_stiffness)):
+        stated = ts.assess_trace(trace, study.replace(coupling={"stiffness": own}))
+        assert stated.recommended_study("t.csv").stiffness == pytest.approx(expected, rel=1e-3)
+        assert stated.recommended_study("t.csv").stiffness <= expected

@@ -166,8 +166,8 @@ class TraceAssessment:
 
         Robots, operators, controllers and the laboratory are those of the study that was judged. The network
         is the trace and nothing else. The protocol has one connected condition: `stiffness`, or with the
-        guard the study's own if it has one, and the delay of the play-out. Robots that have not two axes
-        cannot be rehearsed: their network is the ages as played.
+        guard the study's own if it has one, as far as the guard is proven, and the delay of the play-out.
+        Robots that have not two axes cannot be rehearsed: their network is the ages as played.
 
         Parameters
         ----------
@@ -194,6 +194,8 @@ class TraceAssessment:
         stiffness = self.stiffness
         if self.needs_guard and self.study.has_stiffness:
             stiffness = self.study.stiffness
+            if stiffness > self.guard_stiffness:
+                stiffness = round_limit(self.guard_stiffness)
         if stiffness is not None:
             changes["coupling"] = {"stiffness": stiffness}
         if self.study.experiment is not None and stiffness is not None:
