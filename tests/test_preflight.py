@@ -19,7 +19,12 @@ from telespring.rehearsal.preflight import preflight_warnings
 from telespring.rehearsal.target import target_path
 from telespring.show.screens.rehearsal import preflight_sentence
 
-EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "examples").glob("*.toml"))
+#: A site's file is the live program's, whose own tests read it.
+EXAMPLES = sorted(
+    path
+    for path in (Path(__file__).resolve().parent.parent / "examples").glob("*.toml")
+    if not path.stem.startswith("site-")
+)
 
 #: What the page says of the laboratory and its trials.
 LABORATORY = [part for part in PARTS if part.name in ("summary", "model", "laboratory", "experiment")]
