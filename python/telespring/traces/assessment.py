@@ -185,7 +185,7 @@ class TraceAssessment:
         >>> trace = ts.Trace([0.01 * n for n in range(1000)], [0.09 + 0.005 * (n % 2) for n in range(1000)])
         >>> study = ts.assess_trace(trace).recommended_study("uplink.csv")
         >>> study.session.playout_delay, study.stiffness
-        (0.095, 98.55)
+        (0.095, 98.61)
         >>> [delay for stiffness, delay in study.experiment.conditions if stiffness]
         [0.095]
         """
