@@ -291,29 +291,6 @@ impl Study {
         session.into_iter().chain(lag).collect()
     }
 
-    /// Recorded traces as one way of the study's network.
-    fn one_way(&self, traces: [Option<Arc<Trace>>; 2]) -> Result<[Option<Arc<Trace>>; 2]> {
-        let mut found = [None, None];
-        for (way, trace) in traces.into_iter().enumerate() {
-            found[way] = match (&self.emulated_network.traces[way], trace) {
-                (Some(file), Some(trace)) if file.is_round_trip => {
-                    Some(Arc::new(Trace::clone(&trace).halved()))
-                }
-                (Some(_), trace) => trace,
-                (None, None) => None,
-                (None, Some(_)) => {
-                    return Err(InvalidInput::new(
-                        "traces",
-                        "a trace",
-                        "the study names no recorded trace for this direction",
-                        "Add network.trace to the study, or leave the trace out.",
-                    ));
-                }
-            };
-        }
-        Ok(found)
-    }
-
     /// Refuses a promise of a playout buffer that the study's own play-out breaks.
     pub(super) fn check_buffer(&self) -> Result<()> {
         if !self.has_playout_buffer {

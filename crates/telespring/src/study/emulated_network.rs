@@ -123,30 +123,16 @@ impl Study {
         &self.moved_keys.0
     }
 
-    /// The network of the study's laboratory with these recorded traces, forward and backward.
-    pub(super) fn network_on(&self, traces: [Option<Arc<Trace>>; 2]) -> Result<Network> {
-        let mut network = self.emulated_network.model.clone();
-        let ways = [&mut network.forward, &mut network.backward];
-        for ((way, file), trace) in ways.into_iter().zip(&self.emulated_network.traces).zip(traces) {
-            match (file, trace) {
-                (None, None) => {}
-                (Some(file), Some(trace)) => {
-                    // The trace has its own delays; what the study calls jitter is for the verdicts.
-                    way.jitter = 0.0;
-                    way.trace = Some(if file.is_round_trip {
-                        Arc::new(Trace::clone(&trace).halved())
-                    } else {
-                        trace
-                    });
+    /// Recorded traces as one way of the study's network.
+    pub(super) fn one_way(&self, traces: [Option<Arc<Trace>>; 2]) -> Result<[Option<Arc<Trace>>; 2]> {
+        let mut found = [None, None];
+        for (way, trace) in traces.into_iter().enumerate() {
+            found[way] = match (&self.emulated_network.traces[way], trace) {
+                (Some(file), Some(trace)) if file.is_round_trip => {
+                    Some(Arc::new(Trace::clone(&trace).halved()))
                 }
-                (Some(file), None) => {
-                    return Err(InvalidInput::new(
-                        "network.trace",
-                        format!("{:?}", file.path),
-                        "the rehearsal needs the content of the recorded trace",
-                        "Read the file and give it to Study::laboratory_on.",
-                    ));
-                }
+                (Some(_), trace) => trace,
+                (None, None) => None,
                 (None, Some(_)) => {
                     return Err(InvalidInput::new(
                         "traces",
@@ -155,7 +141,29 @@ impl Study {
                         "Add network.trace to the study, or leave the trace out.",
                     ));
                 }
+            };
+        }
+        Ok(found)
+    }
+
+    /// The network of the study's laboratory with these recorded traces, forward and backward.
+    pub(super) fn network_on(&self, traces: [Option<Arc<Trace>>; 2]) -> Result<Network> {
+        let mut network = self.emulated_network.model.clone();
+        let ways = [&mut network.forward, &mut network.backward];
+        let traces = self.one_way(traces)?;
+        for ((way, file), trace) in ways.into_iter().zip(&self.emulated_network.traces).zip(traces) {
+            let Some(file) = file else { continue };
+            if trace.is_none() {
+                return Err(InvalidInput::new(
+                    "network.trace",
+                    format!("{:?}", file.path),
+                    "the rehearsal needs the content of the recorded trace",
+                    "Read the file and give it to Study::laboratory_on.",
+                ));
             }
+            // The trace has its own delays; what the study calls jitter is for the verdicts.
+            way.jitter = 0.0;
+            way.trace = trace;
         }
         Ok(network)
     }
