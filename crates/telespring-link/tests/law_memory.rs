@@ -1,7 +1,8 @@
 //! From its start on a loop allocates nothing: over UDP, in real time, through a greeting, a session, garbage and its end.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+#[path = "../../telespring/tests/watched_allocator/mod.rs"]
+mod watched_allocator;
+
 use std::net::UdpSocket;
 use std::sync::atomic::AtomicBool;
 
@@ -11,42 +12,7 @@ use telespring_link::device::Simulated;
 use telespring_link::real_time::{Limits, Pace, run};
 use telespring_link::site::{Cause, Phase, Safety, Site, SiteSettings};
 use telespring_link::transport::Udp;
-
-thread_local! {
-    /// How often this thread has used the allocator, and whether it may not.
-    static USES: Cell<u64> = const { Cell::new(0) };
-    static FORBIDDEN: Cell<bool> = const { Cell::new(false) };
-}
-
-/// The system's allocator, which counts its uses while they are forbidden.
-struct Watched;
-
-fn note() {
-    if FORBIDDEN.get() {
-        USES.set(USES.get() + 1);
-    }
-}
-
-// SAFETY: every call goes to the system's allocator unchanged
-unsafe impl GlobalAlloc for Watched {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        note();
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        note();
-        unsafe { System.dealloc(place, layout) }
-    }
-
-    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        note();
-        unsafe { System.realloc(place, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Watched = Watched;
+use watched_allocator::{FORBIDDEN, USES};
 
 /// Runs one side for a second and returns the uses of the allocator by its loop, and how the session went.
 fn uses(

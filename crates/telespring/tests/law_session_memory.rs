@@ -1,7 +1,6 @@
 //! After its construction an endpoint allocates nothing, whatever comes in, and every force is finite.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+mod watched_allocator;
 
 use telespring::session::strategy::{
     Guard, InjectedDamping, InjectedDampingSettings, SetPositionModulation, SetPositionSettings,
@@ -12,42 +11,7 @@ use telespring::session::{
     AccountSettings, AdaptiveDelay, ClockSettings, Endpoint, EndpointSettings, Law, LocalTime, Motion,
     PeerTime, PlayoutSettings, Span,
 };
-
-thread_local! {
-    /// How often this thread has used the allocator, and whether it may not.
-    static USES: Cell<u64> = const { Cell::new(0) };
-    static FORBIDDEN: Cell<bool> = const { Cell::new(false) };
-}
-
-/// The system's allocator, which counts its uses while they are forbidden.
-struct Watched;
-
-fn note() {
-    if FORBIDDEN.get() {
-        USES.set(USES.get() + 1);
-    }
-}
-
-// SAFETY: every call goes to the system's allocator unchanged
-unsafe impl GlobalAlloc for Watched {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        note();
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        note();
-        unsafe { System.dealloc(place, layout) }
-    }
-
-    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        note();
-        unsafe { System.realloc(place, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Watched = Watched;
+use watched_allocator::{FORBIDDEN, USES};
 
 /// Runs without the allocator and returns how often it was used all the same.
 fn without_allocator(run: impl FnOnce()) -> u64 {
