@@ -27,6 +27,7 @@
 //! # Ok::<(), telespring::InvalidInput>(())
 //! ```
 
+mod actuated;
 mod agent;
 mod check;
 mod connected;

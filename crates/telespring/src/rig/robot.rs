@@ -1,7 +1,8 @@
 //! One robot of a laboratory, moved step by step: what a live program moves where no real robot is.
 
+use super::actuated::ActuatedPlant;
 use super::agent::{AgentState, Observation};
-use super::plant::{Halt, Plant, RelaxingForce};
+use super::plant::{Halt, Plant};
 use super::{Agent, Controller, Laboratory, Target};
 use crate::error::{InvalidInput, Result};
 use crate::session::Motion;
@@ -26,14 +27,10 @@ use crate::session::Motion;
 /// ```
 #[derive(Debug, Clone)]
 pub struct SimulatedRobot {
-    plant: Plant,
+    robot: ActuatedPlant,
     agent: AgentState,
     target: Target,
     controller: Controller,
-    /// The forces of the step before: told to the robot, and of the agent, N.
-    before: [[f64; 2]; 2],
-    /// The force of the actuator, N.
-    actuator: [f64; 2],
 }
 
 impl SimulatedRobot {
@@ -64,22 +61,19 @@ impl SimulatedRobot {
             ));
         }
         let start = target.at_tick(0, controller.sample_period).position;
+        let plant = Plant::new(station.handle, &station.arm, start)
+            .map_err(|refusal| refusal.within(&format!("arm{number}")))?;
         Ok(Self {
-            plant: Plant::new(station.handle, &station.arm, start)
-                .map_err(|refusal| refusal.within(&format!("arm{number}")))?,
+            robot: ActuatedPlant::new(plant),
             agent: AgentState::new(&station.agent, seed, side),
             target: target.clone(),
             controller: *controller,
-            before: [[0.0; 2]; 2],
-            actuator: [0.0; 2],
         })
     }
 
     /// The motion of the simulated robot's handle as its sensor reports it.
     pub fn measure(&self) -> Motion {
-        let (position, step) = (self.plant.position(), self.controller.encoder_resolution);
-        let position = if step > 0.0 { position.map(|x| (x / step).round() * step) } else { position };
-        Motion { position, velocity: self.plant.velocity() }
+        self.robot.measure(&self.controller)
     }
 
     /// The target that the simulated robot's agent follows, `time` s after the start.
@@ -105,16 +99,9 @@ impl SimulatedRobot {
         let Motion { position, velocity } = self.measure();
         let seen = Observation { time, position, velocity, target: aim.position };
         let (_, hand) = self.agent.aim_and_force(&seen, &aim);
-        let before = std::mem::replace(&mut self.before, [command, hand]);
-        let [command, hand] = if self.controller.computing_tick { before } else { [command, hand] };
-        if self.controller.actuator_lag > 0.0 {
-            let time_constant = self.controller.actuator_lag;
-            let force = RelaxingForce { from: self.actuator, to: command, time_constant };
-            self.actuator = force.after(span);
-            self.plant.advance_relaxing(&force, hand, span)?;
-            return Ok(force.mean(span));
-        }
-        self.plant.advance(command, hand, span)?;
-        Ok(command)
+        let acting = self.robot.acting_forces(command, hand, &self.controller);
+        let mean = self.robot.mean_force(&acting, &self.controller, span);
+        self.robot.advance(&acting, &self.controller, span)?;
+        Ok(mean)
     }
 }

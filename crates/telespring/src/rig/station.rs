@@ -1,9 +1,10 @@
 //! One side of a running trial: its plant, its agent and its endpoint.
 
+use super::actuated::{ActingForces, ActuatedPlant};
 use super::agent::AgentState;
 use super::energy::held_force_energy;
 use super::network::Channel;
-use super::plant::{Halt, Plant, RelaxingForce};
+use super::plant::{Halt, Plant};
 use super::{Controller, Laboratory, Trial};
 use crate::error::Result;
 use crate::session::{Endpoint, LocalTime, Motion, Span, motion};
@@ -12,46 +13,21 @@ use crate::session::{Endpoint, LocalTime, Motion, Span, motion};
 /// that far.
 pub const POSITION_LIMIT: f64 = 10.0;
 
-/// The forces that act on one side from a tick on, N.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ActingForces {
-    /// The force commanded by the robot's controller.
-    pub(super) command: [f64; 2],
-    /// The force of the robot at the tick, behind the actuator lag.
-    pub(super) robot: [f64; 2],
-    /// The force commanded by the agent.
-    pub(super) hand: [f64; 2],
-}
-
 /// The state of one side during a trial.
 pub(super) struct RunningStation {
-    pub(super) plant: Plant,
+    pub(super) robot: ActuatedPlant,
     pub(super) mover: AgentState,
     pub(super) endpoint: Option<Endpoint>,
     /// The channel towards this side.
     pub(super) link: Option<Box<dyn Channel>>,
-    /// The forces computed at the previous tick: of the spring and of the agent, N.
-    computed: [[f64; 2]; 2],
-    /// The force of the actuator, N.
-    actuator: [f64; 2],
 }
 
 impl RunningStation {
     /// Whether, in the running trial, a handle is beyond the position limit or too fast for a packet.
     pub(super) fn has_diverged(&self) -> bool {
         let beyond = |values: [f64; 2], limit: f64| values.iter().any(|value| !(value.abs() <= limit));
-        beyond(self.plant.position(), POSITION_LIMIT) || beyond(self.plant.velocity(), motion::MAX_VALUE)
-    }
-
-    /// Measures position and velocity with the sensor's resolution at a tick of the trial.
-    pub(super) fn measure_motion(&self, resolution: f64) -> Motion {
-        let position = self.plant.position();
-        let position = if resolution > 0.0 {
-            position.map(|value| (value / resolution).round() * resolution)
-        } else {
-            position
-        };
-        Motion { position, velocity: self.plant.velocity() }
+        let plant = &self.robot.plant;
+        beyond(plant.position(), POSITION_LIMIT) || beyond(plant.velocity(), motion::MAX_VALUE)
     }
 
     /// The energy in the account of the strategy, J; NaN if there is none.
@@ -76,42 +52,24 @@ impl RunningStation {
         endpoint.force(now)
     }
 
-    /// The forces that act in the trial until the next tick, given the newly computed ones, N.
-    pub(super) fn acting_forces(
-        &mut self,
-        spring: [f64; 2],
-        hand: [f64; 2],
-        controller: &Controller,
-    ) -> ActingForces {
-        let computed = [spring, hand];
-        let before = std::mem::replace(&mut self.computed, computed);
-        let [command, hand] = if controller.computing_tick { before } else { computed };
-        let robot = if controller.actuator_lag > 0.0 { self.actuator } else { command };
-        ActingForces { command, robot, hand }
-    }
-
-    /// Moves the plant of one side of the trial over one sample period; the energy that the robot, and that the agent, gave
+    /// Moves the robot of one side of the trial over one sample period; the energy that the robot, and that the agent, gave
     /// in it, J.
-    pub(super) fn advance_plant(
+    pub(super) fn advance(
         &mut self,
         acting: &ActingForces,
         controller: &Controller,
     ) -> std::result::Result<[f64; 2], Halt> {
-        let (period, time_constant) = (controller.sample_period, controller.actuator_lag);
-        let (from, held) = (self.plant.position(), self.plant.hold(acting.hand));
-        let mut mean = acting.command;
-        if time_constant > 0.0 {
-            let force = RelaxingForce { from: self.actuator, to: acting.command, time_constant };
-            mean = force.mean(period);
-            self.actuator = force.after(period);
-            if let Some(endpoint) = &mut self.endpoint {
-                endpoint.handle_acted(mean);
-            }
-            self.plant.advance_relaxing(&force, acting.hand, period)?;
-        } else {
-            self.plant.advance(acting.command, acting.hand, period)?;
+        let (period, plant) = (controller.sample_period, &self.robot.plant);
+        let (from, held) = (plant.position(), plant.hold(acting.hand));
+        let mean = self.robot.mean_force(acting, controller, period);
+        if controller.actuator_lag > 0.0
+            && let Some(endpoint) = &mut self.endpoint
+        {
+            endpoint.handle_acted(mean);
         }
-        Ok([held_force_energy(mean, from, self.plant.position()), self.plant.held_energy(&held)])
+        self.robot.advance(acting, controller, period)?;
+        let plant = &self.robot.plant;
+        Ok([held_force_energy(mean, from, plant.position()), plant.held_energy(&held)])
     }
 }
 
@@ -129,14 +87,13 @@ impl Trial<'_> {
                 Ok((Endpoint::new(settings)?, network.towards(side).channel(travel, self.seed, side)))
             });
             let (endpoint, link) = linked.transpose()?.unzip();
+            let plant = Plant::new(sides[side].handle, &sides[side].arm, start)
+                .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?;
             Ok(RunningStation {
-                plant: Plant::new(sides[side].handle, &sides[side].arm, start)
-                    .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?,
+                robot: ActuatedPlant::new(plant),
                 mover: AgentState::new(&sides[side].agent, self.seed, side),
                 endpoint,
                 link,
-                computed: [[0.0; 2]; 2],
-                actuator: [0.0; 2],
             })
         };
         Ok([station(0)?, station(1)?])

@@ -5,13 +5,14 @@
 //! the next tick. With a computing tick the forces of the previous tick act instead. Both sides thus use
 //! samples of the same instant, in either order of computation.
 
+use super::actuated::ActingForces;
 use super::agent::{AgentState, Observation};
 use super::connected::ConnectedMode;
 use super::energy::Energies;
 use super::plant::Halt;
 use super::record::{Record, Recording, Row, Status, TrialOutcome};
 use super::schedule::Schedule;
-use super::station::{ActingForces, RunningStation};
+use super::station::RunningStation;
 use super::{Agent, Laboratory};
 use crate::error::{InvalidInput, Result};
 use crate::quantity;
@@ -133,8 +134,7 @@ impl Trial<'_> {
             if tick % TICKS_BETWEEN_CHECKS == 0 {
                 check_interrupt()?;
             }
-            let measured =
-                stations.each_ref().map(|station| station.measure_motion(controller.encoder_resolution));
+            let measured = stations.each_ref().map(|station| station.robot.measure(controller));
             for side in 0..2 {
                 if let Some(endpoint) = &mut stations[side].endpoint {
                     if endpoint.handle_measurement(now, measured[side]).is_err() {
@@ -164,7 +164,7 @@ impl Trial<'_> {
                     _ => station.mover.aim_and_force(&seen, &aim_here),
                 };
                 let spring = station.spring_force(now, measured[side]);
-                acting[side] = station.acting_forces(spring, hand, controller);
+                acting[side] = station.robot.acting_forces(spring, hand, controller);
             }
             if tick % stride == 0 {
                 record.target[rows] = aim_here.position;
@@ -173,9 +173,9 @@ impl Trial<'_> {
                     let ActingForces { robot, hand, .. } = acting[side];
                     record.coupling_force[rows][side] = robot;
                     record.agent_force[rows][side] = hand;
-                    record.position[rows][side] = station.plant.position();
-                    record.velocity[rows][side] = station.plant.velocity();
-                    record.handle_force[rows][side] = station.plant.handle_force(robot, hand);
+                    record.position[rows][side] = station.robot.plant.position();
+                    record.velocity[rows][side] = station.robot.plant.velocity();
+                    record.handle_force[rows][side] = station.robot.plant.handle_force(robot, hand);
                     record.account[rows][side] = station.balance();
                     record.age[rows][side] = station.partner_age();
                 }
@@ -186,7 +186,7 @@ impl Trial<'_> {
             }
             let mut given = [[0.0; 2]; 2];
             for ((station, acting), given) in stations.iter_mut().zip(&acting).zip(&mut given) {
-                match station.advance_plant(acting, controller) {
+                match station.advance(acting, controller) {
                     Ok(energy) => *given = energy,
                     Err(halt) => {
                         let at = (tick + 1) as f64 * period;
