@@ -197,7 +197,9 @@ def _judge_places(
     for cell in schedule.cells:
         # Of an architecture only the play-out counts for the bare spring.
         bare = cell.study.replace(session={"strategy": "spring", "predictor": "hold"})
-        asked = known.setdefault(bare, SpringVerdicts(bare))
+        if bare not in known:
+            known[bare] = SpringVerdicts(bare)
+        asked = known[bare]
         measured = cells[cell.folder]
         ages = [
             measured[name].transpose("condition", "robot").values.tolist() for name in ("age_low", "age_high")

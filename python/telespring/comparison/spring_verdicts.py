@@ -36,6 +36,7 @@ class SpringVerdicts:
         self._has_adversary = any(adversary is not None for adversary in study.adversaries)
         # A study may leave the delay to its protocol.
         self._controllers = self._study.judged_network(0.0, (None, None)).network
+        self._asked: dict[float, Question] = {}
         self._statuses: dict[tuple[float, Network, bool, bool], str] = {}
         self._bounds: dict[tuple[tuple[float, float], tuple[float, float]], float | None] = {}
 
@@ -68,7 +69,7 @@ class SpringVerdicts:
 
         `longest` are the ages that were played: those of a recorded trace, and never less.
         """
-        asked = Question.of_study(self._study, delay=delay)
+        asked = self._asked_at(delay)
         assert asked.ages is not None  # it comes with a study
         if "unread trace" in asked.unjudged and not self._has_adversary and all(map(math.isfinite, longest)):
             return longest
@@ -78,10 +79,16 @@ class SpringVerdicts:
         # Robot 1 receives on the way backward. Without a sample played, fmax leaves what the network makes.
         return float(np.fmax(backward, longest[0])), float(np.fmax(forward, longest[1]))
 
+    def _asked_at(self, delay: float) -> Question:
+        """Return the question of the study at a delay, s, which is the same at every stiffness."""
+        if delay not in self._asked:
+            self._asked[delay] = Question.of_study(self._study, delay=delay)
+        return self._asked[delay]
+
     def _question(
         self, delay: float, shortest: tuple[float, float], longest: tuple[float, float]
     ) -> Question:
-        asked = Question.of_study(self._study, delay=delay)
+        asked = self._asked_at(delay)
         assert asked.ages is not None  # it comes with a study
         if self._has_adversary or not all(map(math.isfinite, (*shortest, *longest))):
             return asked
