@@ -256,6 +256,14 @@ def test_cross_forces_that_act_late_count_as_computing_time() -> None:
     assert late.stiffness < 0.8 * (ts.assess_trace(trace, study).stiffness or 0.0)
 
 
+def test_law_continuous_controllers_are_timed_as_decide_times_them() -> None:
+    slow = study().replace(controller={"sample_period": 0.0}, laboratory={"sample_period": 0.001})
+    found = ts.assess_trace(ts.Trace([0.01 * n for n in range(1000)], [0.095] * 1000), slow)
+    told = slow.replace(**found.settings())
+    assert ts.decide(told, 0.999 * found.recommended.usable_stiffness).is_stable
+    assert not ts.decide(told, 1.001 * found.recommended.usable_stiffness).is_stable
+
+
 def test_law_behind_a_lag_only_the_guard_is_recommended_as_far_as_it_is_proven() -> None:
     trace = ts.Trace([0.02 * n for n in range(1000)], [0.05] * 1000)
     study = ts.Study.paper().replace(controller={"sample_period": 0.001}, laboratory={"actuator_lag": 0.03})

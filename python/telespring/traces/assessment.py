@@ -309,17 +309,10 @@ def assess_trace(
 
 
 def _controllers_of(study: Study) -> tuple[Network, bool]:
-    """Return the timing of a study's controllers as it rehearses them, and whether their forces lag."""
-    stated = _network_of(study)
-    if study.experiment is None:
-        return stated, False
-    settings = study.experiment.settings
-    period, computing = stated.sample_period, stated.computing_time
-    if period == 0.0 and study.experiment.sample_period > _PACKETS:
-        period = study.experiment.sample_period
-    if settings.computing_tick:
-        computing = period
-    return Network(0.0, sample_period=period, computing_time=computing), settings.actuator_lag > 0.0
+    """Return the timing of a study's controllers as `decide` judges it, and whether their forces lag."""
+    judged = study.judged_network(0.0)
+    period, computing = judged.network.sample_period, judged.network.computing_time
+    return Network(0.0, sample_period=period, computing_time=computing), "actuator lag" in judged.unjudged
 
 
 def _network_of(study: Study) -> Network:
