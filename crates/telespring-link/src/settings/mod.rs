@@ -8,7 +8,7 @@ mod safety;
 
 pub use device::DeviceChoice;
 pub use network::NetworkChoice;
-pub use real_time::LoopChoice;
+pub use real_time::{LoopChoice, PaceChoice};
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
