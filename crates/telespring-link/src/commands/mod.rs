@@ -3,6 +3,8 @@
 mod demo;
 mod id;
 mod keygen;
+mod parts;
+mod probe;
 mod run;
 
 use std::process::ExitCode;
@@ -35,6 +37,7 @@ enum Command {
     Demo(demo::Demo),
     Keygen(keygen::Keygen),
     Id(id::Id),
+    Probe(probe::Probe),
 }
 
 impl Arguments {
@@ -45,6 +48,7 @@ impl Arguments {
             Command::Demo(command) => command.run(),
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
+            Command::Probe(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");
