@@ -3,6 +3,7 @@
 mod demo;
 mod id;
 mod keygen;
+mod relay_config;
 mod run;
 
 use std::process::ExitCode;
@@ -35,6 +36,7 @@ enum Command {
     Demo(demo::Demo),
     Keygen(keygen::Keygen),
     Id(id::Id),
+    RelayConfig(relay_config::RelayConfig),
 }
 
 impl Arguments {
@@ -45,6 +47,7 @@ impl Arguments {
             Command::Demo(command) => command.run(),
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
+            Command::RelayConfig(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

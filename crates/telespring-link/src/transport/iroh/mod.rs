@@ -114,7 +114,7 @@ impl Iroh {
             return true;
         }
         self.turn = self.turn.wrapping_add(1);
-        self.turn % u64::from(self.shared.every()) == 0
+        self.turn.is_multiple_of(u64::from(self.shared.every()))
     }
 }
 
