@@ -37,6 +37,7 @@ fn sites(kind: &str) -> Result<[Site; 2], Failure> {
             local: vec![local],
             relay: None,
             relayed: false,
+            priority: Some(40),
         })?))
     };
     let mut sites = [site(0)?, site(1)?];

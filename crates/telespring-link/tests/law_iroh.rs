@@ -31,6 +31,7 @@ fn pair() -> [IrohSettings; 2] {
         local: vec![addresses[side]],
         relay: None,
         relayed: false,
+        priority: Some(40),
     })
 }
 

@@ -91,6 +91,7 @@ fn law_the_loop_allocates_nothing_over_iroh() {
             local: vec![places[side]],
             relay: None,
             relayed: false,
+            priority: Some(40),
         })
         .unwrap()
     });

@@ -38,7 +38,7 @@ impl Run {
             NetworkChoice::Iroh(choice) => {
                 let local: Vec<String> = choice.local.iter().map(ToString::to_string).collect();
                 let refuse = system("network.local", local.join(", "));
-                Box::new(Iroh::new(&choice.settings()?).map_err(refuse)?)
+                Box::new(Iroh::new(&choice.settings(real_time.priority)?).map_err(refuse)?)
             }
         };
         let device: Box<dyn Device> = match device {
