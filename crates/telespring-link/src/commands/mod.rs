@@ -5,6 +5,7 @@ mod id;
 mod keygen;
 mod parts;
 mod probe;
+mod relay_config;
 mod run;
 
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ enum Command {
     Keygen(keygen::Keygen),
     Id(id::Id),
     Probe(probe::Probe),
+    RelayConfig(relay_config::RelayConfig),
 }
 
 impl Arguments {
@@ -49,6 +51,7 @@ impl Arguments {
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
             Command::Probe(command) => command.run(),
+            Command::RelayConfig(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

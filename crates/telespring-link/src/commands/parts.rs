@@ -6,8 +6,11 @@ use telespring_link::device::{Device, Simulated, UdpDevice};
 use telespring_link::settings::{DeviceChoice, NetworkChoice};
 use telespring_link::transport::{Iroh, Transport, Udp};
 
-/// The way to the partner.
-pub(super) fn transport(network: &NetworkChoice) -> Result<Box<dyn Transport>, InvalidInput> {
+/// The way to the partner; `priority` is that of the loop.
+pub(super) fn transport(
+    network: &NetworkChoice,
+    priority: Option<i32>,
+) -> Result<Box<dyn Transport>, InvalidInput> {
     Ok(match network {
         NetworkChoice::Udp { local, peer } => {
             Box::new(Udp::new(*local, *peer).map_err(system("network.local", local))?)
@@ -15,7 +18,7 @@ pub(super) fn transport(network: &NetworkChoice) -> Result<Box<dyn Transport>, I
         NetworkChoice::Iroh(choice) => {
             let local: Vec<String> = choice.local.iter().map(ToString::to_string).collect();
             let refuse = system("network.local", local.join(", "));
-            Box::new(Iroh::new(&choice.settings()?).map_err(refuse)?)
+            Box::new(Iroh::new(&choice.settings(priority)?).map_err(refuse)?)
         }
     })
 }

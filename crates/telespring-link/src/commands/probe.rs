@@ -66,7 +66,7 @@ impl Probe {
         let period = Span::from_seconds(study.laboratory_without_traces()?.controller.sample_period);
         let duration = Span::from_seconds(self.seconds);
         let settings = ProbeSettings { session: draw_session(), period, duration };
-        let mut probe = Measurement::new(settings, parts::transport(&network)?)?;
+        let mut probe = Measurement::new(settings, parts::transport(&network, real_time.priority)?)?;
         let stop = stop_on_signal();
         let privileges = claim(real_time.priority, false);
         if let Some(Err(error)) = privileges.priority {

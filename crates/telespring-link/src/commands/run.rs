@@ -28,7 +28,7 @@ impl Run {
             SiteFile::read(&self.site)?;
         let duration = self.seconds.map(check_duration).transpose()?.or(duration);
         let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
-        let transport = parts::transport(&network)?;
+        let transport = parts::transport(&network, real_time.priority)?;
         let device = parts::device(&device, &study, side)?;
         let plan = Plan { real_time, limits: Limits { duration }, observers: Vec::new() };
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
