@@ -258,12 +258,33 @@ fn cross_a_robot_in_python_is_coupled_and_let_go() {
         eprintln!("SKIPPED: there is no Python 3.11 or newer on the path");
         return;
     };
-    let folder = folder("python");
+    let mut robot = Command::new(python);
+    robot.arg(examples().join("device.py"));
+    assert_is_coupled_and_let_go("python", robot);
+}
+
+#[test]
+fn cross_a_robot_in_c_is_coupled_and_let_go() {
+    let robot = folder("c-compiled").join("device");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c11", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&robot);
+    match compiler.arg(examples().join("device.c")).arg("-lm").output() {
+        Ok(output) => assert!(output.status.success(), "{output:?}"),
+        Err(error) => {
+            eprintln!("SKIPPED: there is no C compiler cc on the path ({error})");
+            return;
+        }
+    }
+    assert_is_coupled_and_let_go("c", Command::new(robot));
+}
+
+/// Joins a robot of one's own, as the examples are, with a simulated partner for some seconds.
+fn assert_is_coupled_and_let_go(name: &str, mut robot: Command) {
+    let folder = folder(name);
     let ports = ports();
     let [_, _, link, device] = ports;
     let [first, second] = write_sites(&folder, ports);
-    let robot = Command::new(python)
-        .arg(examples().join("device.py"))
+    let robot = robot
         .args(["--listen", &format!("127.0.0.1:{device}"), "--site", &format!("127.0.0.1:{link}")])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
