@@ -7,10 +7,12 @@ use clap::Args;
 use telespring::InvalidInput;
 use telespring_link::conduct::{Plan, conduct};
 use telespring_link::device::{Device, Simulated, UdpDevice};
+use telespring_link::feed::Observer;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::{DeviceChoice, NetworkChoice, SiteFile, check_duration};
 use telespring_link::site::SiteSettings;
+use telespring_link::telemetry::Telemetry;
 use telespring_link::transport::{Transport, Udp};
 
 use super::{Failure, outcome, print, stop_on_signal};
@@ -27,7 +29,7 @@ pub struct Run {
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile { study, side, duration, network, device, safety, real_time } =
+        let SiteFile { study, side, duration, network, device, safety, real_time, telemetry } =
             SiteFile::read(&self.site)?;
         let duration = self.seconds.map(check_duration).transpose()?.or(duration);
         let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
@@ -45,7 +47,12 @@ impl Run {
                 Box::new(UdpDevice::new(local, device, deadline).map_err(system("device.local", local))?)
             }
         };
-        let plan = Plan { real_time, limits: Limits { duration }, observers: Vec::new() };
+        let mut observers: Vec<Box<dyn Observer>> = Vec::new();
+        if let Some(choice) = telemetry {
+            let telemetry = Telemetry::new(&choice, &settings.terms);
+            observers.push(Box::new(telemetry.map_err(system("telemetry.address", "a socket"))?));
+        }
+        let plan = Plan { real_time, limits: Limits { duration }, observers };
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);
         Ok(outcome([&summary]))
