@@ -3,7 +3,10 @@
 use telespring::InvalidInput;
 use telespring::study::Study;
 use telespring_link::device::{Device, Simulated, UdpDevice};
-use telespring_link::settings::{DeviceChoice, NetworkChoice};
+use telespring_link::feed::Observer;
+use telespring_link::hello::Terms;
+use telespring_link::settings::{DeviceChoice, NetworkChoice, TelemetryChoice};
+use telespring_link::telemetry::Telemetry;
 use telespring_link::transport::{Iroh, Transport, Udp};
 
 /// The way to the partner; `priority` is that of the loop.
@@ -38,6 +41,11 @@ pub(super) fn device(
             Box::new(UdpDevice::new(local, device, deadline).map_err(system("device.local", local))?)
         }
     })
+}
+
+/// The rows for other programs of this machine.
+pub(super) fn telemetry(choice: &TelemetryChoice, terms: &Terms) -> Result<Box<dyn Observer>, InvalidInput> {
+    Ok(Box::new(Telemetry::new(choice, terms).map_err(system("telemetry.address", "a socket"))?))
 }
 
 /// A refusal of the operating system, with the key that led to it.
