@@ -1,0 +1,139 @@
+//! What every record of a site must keep to, whatever the network and the partner did.
+
+use telespring::session::{LocalTime, Span};
+use telespring_link::site::Moment;
+
+use super::{SAFETY, STIFFNESS};
+
+/// From full force to none after a silence: 8 of 15 parts of 148 ms, s.
+const RAMP_OUT: f64 = 0.0789;
+/// From no force to full, s.
+const RAMP_IN: f64 = 0.5;
+/// How far back the largest force counts for the slope of a ramp.
+const RECENT: Span = Span(250_000_000);
+
+/// What a record showed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Findings {
+    /// Ticks.
+    pub ticks: usize,
+    /// The largest force, N.
+    pub largest_force: f64,
+    /// The largest change of the force from tick to tick, N, and as a share of what is allowed there.
+    pub largest_step: (f64, f64),
+    /// The least energy in the account, J.
+    pub least_balance: f64,
+    /// How long after the partner's last packet the force was zero, for each silence that took it, s: the longest.
+    pub zero_after: Option<f64>,
+    /// Silences that took the force.
+    pub silences: usize,
+}
+
+/// The highest speed that the motions of a record show, m/s.
+pub fn largest_speed(moments: &[Moment]) -> f64 {
+    let speeds = moments.windows(2).filter_map(|pair| {
+        let seconds = (pair[1].time - pair[0].time).seconds();
+        Some(moved(&pair[0], &pair[1])? / seconds)
+    });
+    speeds.fold(0.0, f64::max)
+}
+
+/// How far the handle moved between two ticks, m.
+fn moved(before: &Moment, after: &Moment) -> Option<f64> {
+    let [from, to] = [before.motion?.position, after.motion?.position];
+    Some((to[0] - from[0]).hypot(to[1] - from[1]))
+}
+
+fn size([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}
+
+/// Judges a record. `speed`: the highest that the partner's handle had.
+///
+/// No tick without an agreed session has a force; no force is above the limit; none acts 150 ms after the last packet; the
+/// account is overdrawn by no more than what a held force can give out in one tick; no step is above what ramps, the own motion,
+/// the partner's and the account allow between two ticks.
+///
+/// # Panics
+///
+/// If a tick does not keep to that.
+pub fn judge(moments: &[Moment], speed: f64) -> Findings {
+    let mut findings = Findings {
+        ticks: moments.len(),
+        largest_force: 0.0,
+        largest_step: (0.0, 0.0),
+        least_balance: f64::INFINITY,
+        zero_after: None,
+        silences: 0,
+    };
+    let own_speed = largest_speed(moments);
+    let mut silence: Option<LocalTime> = None;
+    for moment in moments {
+        let force = size(moment.force);
+        assert!(force.is_finite() && force <= SAFETY.force + 1e-9, "{force} N: {moment:?}");
+        assert!(moment.phase.is_coupled() || force == 0.0, "a force without an agreement: {moment:?}");
+        findings.largest_force = findings.largest_force.max(force);
+        if let Some(balance) = moment.balance {
+            findings.least_balance = findings.least_balance.min(balance);
+        }
+        let Some(heard) = moment.heard else {
+            assert_eq!(force, 0.0, "a force without a partner: {moment:?}");
+            continue;
+        };
+        if moment.time - heard >= SAFETY.silence {
+            assert_eq!(force, 0.0, "{} s after the last packet: {moment:?}", (moment.time - heard).seconds());
+        }
+        if force == 0.0 && silence != Some(heard) && moment.time - heard > Span(70_000_000) {
+            silence = Some(heard);
+            findings.silences += 1;
+            let after = (moment.time - heard).seconds();
+            findings.zero_after = Some(findings.zero_after.map_or(after, |before: f64| before.max(after)));
+        }
+    }
+    // a held force, over the longest way between two ticks
+    let longest = moments.windows(2).filter_map(|pair| moved(&pair[0], &pair[1])).fold(0.0, f64::max);
+    let overdraft = 0.5 * STIFFNESS * longest * longest;
+    assert!(
+        findings.least_balance >= -overdraft,
+        "the account is overdrawn by {} J, above {overdraft} J at {own_speed} m/s",
+        -findings.least_balance
+    );
+    for at in 0..moments.len().saturating_sub(2) {
+        let step = size([0, 1].map(|axis| moments[at + 1].force[axis] - moments[at].force[axis]));
+        let allowed = largest_step(moments, at, speed);
+        assert!(
+            step <= allowed,
+            "a step of {step} N, above {allowed} N, from {:?} to {:?}",
+            moments[at],
+            moments[at + 1]
+        );
+        let (largest, share) = findings.largest_step;
+        findings.largest_step = (largest.max(step), share.max(step / allowed.max(1e-9)));
+    }
+    findings
+}
+
+/// The largest step of the force from this tick to the next, N.
+///
+/// A force is a share of the spring's, or what the account can pay, if that is less. The share follows a ramp. The spring's follows both
+/// handles, and the part of the partner's motion that is played. When in a tick the force was computed is not on record: by the
+/// tick behind it at the latest.
+fn largest_step(moments: &[Moment], at: usize, speed: f64) -> f64 {
+    let [before, after, next] = [moments[at], moments[at + 1], moments[at + 2]];
+    let (tick, elapsed) = ((after.time - before.time).seconds(), (next.time - before.time).seconds());
+    let since = moments[..=at].iter().rev().take_while(|earlier| before.time - earlier.time <= RECENT);
+    let recent = since.map(|earlier| size(earlier.force)).fold(0.0, f64::max);
+    let ramp = (recent * elapsed / RAMP_OUT).max(SAFETY.force * elapsed / RAMP_IN);
+    let own = moved(&before, &after).unwrap_or(0.0);
+    // by how much the played instant moved on the partner's clock
+    let played = match (before.age, after.age) {
+        (Some(old), Some(new)) => (tick - (new - old)).abs() + (elapsed - tick),
+        // a partner is found, or has been lost: the force is at the foot of its ramp
+        _ => elapsed,
+    };
+    let payable = |moment: &Moment| {
+        moment.balance.map_or(0.0, |balance| (2.0 * STIFFNESS * balance.max(0.0)).sqrt())
+    };
+    let account = (payable(&after) - payable(&before)).abs();
+    ramp + 2.0 * STIFFNESS * own + STIFFNESS * speed * played + account
+}
