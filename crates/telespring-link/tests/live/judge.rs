@@ -1,7 +1,7 @@
 //! What every record of a site must keep to, whatever the network and the partner did.
 
-use telespring::session::{LocalTime, Span};
-use telespring_link::site::Moment;
+use telespring::session::{LocalTime, Span, WatchdogState};
+use telespring_link::site::{Moment, Phase};
 
 use super::{SAFETY, STIFFNESS};
 
@@ -108,22 +108,28 @@ pub fn judge(moments: &[Moment], speed: f64) -> Findings {
             moments[at + 1]
         );
         let (largest, share) = findings.largest_step;
-        findings.largest_step = (largest.max(step), share.max(step / allowed.max(1e-9)));
+        findings.largest_step = (largest.max(step), share.max(step / allowed));
     }
     findings
 }
 
 /// The largest step of the force from this tick to the next, N.
 ///
-/// A force is a share of the spring's, or what the account can pay, if that is less. The share follows a ramp. The spring's follows both
-/// handles, and the part of the partner's motion that is played. When in a tick the force was computed is not on record: by the
-/// tick behind it at the latest.
+/// A force is a share of the spring's, or what the account can pay, if that is less. The share is 1 or follows a ramp. The
+/// spring's follows both handles, and the part of the partner's motion that is played. When in a tick the force was computed is
+/// not on record: before the next tick.
 fn largest_step(moments: &[Moment], at: usize, speed: f64) -> f64 {
     let [before, after, next] = [moments[at], moments[at + 1], moments[at + 2]];
     let (tick, elapsed) = ((after.time - before.time).seconds(), (next.time - before.time).seconds());
     let since = moments[..=at].iter().rev().take_while(|earlier| before.time - earlier.time <= RECENT);
     let recent = since.map(|earlier| size(earlier.force)).fold(0.0, f64::max);
-    let ramp = (recent * elapsed / RAMP_OUT).max(SAFETY.force * elapsed / RAMP_IN);
+    let slopes = [before, after].map(|moment| match (moment.phase, moment.state) {
+        (Phase::Leaving, _) => recent / SAFETY.ramp_out.seconds() + recent / RAMP_OUT,
+        (_, WatchdogState::RampingOut { .. } | WatchdogState::Disengaged { .. }) => recent / RAMP_OUT,
+        (_, WatchdogState::RampingIn) => SAFETY.force / RAMP_IN,
+        (_, WatchdogState::Engaged | WatchdogState::Holding { .. }) => 0.0,
+    });
+    let ramp = slopes.iter().fold(0.0_f64, |steepest, slope| steepest.max(*slope)) * elapsed;
     let own = moved(&before, &after).unwrap_or(0.0);
     // by how much the played instant moved on the partner's clock
     let played = match (before.age, after.age) {
@@ -131,9 +137,9 @@ fn largest_step(moments: &[Moment], at: usize, speed: f64) -> f64 {
         // a partner is found, or has been lost: the force is at the foot of its ramp
         _ => elapsed,
     };
-    let payable = |moment: &Moment| {
-        moment.balance.map_or(0.0, |balance| (2.0 * STIFFNESS * balance.max(0.0)).sqrt())
-    };
+    let payable =
+        |moment: &Moment| moment.balance.map_or(0.0, |balance| (2.0 * STIFFNESS * balance.max(0.0)).sqrt());
     let account = (payable(&after) - payable(&before)).abs();
-    ramp + 2.0 * STIFFNESS * own + STIFFNESS * speed * played + account
+    // rounding
+    ramp + STIFFNESS * (own + speed * played) + account + 1e-9
 }

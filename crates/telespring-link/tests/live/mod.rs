@@ -18,7 +18,7 @@ use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::LoopChoice;
 use telespring_link::site::{Moment, Phase, Safety, SiteSettings};
-use telespring_link::summary::Summary;
+use telespring_link::summary::{Entry, Summary};
 use telespring_link::transport::Transport;
 
 use super::netns::Joined;
@@ -28,12 +28,8 @@ pub use judge::{Findings, judge, largest_speed};
 /// milliseconds, again and again.
 const PRIORITY: LoopChoice = LoopChoice { priority: Some(10), lock_memory: false };
 /// For the same reason a standstill of the loop does not let the force go here: the partner's silence is judged.
-pub const SAFETY: Safety = Safety {
-    force: 20.0,
-    silence: Span(150_000_000),
-    stall: Span(100_000_000),
-    ramp_out: Span(100_000_000),
-};
+pub const SAFETY: Safety =
+    Safety { force: 20.0, silence: Span(150_000_000), stall: Span(100_000_000), ramp_out: Span(100_000_000) };
 /// Stiffness of the spring, N/m: above what the paper's robots bear without a guard at 20 ms with losses.
 pub const STIFFNESS: f64 = 142.0;
 /// No test waits longer for anything.
@@ -98,11 +94,22 @@ impl Trace {
         events.any(|entry| entry.event == event && (cause.is_none() || entry.cause.as_deref() == cause))
     }
 
-    /// The ticks that began after this one, of those that are on record.
-    pub fn engaged(&self) -> usize {
-        let is_engaged =
-            |moment: &&Moment| moment.state == WatchdogState::Engaged && moment.phase == Phase::Running;
-        self.moments.iter().filter(is_engaged).count()
+    /// The states of the watchdog from the first hold for this cause on, without holds that passed.
+    pub fn sequence(&self, cause: &str) -> Vec<&'static str> {
+        let words = ["holding", "ramping-out", "disengaged", "ramping-in", "engaged"];
+        let mut states: Vec<&'static str> = Vec::new();
+        let is_cause = |entry: &&Entry| entry.cause.as_deref() == Some(cause);
+        let first = self.summary.events.iter().position(|entry| is_cause(&entry));
+        for entry in self.summary.events.iter().skip(first.unwrap_or(usize::MAX)) {
+            if words.contains(&entry.event) {
+                if entry.event == "engaged" && states.last() == Some(&"holding") {
+                    states.pop();
+                } else {
+                    states.push(entry.event);
+                }
+            }
+        }
+        states
     }
 }
 

@@ -19,7 +19,9 @@ use std::sync::Arc;
 use rustix::thread::{LinkNameSpaceType, UnshareFlags, move_into_link_name_space, unshare_unsafe};
 use tun_rs::{DeviceBuilder, SyncDevice};
 
+#[allow(unused_imports, reason = "every test uses its part")]
 pub use line::{Counts, Line, Way};
+#[allow(unused_imports, reason = "every test uses its part")]
 pub use path::Path;
 
 /// A network namespace of its own, kept by an open file.
