@@ -1,8 +1,6 @@
-//! A site on a thread of this process, in a namespace, with every tick on record; and what every record must keep to.
+//! A site on a thread of this process, in a namespace, with every tick on record.
 
 #![allow(dead_code, reason = "every test uses its part")]
-
-mod judge;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,17 +10,16 @@ use std::time::{Duration, Instant};
 
 use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
-use telespring_link::conduct::conduct;
+use telespring_link::conduct::{Plan, conduct};
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::LoopChoice;
 use telespring_link::site::{Moment, Phase, Safety, SiteSettings};
-use telespring_link::summary::{Entry, Summary};
+use telespring_link::summary::Summary;
 use telespring_link::transport::Transport;
 
 use super::netns::Joined;
-pub use judge::{Findings, judge, largest_speed};
 
 /// A real-time priority where it is granted. Where it is not, a busy machine keeps a loop from its tick for tens of
 /// milliseconds, again and again.
@@ -94,22 +91,27 @@ impl Trace {
         events.any(|entry| entry.event == event && (cause.is_none() || entry.cause.as_deref() == cause))
     }
 
-    /// The states of the watchdog from the first hold for this cause on, without holds that passed.
-    pub fn sequence(&self, cause: &str) -> Vec<&'static str> {
-        let words = ["holding", "ramping-out", "disengaged", "ramping-in", "engaged"];
-        let mut states: Vec<&'static str> = Vec::new();
-        let is_cause = |entry: &&Entry| entry.cause.as_deref() == Some(cause);
-        let first = self.summary.events.iter().position(|entry| is_cause(&entry));
-        for entry in self.summary.events.iter().skip(first.unwrap_or(usize::MAX)) {
-            if words.contains(&entry.event) {
-                if entry.event == "engaged" && states.last() == Some(&"holding") {
-                    states.pop();
-                } else {
-                    states.push(entry.event);
-                }
+    /// How often a silence took the force, in the order that it has to be, and the force came back or the session was left.
+    pub fn silences(&self) -> usize {
+        let silence = Some("silence");
+        let mut silences = 0;
+        let mut events = self.summary.events.iter();
+        while let Some(entry) = events.next() {
+            if (entry.event, entry.cause.as_deref()) != ("ramping-out", silence) {
+                continue;
             }
+            let mut after = events
+                .by_ref()
+                .filter(|entry| !["datagram-refused", "path-changed", "path-lost"].contains(&entry.event));
+            let end = after.next().map(|entry| (entry.event, entry.cause.as_deref()));
+            assert!(
+                matches!(end, Some(("disengaged" | "partner-restarted" | "leaving", _))),
+                "{end:?} after a force that ramps out: {:#?}",
+                self.summary.events
+            );
+            silences += 1;
         }
-        states
+        silences
     }
 }
 
@@ -132,8 +134,9 @@ impl Live {
             let device = Simulated::new(&study.laboratory().unwrap(), side, 3).unwrap();
             let settings = SiteSettings::new(&study, number, draw_session(), SAFETY).unwrap();
             let limits = Limits { duration: Some(Span::from_seconds(120.0)) };
+            let plan = Plan { real_time: PRIORITY, limits, ..Plan::default() };
             let watch = |moment: &Moment| of_thread.note(moment);
-            let run = || conduct(settings, device, link(), PRIORITY, limits, &of_thread.stop, watch).unwrap();
+            let run = || conduct(settings, device, link(), plan, &of_thread.stop, watch).unwrap();
             catch_unwind(AssertUnwindSafe(run)).ok()
         };
         let thread = std::thread::Builder::new().name(format!("site {}", side + 1)).spawn(site).unwrap();

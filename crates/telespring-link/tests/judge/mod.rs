@@ -1,14 +1,25 @@
 //! What every record of a site must keep to, whatever the network and the partner did.
 
-use telespring::session::{LocalTime, Span, WatchdogState};
-use telespring_link::site::{Moment, Phase};
+#![allow(dead_code, reason = "every test uses its part")]
 
-use super::{SAFETY, STIFFNESS};
+use telespring::session::{LocalTime, Span, WatchdogState};
+use telespring_link::site::{Moment, Phase, Safety};
+
+/// What a record is judged by: the limits of the site and the stiffness of its spring, N/m.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules {
+    pub safety: Safety,
+    pub stiffness: f64,
+    /// The highest speed of the partner's handle, m/s; `None` if it says what it likes: any step that the account can pay.
+    pub speed: Option<f64>,
+}
 
 /// From full force to none after a silence: 8 of 15 parts of 148 ms, s.
 const RAMP_OUT: f64 = 0.0789;
 /// From no force to full, s.
 const RAMP_IN: f64 = 0.5;
+/// Of a force, N.
+const ROUNDING: f64 = 1e-9;
 /// How far back the largest force counts for the slope of a ramp.
 const RECENT: Span = Span(250_000_000);
 
@@ -23,8 +34,8 @@ pub struct Findings {
     pub largest_step: (f64, f64),
     /// The least energy in the account, J.
     pub least_balance: f64,
-    /// How long after the partner's last packet the force was zero, for each silence that took it, s: the longest.
-    pub zero_after: Option<f64>,
+    /// How long after the partner's last packet the force was zero, for each silence that took it: the longest.
+    pub zero_after: Option<Span>,
     /// Silences that took the force.
     pub silences: usize,
 }
@@ -48,16 +59,17 @@ fn size([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
-/// Judges a record. `speed`: the highest that the partner's handle had.
+/// Judges a record.
 ///
-/// No tick without an agreed session has a force; no force is above the limit; none acts 150 ms after the last packet; the
-/// account is overdrawn by no more than what a held force can give out in one tick; no step is above what ramps, the own motion,
-/// the partner's and the account allow between two ticks.
+/// No tick without an agreed session has a force; no force is above the limit, or above what the account can pay; none acts
+/// 150 ms after the last packet; the account is overdrawn by no more than what a held force can give out in one tick; no step is
+/// above what ramps, the own motion, the partner's and the account allow between two ticks.
 ///
 /// # Panics
 ///
 /// If a tick does not keep to that.
-pub fn judge(moments: &[Moment], speed: f64) -> Findings {
+pub fn judge(moments: &[Moment], rules: &Rules) -> Findings {
+    let Rules { safety, stiffness, .. } = rules;
     let mut findings = Findings {
         ticks: moments.len(),
         largest_force: 0.0,
@@ -66,51 +78,51 @@ pub fn judge(moments: &[Moment], speed: f64) -> Findings {
         zero_after: None,
         silences: 0,
     };
-    let own_speed = largest_speed(moments);
     let mut silence: Option<LocalTime> = None;
     for moment in moments {
         let force = size(moment.force);
-        assert!(force.is_finite() && force <= SAFETY.force + 1e-9, "{force} N: {moment:?}");
+        assert!(force.is_finite() && force <= safety.force + ROUNDING, "{force} N: {moment:?}");
         assert!(moment.phase.is_coupled() || force == 0.0, "a force without an agreement: {moment:?}");
+        assert!(force <= payable(moment, *stiffness) + ROUNDING, "more than the account can pay: {moment:?}");
         findings.largest_force = findings.largest_force.max(force);
-        if let Some(balance) = moment.balance {
-            findings.least_balance = findings.least_balance.min(balance);
-        }
+        findings.least_balance = findings.least_balance.min(moment.balance.unwrap_or(f64::INFINITY));
         let Some(heard) = moment.heard else {
             assert_eq!(force, 0.0, "a force without a partner: {moment:?}");
             continue;
         };
-        if moment.time - heard >= SAFETY.silence {
-            assert_eq!(force, 0.0, "{} s after the last packet: {moment:?}", (moment.time - heard).seconds());
-        }
-        if force == 0.0 && silence != Some(heard) && moment.time - heard > Span(70_000_000) {
+        let silent = moment.time - heard;
+        assert!(
+            silent < safety.silence || force == 0.0,
+            "{} s after the last packet: {moment:?}",
+            silent.seconds()
+        );
+        if force == 0.0 && silence != Some(heard) && silent > safety.silence.scaled(0.5) {
             silence = Some(heard);
             findings.silences += 1;
-            let after = (moment.time - heard).seconds();
-            findings.zero_after = Some(findings.zero_after.map_or(after, |before: f64| before.max(after)));
+            findings.zero_after = findings.zero_after.max(Some(silent));
         }
     }
     // a held force, over the longest way between two ticks
     let longest = moments.windows(2).filter_map(|pair| moved(&pair[0], &pair[1])).fold(0.0, f64::max);
-    let overdraft = 0.5 * STIFFNESS * longest * longest;
-    assert!(
-        findings.least_balance >= -overdraft,
-        "the account is overdrawn by {} J, above {overdraft} J at {own_speed} m/s",
-        -findings.least_balance
-    );
+    let overdraft = 0.5 * stiffness * longest * longest;
+    assert!(findings.least_balance >= -overdraft, "overdrawn: {findings:?}, {overdraft} J allowed");
     for at in 0..moments.len().saturating_sub(2) {
-        let step = size([0, 1].map(|axis| moments[at + 1].force[axis] - moments[at].force[axis]));
-        let allowed = largest_step(moments, at, speed);
-        assert!(
-            step <= allowed,
-            "a step of {step} N, above {allowed} N, from {:?} to {:?}",
-            moments[at],
-            moments[at + 1]
-        );
+        let [before, after] = [&moments[at], &moments[at + 1]];
+        let step = size([0, 1].map(|axis| after.force[axis] - before.force[axis]));
+        let allowed = match rules.speed {
+            Some(speed) => largest_step(moments, at, rules, speed),
+            None => payable(before, *stiffness) + payable(after, *stiffness),
+        };
+        assert!(step <= allowed + ROUNDING, "a step of {step} N, above {allowed} N: {before:?} {after:?}");
         let (largest, share) = findings.largest_step;
-        findings.largest_step = (largest.max(step), share.max(step / allowed));
+        findings.largest_step = (largest.max(step), share.max(step / (allowed + ROUNDING)));
     }
     findings
+}
+
+/// The largest force that the account of a tick can pay, N.
+fn payable(moment: &Moment, stiffness: f64) -> f64 {
+    moment.balance.map_or(f64::INFINITY, |balance| (2.0 * stiffness * balance.max(0.0)).sqrt())
 }
 
 /// The largest step of the force from this tick to the next, N.
@@ -118,15 +130,16 @@ pub fn judge(moments: &[Moment], speed: f64) -> Findings {
 /// A force is a share of the spring's, or what the account can pay, if that is less. The share is 1 or follows a ramp. The
 /// spring's follows both handles, and the part of the partner's motion that is played. When in a tick the force was computed is
 /// not on record: before the next tick.
-fn largest_step(moments: &[Moment], at: usize, speed: f64) -> f64 {
+fn largest_step(moments: &[Moment], at: usize, rules: &Rules, speed: f64) -> f64 {
+    let Rules { safety, stiffness, .. } = rules;
     let [before, after, next] = [moments[at], moments[at + 1], moments[at + 2]];
     let (tick, elapsed) = ((after.time - before.time).seconds(), (next.time - before.time).seconds());
     let since = moments[..=at].iter().rev().take_while(|earlier| before.time - earlier.time <= RECENT);
     let recent = since.map(|earlier| size(earlier.force)).fold(0.0, f64::max);
     let slopes = [before, after].map(|moment| match (moment.phase, moment.state) {
-        (Phase::Leaving, _) => recent / SAFETY.ramp_out.seconds() + recent / RAMP_OUT,
+        (Phase::Leaving, _) => recent / safety.ramp_out.seconds() + recent / RAMP_OUT,
         (_, WatchdogState::RampingOut { .. } | WatchdogState::Disengaged { .. }) => recent / RAMP_OUT,
-        (_, WatchdogState::RampingIn) => SAFETY.force / RAMP_IN,
+        (_, WatchdogState::RampingIn) => safety.force / RAMP_IN,
         (_, WatchdogState::Engaged | WatchdogState::Holding { .. }) => 0.0,
     });
     let ramp = slopes.iter().fold(0.0_f64, |steepest, slope| steepest.max(*slope)) * elapsed;
@@ -137,9 +150,9 @@ fn largest_step(moments: &[Moment], at: usize, speed: f64) -> f64 {
         // a partner is found, or has been lost: the force is at the foot of its ramp
         _ => elapsed,
     };
-    let payable =
-        |moment: &Moment| moment.balance.map_or(0.0, |balance| (2.0 * STIFFNESS * balance.max(0.0)).sqrt());
-    let account = (payable(&after) - payable(&before)).abs();
-    // rounding
-    ramp + STIFFNESS * (own + speed * played) + account + 1e-9
+    let account = match (before.balance, after.balance) {
+        (Some(_), Some(_)) => (payable(&after, *stiffness) - payable(&before, *stiffness)).abs(),
+        _ => 0.0,
+    };
+    ramp + stiffness * (own + speed * played) + account
 }
