@@ -40,7 +40,7 @@ fn far(lie: &Lie) -> Vec<Packet> {
 }
 
 fn to_and_fro(lie: &Lie) -> Vec<Packet> {
-    let far = if lie.tick % 2 == 0 { MAX_VALUE } else { -MAX_VALUE };
+    let far = if lie.tick.is_multiple_of(2) { MAX_VALUE } else { -MAX_VALUE };
     vec![Packet { motion: Motion { position: [far; 2], velocity: [-far; 2] }, ..lie.truth }]
 }
 
@@ -62,7 +62,7 @@ fn more_and_more_energy(lie: &Lie) -> Vec<Packet> {
 
 fn absurd_quantities(lie: &Lie) -> Vec<Packet> {
     let flags = Flags::from_bits((lie.tick % 32) as u16).unwrap();
-    let stiffness = if lie.tick % 2 == 0 { MAX_STIFFNESS } else { 0.0 };
+    let stiffness = if lie.tick.is_multiple_of(2) { MAX_STIFFNESS } else { 0.0 };
     vec![Packet { flags, stiffness, signal: [MAX_SIGNAL, -MAX_SIGNAL], ..lie.truth }]
 }
 
@@ -92,7 +92,7 @@ fn many_times_over(lie: &Lie) -> Vec<Packet> {
 }
 
 fn now_and_then(lie: &Lie) -> Vec<Packet> {
-    if lie.tick % 149 == 0 { to_and_fro(lie) } else { Vec::new() }
+    if lie.tick.is_multiple_of(149) { to_and_fro(lie) } else { Vec::new() }
 }
 
 fn still_but_fast(lie: &Lie) -> Vec<Packet> {
