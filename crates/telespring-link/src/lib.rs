@@ -6,7 +6,8 @@
 //! | room | its one job | which thread |
 //! |---|---|---|
 //! | [`clock`] | the monotonic clock, and sleeping until a point of time | the loop |
-//! | [`transport`] | datagrams to and from the partner: UDP, an emulated path on top | the loop |
+//! | [`transport`] | datagrams to and from the partner: iroh, UDP, an emulated path on top | the loop; iroh has one of its own |
+//! | [`keys`] | the key of a site, in a file; who may be the partner | before the loop |
 //! | [`device`] | the robot: simulated, or a program that speaks the device protocol | the loop |
 //! | [`hello`] | what both sides must agree on before any force | the loop |
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
@@ -34,6 +35,7 @@ pub mod demo;
 pub mod device;
 pub mod feed;
 pub mod hello;
+pub mod keys;
 pub mod real_time;
 pub mod settings;
 pub mod site;

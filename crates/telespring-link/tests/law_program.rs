@@ -235,7 +235,7 @@ fn law_the_page_has_every_key() {
             }
         }
     }
-    assert_eq!(keys, 14);
+    assert_eq!(keys, 19);
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group
