@@ -8,36 +8,14 @@ use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 use judge::{Findings, Rules, judge, largest_speed};
-use live::{Live, SAFETY, STIFFNESS, STUDY, Trace};
-use netns::{ADDRESSES, Counts, Joined, Way, at};
+use live::{Known, Live, PORT, SAFETY, STIFFNESS, STUDY, Trace};
+use netns::{ADDRESSES, Counts, Way, at};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use telespring::session::wire::LENGTH;
-use telespring_link::transport::Udp;
 
 /// The path of the gate: 20 ms ± 3 ms, 2 % of loss each way.
-const PATH: Way = Way {
-    delay: 0.02,
-    jitter: 0.003,
-    loss: 0.02,
-    copies: 0.0,
-    keeps_order: false,
-    rate: None,
-    longest_wait: 0.1,
-    is_dark: false,
-};
-
-/// A site in its namespace.
-fn site(joined: &Joined, side: usize) -> Live {
-    Live::start(joined, side, STUDY, move || Udp::new(at(side, 4500), at(1 - side, 4500)).unwrap())
-}
-
-/// Both sites, engaged.
-fn engaged(joined: &Joined) -> [Live; 2] {
-    let sites = [site(joined, 0), site(joined, 1)];
-    sites.iter().for_each(|site| site.wait_engaged(300));
-    sites
-}
+const PATH: Way = Way { delay: 0.02, jitter: 0.003, loss: 0.02, ..Way::IDEAL };
 
 /// Site 1 leaves, site 2 hears it; both records are judged.
 fn leave([first, mut second]: [Live; 2]) -> [Trace; 2] {
@@ -66,11 +44,11 @@ fn judge_both(traces: &[Trace; 2]) -> [Findings; 2] {
 
 /// A session of 1.5 s at full force over this path; returns the counts of the path and the records.
 fn session(way: Way, seed: u64) -> Option<([Counts; 2], [Trace; 2])> {
-    let joined = Joined::new(way, seed)?;
-    let sites = engaged(&joined);
+    let known = Known::new(way, seed)?;
+    let sites = known.engaged();
     sites.iter().for_each(|site| site.wait_engaged(1500));
     let traces = leave(sites);
-    let counts = joined.path.counts();
+    let counts = known.path().counts();
     println!("{counts:?}");
     for trace in &traces {
         // single losses are no fault; a machine that is busy elsewhere may be one
@@ -114,20 +92,20 @@ fn law_repeated_packets_keep_the_session() {
     for (side, counts) in counts.iter().enumerate() {
         assert!(counts.copied > counts.taken / 4, "{counts:?}");
         let summary = &traces[1 - side].summary;
-        // a copy is no packet that was lost; what came before the session ran was
-        assert!(summary.loss.lost <= summary.refused.early, "{summary:#?}");
+        // a copy is no packet that was lost
+        assert!(summary.loss.share < 0.02, "{summary:#?}");
     }
 }
 
 #[test]
 fn law_a_blackout_takes_the_force_in_time_and_light_brings_it_back_along_a_ramp() {
-    let Some(joined) = Joined::new(PATH, 15) else { return };
-    let sites = engaged(&joined);
+    let Some(known) = Known::new(PATH, 15) else { return };
+    let sites = known.engaged();
     for seconds in [0.5, 5.0] {
-        joined.path.change(|way| way.is_dark = true);
+        known.path().change(|way| way.is_dark = true);
         sites.iter().for_each(|site| site.wait_idle(1));
         std::thread::sleep(Duration::from_secs_f64(seconds - 0.15));
-        joined.path.change(|way| way.is_dark = false);
+        known.path().change(|way| way.is_dark = false);
         sites.iter().for_each(|site| site.wait_engaged(300));
     }
     let traces = leave(sites);
@@ -138,12 +116,12 @@ fn law_a_blackout_takes_the_force_in_time_and_light_brings_it_back_along_a_ramp(
 
 #[test]
 fn law_the_side_that_hears_nothing_lets_go_alone() {
-    let Some(joined) = Joined::new(PATH, 16) else { return };
-    let [first, second] = engaged(&joined);
-    joined.path.change_from(1, |way| way.is_dark = true);
+    let Some(known) = Known::new(PATH, 16) else { return };
+    let [first, second] = known.engaged();
+    known.path().change_from(1, |way| way.is_dark = true);
     first.wait_idle(300);
     second.wait_engaged(100);
-    joined.path.change_from(1, |way| way.is_dark = false);
+    known.path().change_from(1, |way| way.is_dark = false);
     first.wait_engaged(300);
     let traces = leave([first, second]);
     assert!(traces[0].silences() >= 1, "{:#?}", traces[0].summary.events);
@@ -151,11 +129,11 @@ fn law_the_side_that_hears_nothing_lets_go_alone() {
 
 #[test]
 fn law_after_a_death_the_force_is_zero_in_time_and_a_partner_that_starts_anew_begins_from_zero() {
-    let Some(joined) = Joined::new(PATH, 17) else { return };
-    let [first, second] = engaged(&joined);
+    let Some(known) = Known::new(PATH, 17) else { return };
+    let [first, second] = known.engaged();
     let died = second.die();
     first.wait_idle(300);
-    let second = site(&joined, 1);
+    let second = known.start(1);
     second.wait_engaged(300);
     first.wait_engaged(300);
     let [first, second] = leave([first, second]);
@@ -167,11 +145,11 @@ fn law_after_a_death_the_force_is_zero_in_time_and_a_partner_that_starts_anew_be
 
 #[test]
 fn law_garbage_and_a_flood_at_the_port_change_nothing() {
-    let Some(joined) = Joined::new(PATH, 18) else { return };
-    let sites = engaged(&joined);
-    let before = joined.path.counts()[1].taken;
-    joined.namespaces[1].within(|| flood(at(0, 4500), Duration::from_millis(1500)));
-    assert!(joined.path.counts()[1].taken - before > 5000);
+    let Some(known) = Known::new(PATH, 18) else { return };
+    let sites = known.engaged();
+    let before = known.path().counts()[1].taken;
+    known.joined.namespaces[1].within(|| flood(at(0, PORT), Duration::from_millis(1500)));
+    assert!(known.path().counts()[1].taken - before > 5000);
     sites.iter().for_each(|site| site.wait_engaged(300));
     for trace in leave(sites) {
         assert!(trace.silences() <= 2, "{:#?}", trace.summary.events);

@@ -39,7 +39,7 @@ fn error(share: f64) -> f64 {
 
 #[test]
 fn law_delay_jitter_and_loss_are_as_asked() {
-    let way = Way { delay: 0.02, jitter: 0.003, loss: 0.02, ..Way::default() };
+    let way = Way { delay: 0.02, jitter: 0.003, loss: 0.02, ..Way::IDEAL };
     let (came, counts) = passage(way, 1, PACKETS);
     assert!((counts.lost as f64 / PACKETS as f64 - 0.02).abs() < error(0.02), "{counts:?}");
     let taken: Vec<f64> = came.iter().map(|(now, number)| now - *number as f64 * 1e-3).collect();
@@ -69,7 +69,7 @@ fn overtaken(came: &[(f64, u64)]) -> u64 {
 
 #[test]
 fn law_copies_order_darkness_and_a_slow_link_are_as_asked() {
-    let way = Way { delay: 0.01, jitter: 0.003, copies: 0.1, keeps_order: true, ..Way::default() };
+    let way = Way { delay: 0.01, jitter: 0.003, copies: 0.1, keeps_order: true, ..Way::IDEAL };
     let (came, counts) = passage(way, 3, PACKETS);
     assert!((counts.copied as f64 / PACKETS as f64 - 0.1).abs() < error(0.1), "{counts:?}");
     assert_eq!(counts.given, PACKETS + counts.copied);
@@ -79,7 +79,7 @@ fn law_copies_order_darkness_and_a_slow_link_are_as_asked() {
     let (came, counts) = passage(Way { is_dark: true, ..way }, 3, 100);
     assert!(came.is_empty() && counts.dark == 100);
     // 100 bytes at 50 kB/s take 2 ms: packet n waits for n ms, then half of all are lost
-    let slow = Way { rate: Some(50e3), longest_wait: 0.05, ..Way::default() };
+    let slow = Way { rate: Some(50e3), longest_wait: 0.05, ..Way::IDEAL };
     let (came, counts) = passage(slow, 4, 1000);
     for (now, number) in came.iter().take_while(|(_, number)| *number < 50) {
         let expected = *number as f64 * 2e-3 + 2e-3;
@@ -134,7 +134,7 @@ fn numbers(came: &[(u64, f64)]) -> Vec<u64> {
 
 #[test]
 fn law_between_two_namespaces_the_path_does_as_in_virtual_time() {
-    let way = Way { delay: 0.02, jitter: 0.003, loss: 0.1, copies: 0.1, ..Way::default() };
+    let way = Way { delay: 0.02, jitter: 0.003, loss: 0.1, copies: 0.1, ..Way::IDEAL };
     let Some(joined) = Joined::new(way, 5) else { return };
     let came = ping(&joined, 4000, 200);
     let [there, back] = joined.path.counts();
@@ -151,9 +151,9 @@ fn law_between_two_namespaces_the_path_does_as_in_virtual_time() {
 
 #[test]
 fn law_a_test_turns_the_light_off_and_on_and_pairs_do_not_meet() {
-    let Some(joined) = Joined::new(Way::default(), 1) else { return };
+    let Some(joined) = Joined::new(Way::IDEAL, 1) else { return };
     // the same addresses, another world
-    let Some(other) = Joined::new(Way::default(), 1) else { return };
+    let Some(other) = Joined::new(Way::IDEAL, 1) else { return };
     assert_eq!(numbers(&ping(&joined, 4000, 20)), (0..20).collect::<Vec<u64>>());
     joined.path.change_from(0, |way| way.is_dark = true);
     assert_eq!(ping(&joined, 4001, 20), []);

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "every test uses its part")]
 
+mod known;
+
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -20,6 +22,7 @@ use telespring_link::summary::Summary;
 use telespring_link::transport::Transport;
 
 use super::netns::Joined;
+pub use known::{Known, PORT};
 
 /// A real-time priority where it is granted. Where it is not, a busy machine keeps a loop from its tick for tens of
 /// milliseconds, again and again.
@@ -40,6 +43,10 @@ coupling.stiffness = 142
 network.delay = 0.02
 session = {strategy = \"guard\", playout = \"adaptive\"}
 ";
+
+pub fn study() -> Study {
+    Study::from_toml(STUDY).unwrap()
+}
 
 /// What the thread of a site tells the test, and is told.
 #[derive(Debug, Default)]
@@ -102,7 +109,7 @@ impl Trace {
             }
             let mut after = events
                 .by_ref()
-                .filter(|entry| !["datagram-refused", "path-changed", "path-lost"].contains(&entry.event));
+                .filter(|entry| entry.event != "datagram-refused" && !entry.event.starts_with("path-"));
             let end = after.next().map(|entry| (entry.event, entry.cause.as_deref()));
             assert!(
                 matches!(end, Some(("disengaged" | "partner-restarted" | "leaving", _))),

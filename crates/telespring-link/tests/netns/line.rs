@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// What one way does to packets. The default takes no time and loses nothing.
+/// What one way does to packets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
     /// How long a packet takes, s.
@@ -27,19 +27,18 @@ pub struct Way {
     pub is_dark: bool,
 }
 
-impl Default for Way {
-    fn default() -> Self {
-        Self {
-            delay: 0.0,
-            jitter: 0.0,
-            loss: 0.0,
-            copies: 0.0,
-            keeps_order: false,
-            rate: None,
-            longest_wait: 0.1,
-            is_dark: false,
-        }
-    }
+impl Way {
+    /// A way that takes no time and loses nothing.
+    pub const IDEAL: Self = Self {
+        delay: 0.0,
+        jitter: 0.0,
+        loss: 0.0,
+        copies: 0.0,
+        keeps_order: false,
+        rate: None,
+        longest_wait: 0.1,
+        is_dark: false,
+    };
 }
 
 /// What became of the packets of one way.
