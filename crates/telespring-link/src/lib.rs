@@ -16,6 +16,7 @@
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
+//! | [`probe`] | measures the path to a partner | a loop of its own |
 //! | [`demo`] | both sides on this machine | starts two loops |
 //!
 //! One thread touches a site: the one that runs its loop. It allocates nothing after its start, takes no lock and writes no
@@ -36,6 +37,7 @@ pub mod device;
 pub mod feed;
 pub mod hello;
 pub mod keys;
+pub mod probe;
 pub mod real_time;
 pub mod settings;
 pub mod site;

@@ -140,6 +140,8 @@ pub struct LatenessSummary {
     pub largest: f64,
     /// See [`Lateness`].
     pub overruns: u64,
+    /// See [`Lateness`].
+    pub followed: u64,
 }
 
 /// See [`Summary::energy`].
@@ -228,6 +230,7 @@ impl Summary {
                 quantile_999: lateness.quantile_999.seconds(),
                 largest: lateness.largest.seconds(),
                 overruns: lateness.overruns,
+                followed: lateness.followed,
             },
             limited_share: (strategy.ticks > 0).then(|| share(strategy.limited_ticks, strategy.ticks)),
             energy: Energy {

@@ -9,7 +9,7 @@ mod several;
 
 pub use device::DeviceChoice;
 pub use network::{IrohChoice, NetworkChoice};
-pub use real_time::LoopChoice;
+pub use real_time::{LoopChoice, PaceChoice};
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
