@@ -144,9 +144,10 @@ fn largest_step(moments: &[Moment], at: usize, rules: &Rules, speed: f64) -> f64
     });
     let ramp = slopes.iter().fold(0.0_f64, |steepest, slope| steepest.max(*slope)) * elapsed;
     let own = moved(&before, &after).unwrap_or(0.0);
-    // by how much the played instant moved on the partner's clock
+    // By how much the played instant moved on the partner's clock. Between two samples that are no neighbours it moves on, while
+    // the age is that of the earlier one.
     let played = match (before.age, after.age) {
-        (Some(old), Some(new)) => (tick - (new - old)).abs() + (elapsed - tick),
+        (Some(old), Some(new)) => (tick - (new - old)).abs().max(tick) + (elapsed - tick),
         // a partner is found, or has been lost: the force is at the foot of its ramp
         _ => elapsed,
     };
