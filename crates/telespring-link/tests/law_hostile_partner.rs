@@ -1,10 +1,11 @@
-//! A partner that lies within the protocol, and clocks that step, in virtual time: the side that is lied to stays safe.
+//! A partner that lies within the protocol, clocks that step and devices that fail, in virtual time: what the force did, and what was
+//! recorded.
 
 mod common;
 mod dyad;
 mod judge;
 
-use common::hman_study;
+use common::{Pair, Script, hman_study};
 use dyad::{Dyad, Lie, Tongue, lies};
 use judge::{Rules, judge, largest_speed};
 use telespring::session::watchdog::Cause;
@@ -143,5 +144,34 @@ fn law_a_site_that_stood_still_begins_from_zero() {
         let log = dyad.sites[1].log().entries();
         let lets_go = Happened::Session(EventKind::Disengaged(Cause::OwnSilence));
         assert!(log.iter().any(|(_, happened)| *happened == lets_go), "{pause} ns: {log:?}");
+    }
+}
+
+#[test]
+fn law_a_device_that_reports_nonsense_or_nothing_takes_the_force_along_a_ramp() {
+    let nonsense = |script: &mut Script| script.position = [f64::NAN, 0.0];
+    let nothing = |script: &mut Script| script.is_measured = false;
+    let faults: [(fn(&mut Script), Cause, usize); 2] =
+        [(nonsense, Cause::OwnMeasurement, 85), (nothing, Cause::OwnSilence, 100)];
+    for (fault, cause, longest) in faults {
+        // 2 cm apart, and so 2 N
+        let study =
+            hman_study("coupling.stiffness = 100\nnetwork.delay = 0.02\nsession.strategy = \"guard\"");
+        let mut pair = Pair::new([&study, &study], 0.02);
+        pair.run(1500, |_, _| {});
+        let good = pair.devices[0].0.get();
+        pair.devices[0].change(fault);
+        let mut record = Vec::new();
+        pair.run(300, |pair, _| record.push(pair.moment(0)));
+        let after = idle_after(&record);
+        println!("{cause:?}: no force after {after} ms");
+        assert!(after <= longest, "{cause:?}: {after} ms");
+        pair.devices[0].change(|script| *script = Script { command: script.command, ..good });
+        pair.run(1500, |pair, _| record.push(pair.moment(0)));
+        judge(&record, &Rules { safety: Safety::default(), stiffness: 100.0, speed: Some(0.0) });
+        assert_eq!(record.last().unwrap().state, WatchdogState::Engaged, "{cause:?}");
+        let lets_go = Happened::Session(EventKind::Disengaged(cause));
+        let log = pair.site_of(0).log().entries();
+        assert!(log.iter().any(|(_, happened)| *happened == lets_go), "{cause:?}: {log:?}");
     }
 }

@@ -243,6 +243,34 @@ fn law_the_page_has_every_key() {
     }
 }
 
+/// All Rust sources of this crate and of the core, in one.
+fn sources(folder: &Path) -> String {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let texts = entries.map(|path| match path.is_dir() {
+        true => sources(&path),
+        false if path.extension().is_some_and(|extension| extension == "rs") => {
+            fs::read_to_string(path).unwrap()
+        }
+        false => String::new(),
+    });
+    texts.collect()
+}
+
+#[test]
+fn law_every_test_that_the_table_of_faults_names_exists() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let sources: String =
+        ["telespring-link/src", "telespring-link/tests"].map(|folder| sources(&crates.join(folder))).concat();
+    let page = fs::read_to_string(examples().join("../docs/faults.md")).unwrap();
+    let names = page.split('`').filter(|word| word.starts_with("law_") || word.starts_with("cross_"));
+    let mut number = 0;
+    for name in names {
+        assert!(sources.contains(&format!("fn {name}()")), "{name}");
+        number += 1;
+    }
+    assert!(number > 20, "{number}");
+}
+
 /// The name of Python, if there is one.
 fn python() -> Option<&'static str> {
     ["python3", "python"].into_iter().find(|name| {

@@ -49,10 +49,10 @@ pub fn largest_speed(moments: &[Moment]) -> f64 {
     speeds.fold(0.0, f64::max)
 }
 
-/// How far the handle moved between two ticks, m.
+/// How far the handle moved between two ticks, m; `None` if nobody knows.
 fn moved(before: &Moment, after: &Moment) -> Option<f64> {
     let [from, to] = [before.motion?.position, after.motion?.position];
-    Some((to[0] - from[0]).hypot(to[1] - from[1]))
+    Some((to[0] - from[0]).hypot(to[1] - from[1])).filter(|moved| moved.is_finite())
 }
 
 fn size([x, y]: [f64; 2]) -> f64 {
