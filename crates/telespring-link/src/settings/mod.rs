@@ -4,6 +4,7 @@ mod device;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
 
 pub use device::DeviceChoice;
@@ -39,6 +40,10 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
 }
 
 #[derive(Deserialize)]
@@ -54,6 +59,10 @@ struct Text {
     safety: safety::Text,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
@@ -65,20 +74,21 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+        Self::from_toml(&text, folder, |study| read(&folder.join(study), "study"))
     }
 
-    /// As [`SiteFile::read`], from the text; `study` returns that of the study.
+    /// As [`SiteFile::read`], from the text of a file in `folder`; `study` returns the text of the study.
     ///
     /// # Errors
     ///
     /// As [`SiteFile::read`], and every error of `study`.
     pub fn from_toml(
         text: &str,
+        folder: &Path,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time } = toml::from_str(text)
-            .map_err(|error| {
+        let Text { study: path, side, seconds, network, device, safety, real_time, recording, live } =
+            toml::from_str(text).map_err(|error| {
                 let allowed = error.to_string().trim_end().to_owned();
                 InvalidInput::new(
                     "site",
@@ -96,6 +106,8 @@ impl SiteFile {
             device: DeviceChoice::new(device)?,
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
+            recording: record::folder(recording, folder),
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)

@@ -27,6 +27,13 @@ pub(super) struct Text {
 }
 
 impl NetworkChoice {
+    /// The kind in a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Udp { .. } => "udp",
+        }
+    }
+
     pub(super) fn new(text: Text) -> Result<Self, InvalidInput> {
         let Text { local, peer } = text;
         Ok(Self::Udp { local: loopback("network.local", local)?, peer: loopback("network.peer", peer)? })
