@@ -23,6 +23,7 @@ pub use moment::{Cause, Moment, Phase, Tally};
 pub use notes::{Arrival, Forces, Latency, Newest};
 pub use settings::{Safety, SiteSettings};
 
+use std::os::fd::BorrowedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -319,5 +320,10 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// The device.
     pub fn device(&self) -> &D {
         &self.device
+    }
+
+    /// What becomes readable once the device has measured anew, if it has a pace of its own.
+    pub fn device_pace(&self) -> Option<BorrowedFd<'_>> {
+        self.device.pace()
     }
 }
