@@ -83,7 +83,7 @@ impl Observer for Telemetry {
     }
 
     fn take(&mut self, item: &Item) {
-        let Item::Tick { moment, lateness } = item else { return };
+        let Item::Tick { moment, lateness, .. } = item else { return };
         self.frame.motion = moment.motion.or(self.frame.motion);
         let is_due = self.ticks.is_multiple_of(self.every);
         self.ticks += 1;
