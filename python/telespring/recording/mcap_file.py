@@ -89,7 +89,7 @@ class McapFile:
     channels, schemas
         By their numbers.
     metadata
-        By name; of two with one name the later counts.
+        By name; of two with one name the later counts. A long session may repeat one.
     attachments
         By name, as far as they are small.
     is_complete
