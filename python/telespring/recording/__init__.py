@@ -2,6 +2,7 @@
 
 from telespring.recording.common_time import CommonTime
 from telespring.recording.events import MarkedTrial, SessionEvent
+from telespring.recording.merging import merge_recordings
 from telespring.recording.reading import is_recording, read_recording
 from telespring.recording.session import SessionRecording
 from telespring.recording.side import SideRecording
@@ -13,5 +14,6 @@ __all__ = [
     "SessionRecording",
     "SideRecording",
     "is_recording",
+    "merge_recordings",
     "read_recording",
 ]

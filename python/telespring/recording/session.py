@@ -126,7 +126,8 @@ class SessionRecording:
         """See the class."""
         return (min(int(site.time[-1]) for site in self._site_series) - self.begin) * 1e-9
 
-    def _seconds(self, side: int, time: NDArray[Any]) -> NDArray[np.float64]:
+    def seconds(self, side: int, time: NDArray[Any]) -> NDArray[np.float64]:
+        """Convert times of a site's clock (ns) to s since the beginning of the recording."""
         return np.asarray((self.common_times(side, time) - self.begin) * 1e-9)
 
     @cached_property
@@ -135,7 +136,7 @@ class SessionRecording:
         found: list[SessionEvent] = []
         for number, side in self.sides.items():
             columns = side.events.columns
-            time = self._seconds(number, columns["time"])[:_MOST_EVENTS]
+            time = self.seconds(number, columns["time"])[:_MOST_EVENTS]
             causes = columns.get("cause", np.full(len(time), "", dtype=object))
             found += [
                 SessionEvent(float(when), number, str(event), str(cause))

@@ -56,6 +56,9 @@ SIGNALS = (
     LiveSignal("acted_force", "N", "force that acted until then, as the account takes it", _axes("acted_force")),
     LiveSignal("measured_force", "N", "force on the handle as the device measured it", _axes("measured_force")),
     LiveSignal(
+        "own_target", "m", "target that the person at this robot saw", _axes("target.position"), "linear"
+    ),
+    LiveSignal(
         "played_position", "m", "position of the partner in use, as played", _axes("partner_played.position")
     ),
     LiveSignal(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from telespring._types import FloatArray
 from telespring.recording.events import MarkedTrial
+from telespring.recording.reports import SIDE_REPORTS
 from telespring.recording.signals import SIGNALS, TARGET
 from telespring.study.conditions import condition_labels
 
@@ -68,6 +69,8 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
     status, label = np.full(shape, "absent", dtype=object), np.full(shape, "", dtype=object)
     ended_at, begin = np.full(shape, np.nan), np.full(shape, np.nan)
     samples = np.zeros(shape, dtype=np.int64)
+    spring_acted = np.zeros((*shape, longest), dtype=bool)
+    reports = {report.name: np.full((*shape, 2), np.nan) for report in SIDE_REPORTS}
     participant = [np.full(shape, "", dtype=object) for _ in range(2)]
     for i, (_, _, _, members) in enumerate(conditions):
         for j, member in enumerate(members):
@@ -76,9 +79,13 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
             for name, array in values.items():
                 array[i, j, :count] = np.asarray(session[name][span])
             status[i, j], label[i, j], begin[i, j], samples[i, j] = "completed", trial.label, trial.begin, count
-            if count and acted[span].mean() < _COMPLETED:
+            spring_acted[i, j, :count] = acted[span]
+            # Without a marker the trial is what there was of the session, pauses and all.
+            if trial.is_marked and count and acted[span].mean() < _COMPLETED:
                 status[i, j] = "stopped"
                 ended_at[i, j] = time[span][int(np.argmin(acted[span]))] - trial.begin
+            for report in SIDE_REPORTS:
+                reports[report.name][i, j] = report.compute(session, span)
             for robot in range(2):
                 participant[robot][i, j] = trial.participants[robot]
     variables: dict[str, Any] = {
@@ -86,11 +93,24 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
         for name, array in values.items()
     }
     variables |= {
+        report.name: (
+            (*_PER_TRIAL, "robot"),
+            reports[report.name],
+            _attributes(report.units, report.long_name),
+        )
+        for report in SIDE_REPORTS
+    }
+    variables |= {
         "status": (_PER_TRIAL, status, _attributes("1", "how the trial ended")),
         "ended_at": (
             _PER_TRIAL,
             ended_at,
             _attributes("s", "time at which the trial ended early; NaN if it was completed"),
+        ),
+        "spring_acted": (
+            (*_PER_TRIAL, "time"),
+            spring_acted,
+            {"long_name": "whether the spring acted at both sites: the session was not paused"},
         ),
         "samples": (_PER_TRIAL, samples, _attributes("1", "samples of the trial")),
         "begin": (
