@@ -36,7 +36,7 @@ _SHOWN = {
 
 
 def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Figure:
-    """Draw handles and target, forces, ages and accounts of a session over time, with its events and trials."""
+    """Draw handles and target, forces, ages and accounts of a session over time, with events and trials."""
     events = [
         (float(time), f"{name} ({robot})")
         for time, name, robot in zip(
@@ -63,6 +63,8 @@ def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Fig
             account=np.asarray(session["account"]),
             events=events,
             trials=[(trial.begin, trial.end, trial.label) for trial in trials if trial.is_marked],
-            note=f"Robot {received[0]} as its packets told: its site's recording is missing." if received else "",
+            note=f"Robot {received[0]} as its packets told: its site's recording is missing."
+            if received
+            else "",
         )
     )

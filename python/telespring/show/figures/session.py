@@ -72,7 +72,12 @@ class SessionPanels:
 def session_figure(panels: SessionPanels) -> Figure:
     """Draw the signals of a session below each other, over one axis of time."""
     rows = [
-        (f"{axis} of handles and target", f"Position {axis}, mm", 1e3 * panels.position[..., i], panels.target[:, i])
+        (
+            f"{axis} of handles and target",
+            f"Position {axis}, mm",
+            1e3 * panels.position[..., i],
+            panels.target[:, i],
+        )
         for i, axis in enumerate("xy")
     ]
     quantities = [

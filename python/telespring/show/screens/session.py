@@ -1,4 +1,4 @@
-"""What a live session shows, as one screen: the recording, both robots side by side, the trials, what happened."""
+"""What a live session shows, as one screen: the recording, both robots, the trials, what happened."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def _facts(found: Mapping[str, Any]) -> list[str]:
     recording, clock = found["recording"], found["clock"]
     sides = [str(site["side"]) for site in recording["sites"]]
     sites = f"Site {sides[0]}" if len(sides) == 1 else f"Sites {' and '.join(sides)}"
+    period = format_time(recording["sample_period"], 3)
     lines = [
-        f"{sites}: {format_time(recording['duration'], 3)}, a tick every {format_time(recording['sample_period'], 3)}, "
-        f"{recording['status']}."
+        f"{sites}: {format_time(recording['duration'], 3)}, a tick every {period}, {recording['status']}."
     ]
     if clock is not None:
         drift = "" if clock["drift"] is None else f"; the clocks drift by {_micro(clock['drift'])} µs/s"
@@ -83,7 +83,9 @@ def _quantiles(name: str, shift: int) -> Callable[[Mapping[str, Any]], str]:
         found = values.get(name)
         if found is None:
             return _UNKNOWN
-        return " / ".join(format_number(found[key], 3, shift=shift) for key in ("median", "quantile_99", "largest"))
+        return " / ".join(
+            format_number(found[key], 3, shift=shift) for key in ("median", "quantile_99", "largest")
+        )
 
     return write
 
@@ -109,9 +111,9 @@ _ROWS: Sequence[Row] = (
     ("round trip, ms", _quantiles("round_trip", 3)),
     ("packets lost on the way to it, %", _loss),
     ("latency of the device, ms", _quantiles("latency_device", 3)),
-    ("  of the loop, ms", _quantiles("latency_loop", 3)),
-    ("  of the network, ms", _quantiles("latency_network", 3)),
-    ("  of the play-out, ms", _quantiles("latency_playout", 3)),
+    ("latency of the loop, ms", _quantiles("latency_loop", 3)),
+    ("latency of the network, ms", _quantiles("latency_network", 3)),
+    ("latency of the play-out, ms", _quantiles("latency_playout", 3)),
     ("loop late by, ms", _quantiles("lateness", 3)),
 )
 
@@ -124,7 +126,11 @@ def _trials_table(trials: Sequence[Mapping[str, Any]]) -> RenderableType:
             format_number(trial["begin"], 4),
             format_number(trial["duration"], 3),
             trial["status"],
-            *(_number(name, shift)(trial[robot]) for name, shift in _TRIAL_COLUMNS for robot in ("robot1", "robot2")),
+            *(
+                _number(name, shift)(trial[robot])
+                for name, shift in _TRIAL_COLUMNS
+                for robot in ("robot1", "robot2")
+            ),
         )
         for trial in trials
     ]
@@ -154,7 +160,12 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
         return [Text("Nothing happened.")]
     shown = list(events) if len(events) <= _MOST_EVENTS else [*events[: _MOST_EVENTS - 5], *events[-5:]]
     rows = [
-        (format_number(event["time"], 5), str(event["side"]), _line(event["event"]), _line(event["cause"] or ""))
+        (
+            format_number(event["time"], 5),
+            str(event["side"]),
+            _line(event["event"]),
+            _line(event["cause"] or ""),
+        )
         for event in shown
     ]
     found: list[RenderableType] = [
@@ -166,5 +177,5 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
 
 
 def _line(text: str) -> str:
-    """Return a text of the file as one short line without control characters: a partner may have caused it."""
+    """Return a text of the file as one short line of plain letters: a partner may have caused it."""
     return "".join(letter if letter.isprintable() else "?" for letter in text)[:60]
