@@ -78,7 +78,9 @@ def message(full: str) -> tuple[bytes, Any]:
 class SiteFile:
     """Writes the file of one site, as the live program does: a chunk and a flush every 0.5 s."""
 
-    def __init__(self, path: Path, side: int, *, period: float, zero: int, **metadata: str) -> None:
+    def __init__(
+        self, path: Path, side: int, *, period: float, zero: int, changed: dict[str, str] | None = None
+    ) -> None:
         self.path, self.zero = path, zero
         self.side = side
         self.stream = path.open("wb")
@@ -91,7 +93,7 @@ class SiteFile:
             "session": f"{SESSIONS[side]:#018x}",
             "wall_time_zero": str(zero),
         }
-        self.writer.add_metadata("telespring", described | metadata)
+        self.writer.add_metadata("telespring", described | (changed or {}))
         self.writer.add_metadata("endpoint", {"sample_period_ns": str(round(period * 1e9))})
         self.writer.add_attachment(0, 0, "study.toml", "application/toml", STUDY.encode())
         self.channels = {
@@ -165,7 +167,7 @@ class MadeSession:
     def write_site(self, folder: Path, side: int, *, end: bool = True) -> Path:
         path = folder / f"site{side}.mcap"
         file = SiteFile(
-            path, side, period=self.period, zero=10**18 + 1000 * side, **self.metadata.get(side, {})
+            path, side, period=self.period, zero=10**18 + 1000 * side, changed=self.metadata.get(side)
         )
         count = round(self.seconds / self.period)
         times = np.arange(count) * self.period

@@ -121,8 +121,8 @@ _ROWS: Sequence[Row] = (
 def _trials_table(trials: Sequence[Mapping[str, Any]]) -> RenderableType:
     rows = [
         (
-            trial["label"],
-            trial["condition"],
+            Text(_line(trial["label"])),
+            Text(_line(trial["condition"])),
             format_number(trial["begin"], 4),
             format_number(trial["duration"], 3),
             trial["status"],
@@ -163,8 +163,8 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
         (
             format_number(event["time"], 5),
             str(event["side"]),
-            _line(event["event"]),
-            _line(event["cause"] or ""),
+            Text(_line(event["event"])),
+            Text(_line(event["cause"] or "")),
         )
         for event in shown
     ]
