@@ -5,10 +5,13 @@ mod network;
 mod range;
 mod real_time;
 mod safety;
+mod several;
+mod telemetry;
 
 pub use device::DeviceChoice;
-pub use network::NetworkChoice;
-pub use real_time::LoopChoice;
+pub use network::{IrohChoice, NetworkChoice};
+pub use real_time::{LoopChoice, PaceChoice};
+pub use telemetry::TelemetryChoice;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -39,6 +42,8 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
+    /// Who on this machine is sent what every tick says.
+    pub telemetry: Option<TelemetryChoice>,
 }
 
 #[derive(Deserialize)]
@@ -54,10 +59,11 @@ struct Text {
     safety: safety::Text,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
+    telemetry: Option<telemetry::Text>,
 }
 
 impl SiteFile {
-    /// Reads a site file and the study that it names, whose path is relative to the file.
+    /// Reads a site file and the study that it names. Paths in it are relative to the file.
     ///
     /// # Errors
     ///
@@ -65,7 +71,8 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        Ok(Self { network: file.network.within(folder), ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -77,8 +84,8 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time } = toml::from_str(text)
-            .map_err(|error| {
+        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
+            toml::from_str(text).map_err(|error| {
                 let allowed = error.to_string().trim_end().to_owned();
                 InvalidInput::new(
                     "site",
@@ -96,6 +103,7 @@ impl SiteFile {
             device: DeviceChoice::new(device)?,
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
+            telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
         };
         file.check()?;
         Ok(file)
@@ -149,7 +157,7 @@ fn loopback(field: &str, address: SocketAddr) -> Result<SocketAddr, InvalidInput
         field,
         address,
         "an address of this machine: nobody checks who sends a packet",
-        "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+        "Write 127.0.0.1 with a port here, or transport = \"iroh\" for another machine.",
     ))
 }
 
