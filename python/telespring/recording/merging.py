@@ -62,10 +62,11 @@ def merge_recordings(
     Examples
     --------
     >>> import telespring as ts
-    >>> merged = ts.merge_recordings("examples/session.mcap", "examples/session.mcap")
-    Traceback (most recent call last):
-    ...
-    telespring.InvalidInput: ...
+    >>> try:
+    ...     ts.merge_recordings("examples/session.mcap", "examples/session.mcap")
+    ... except ts.InvalidInput as refused:
+    ...     print(refused.remedy)
+    A merged file has both sites already: analyse it as it is.
     """
     one, other = read_recording(first), read_recording(second)
     both = [*one.sides.values(), *other.sides.values()]
@@ -140,7 +141,7 @@ def _write(merged: SessionRecording, stream: Any) -> None:
     """Write all messages of both files in the order of the common time."""
     from mcap.writer import CompressionType, Writer
 
-    writer = Writer(stream, compression=CompressionType.LZ4)
+    writer = Writer(stream, compression=CompressionType.ZSTD)
     writer.start("telespring", "telespring merge")
     files = []
     for number, side in merged.sides.items():

@@ -61,7 +61,7 @@ def _robots_table(session: Mapping[str, Any]) -> RenderableType:
         (name, *(write({**session[robot], **session["network"][robot]}) for robot in ("robot1", "robot2")))
         for name, write in _ROWS
     ]
-    title = f"While the spring acted, {format_time(session['analysed'], 3)}"
+    title = f"While the spring acted, {format_time(session['analysed'], 3)}. Times: median / 99 % / largest"
     known = [row for row in rows if any(cell != _UNKNOWN for cell in row[1:])]
     return fitting_table(title, ("", "robot 1", "robot 2"), known, right=(1, 2))
 
@@ -78,14 +78,15 @@ def _number(name: str, shift: int, digits: int = 3) -> Callable[[Mapping[str, An
     return write
 
 
-def _quantiles(name: str, shift: int) -> Callable[[Mapping[str, Any]], str]:
+def _quantiles(name: str) -> Callable[[Mapping[str, Any]], str]:
+    """Write the quantiles of a time in ms, to a hundredth."""
+
     def write(values: Mapping[str, Any]) -> str:
         found = values.get(name)
         if found is None:
             return _UNKNOWN
-        return " / ".join(
-            format_number(found[key], 3, shift=shift) for key in ("median", "quantile_99", "largest")
-        )
+        shown = (round(1e5 * found[key]) * 1e-5 for key in ("median", "quantile_99", "largest"))
+        return " / ".join(format_number(value, 3, shift=3) for value in shown)
 
     return write
 
@@ -98,7 +99,7 @@ def _loss(values: Mapping[str, Any]) -> str:
 _ROWS: Sequence[Row] = (
     ("recorded by", lambda values: "its site" if values["source"] == "recorded" else values["source"]),
     ("tracking error, mm", _number("tracking_error", 3)),
-    ("lag behind the target, ms", _number("lag", 3)),
+    ("lag behind the target, ms", _number("lag", 3, 2)),
     ("spring's force, rms, N", _number("interaction_force_rms", 0)),
     ("  largest, N", _number("interaction_force_peak", 0)),
     ("stiffness in use, mean, N/m", _number("stiffness_mean", 0)),
@@ -106,15 +107,15 @@ _ROWS: Sequence[Row] = (
     ("limited by the strategy, % of ticks", _number("limited_share", 2)),
     ("account, least, mJ", _number("account_least", 3)),
     ("given out to the handle, mJ", _number("given_out", 3)),
-    ("age in use, median / 99 % / largest, ms", _quantiles("age", 3)),
+    ("age of the motion in use, ms", _quantiles("age")),
     ("an old motion held, % of ticks", _number("held_share", 2)),
-    ("round trip, ms", _quantiles("round_trip", 3)),
-    ("packets lost on the way to it, %", _loss),
-    ("latency of the device, ms", _quantiles("latency_device", 3)),
-    ("latency of the loop, ms", _quantiles("latency_loop", 3)),
-    ("latency of the network, ms", _quantiles("latency_network", 3)),
-    ("latency of the play-out, ms", _quantiles("latency_playout", 3)),
-    ("loop late by, ms", _quantiles("lateness", 3)),
+    ("round trip, ms", _quantiles("round_trip")),
+    ("packets to it lost, %", _loss),
+    ("latency: device, ms", _quantiles("latency_device")),
+    ("latency: loop, ms", _quantiles("latency_loop")),
+    ("latency: network, ms", _quantiles("latency_network")),
+    ("latency: play-out, ms", _quantiles("latency_playout")),
+    ("loop late by, ms", _quantiles("lateness")),
 )
 
 
