@@ -139,12 +139,14 @@ __all__ = [
     "PlayoutChoice",
     "RecordedWay",
     "Remedies",
+    "Replay",
     "ResponseCurve",
     "Robot",
     "Sampled",
     "SampledSpectrum",
     "Signal",
     "Sine",
+    "SiteRecording",
     "Spectrum",
     "StiffnessAllowed",
     "StiffnessMargin",
@@ -184,6 +186,7 @@ __all__ = [
     "partner_response",
     "read_trace",
     "rehearse",
+    "replay",
     "simulate",
     "simulate_array",
     "solve_dde",
@@ -202,6 +205,9 @@ if TYPE_CHECKING:
     from telespring.answer import decide as decide
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
+    from telespring.replays import Replay as Replay
+    from telespring.replays import SiteRecording as SiteRecording
+    from telespring.replays import replay as replay
 else:
     # Hidden from type checkers, which would accept every name.
     # Importing matplotlib takes long, so `plot` waits until it is used; an answer and a comparison wait, too.
@@ -211,8 +217,11 @@ else:
         late={
             "Answer": "telespring.answer",
             "Comparison": "telespring.comparison",
+            "Replay": "telespring.replays",
+            "SiteRecording": "telespring.replays",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "replay": "telespring.replays",
         },
     )
 
