@@ -6,31 +6,64 @@ use telespring::InvalidInput;
 use telespring::session::Span;
 
 use crate::device::Device;
+use crate::feed::{self, Item, Observer};
 use crate::real_time::{self, Limits, Pace};
 use crate::settings::LoopChoice;
 use crate::site::{Moment, Site, SiteSettings};
 use crate::summary::Summary;
 use crate::transport::Transport;
 
-/// Runs the session of a site on this thread until it has ended.
+/// How a session is run.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// What the loop asks the operating system for.
+    pub real_time: LoopChoice,
+    /// When it ends by itself.
+    pub limits: Limits,
+    /// Who sees it, each on a thread of its own.
+    pub observers: Vec<Box<dyn Observer>>,
+}
+
+/// Why a session did not take place.
+#[derive(Debug, thiserror::Error)]
+pub enum ConductError {
+    /// A value out of range.
+    #[error(transparent)]
+    Input(#[from] InvalidInput),
+    /// The operating system gave no thread.
+    #[error("the operating system refused: {0}")]
+    System(#[from] std::io::Error),
+}
+
+/// Runs the session of a site on this thread until it has ended. `watch` sees every tick, on this thread.
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] for a setting out of range; nothing has been sent then.
+/// [`ConductError`]; nothing has been sent then.
 pub fn conduct<D: Device, T: Transport>(
     settings: SiteSettings,
     device: D,
     transport: T,
-    choice: LoopChoice,
-    limits: Limits,
+    plan: Plan,
     stop: &AtomicBool,
-    watch: impl FnMut(&Moment),
-) -> Result<Summary, InvalidInput> {
+    mut watch: impl FnMut(&Moment),
+) -> Result<Summary, ConductError> {
+    let Plan { real_time: LoopChoice { priority, lock_memory }, limits, observers } = plan;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
     let mut pace = Pace::new(period);
-    let privileges = real_time::claim(choice.priority, choice.lock_memory);
-    real_time::run(&mut site, &mut pace, limits, stop, watch);
-    Ok(Summary::new(side, &site, &pace.lateness(), &privileges))
+    let (mut feed, observers) = feed::start(observers)?;
+    let privileges = real_time::claim(priority, lock_memory);
+    real_time::run(&mut site, &mut pace, limits, stop, |item| {
+        if let Item::Tick { moment, .. } = &item {
+            watch(moment);
+        }
+        feed.publish(item);
+    });
+    let summary = Summary::new(side, &site, &pace.lateness(), &privileges);
+    for name in observers.finish(&summary) {
+        eprintln!("The {name} did not finish.");
+    }
+    Ok(summary)
 }

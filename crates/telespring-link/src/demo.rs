@@ -8,7 +8,7 @@ use telespring::InvalidInput;
 use telespring::session::Span;
 use telespring::study::Study;
 
-use crate::conduct::conduct;
+use crate::conduct::{ConductError, Plan, conduct};
 use crate::device::Simulated;
 use crate::hello::draw_session;
 use crate::real_time::Limits;
@@ -74,6 +74,9 @@ pub enum DemoError {
     /// The operating system gave no socket or thread.
     #[error("the operating system refused: {0}")]
     System(#[from] std::io::Error),
+    /// A site that did not run.
+    #[error(transparent)]
+    Conduct(#[from] ConductError),
     /// A loop has broken off; its message is above.
     #[error("a loop has broken off")]
     Broken,
@@ -144,6 +147,7 @@ impl Demo {
         // The second side only follows, so that its goodbye is an answer.
         let after = if side == 1 { 0.0 } else { 1.0 };
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
-        Ok(conduct(settings, device, transport, self.real_time, limits, stop, |_| {})?)
+        let plan = Plan { real_time: self.real_time, limits, observers: Vec::new() };
+        Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }
 }

@@ -11,6 +11,7 @@
 //! | [`hello`] | what both sides must agree on before any force | the loop |
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
+//! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
@@ -31,6 +32,7 @@ pub mod clock;
 pub mod conduct;
 pub mod demo;
 pub mod device;
+pub mod feed;
 pub mod hello;
 pub mod real_time;
 pub mod settings;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
-use telespring_link::conduct::conduct;
+use telespring_link::conduct::{Plan, conduct};
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
@@ -42,7 +42,8 @@ fn site(study: &Study, side: u8, link: Udp, stop: &AtomicBool, watch: impl FnMut
             .unwrap();
     // no test waits longer
     let limits = Limits { duration: Some(Span::from_seconds(60.0)) };
-    conduct(settings, device, transport, PRIORITY, limits, stop, watch).unwrap()
+    let plan = Plan { real_time: PRIORITY, limits, observers: Vec::new() };
+    conduct(settings, device, transport, plan, stop, watch).unwrap()
 }
 
 /// Both ends of a UDP link on this machine.

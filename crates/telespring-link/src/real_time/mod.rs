@@ -12,7 +12,8 @@ use telespring::session::Span;
 
 use crate::clock::{Clock, MonotonicClock};
 use crate::device::Device;
-use crate::site::{Moment, Phase, Site};
+use crate::feed::Item;
+use crate::site::{Phase, Site};
 use crate::transport::Transport;
 
 /// How long an ended session goes on saying goodbye.
@@ -25,26 +26,30 @@ pub struct Limits {
     pub duration: Option<Span>,
 }
 
-/// Ticks a site at the times of `pace` until its session has ended; `stop` asks it to. `watch` sees every tick. It allocates
-/// nothing if `watch` does not.
+/// Ticks a site at the times of `pace` until its session has ended; `stop` asks it to. `watch` sees every event and every
+/// tick. It allocates nothing if `watch` does not.
 pub fn run<D: Device, T: Transport>(
     site: &mut Site<D, T>,
     pace: &mut Pace,
     limits: Limits,
     stop: &AtomicBool,
-    mut watch: impl FnMut(&Moment),
+    mut watch: impl FnMut(Item),
 ) {
     let clock = MonotonicClock;
     let start = clock.now();
     pace.begin(start);
-    let mut ended = None;
+    let (mut ended, mut told) = (None, 0);
     loop {
         clock.sleep_until(pace.due());
         let now = clock.now();
-        pace.wake(now);
+        let lateness = pace.wake(now);
         let is_over = limits.duration.is_some_and(|duration| now - start >= duration);
         let moment = site.tick(&clock, is_over || stop.load(Ordering::Relaxed));
-        watch(&moment);
+        for (time, happened) in site.log().entries().iter().skip(told) {
+            watch(Item::Event { time: *time, happened: *happened });
+        }
+        told = site.log().entries().len();
+        watch(Item::Tick { moment, lateness });
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
         }

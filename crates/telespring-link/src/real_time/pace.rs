@@ -63,11 +63,12 @@ impl Pace {
         self.due
     }
 
-    /// The loop woke up.
-    pub fn wake(&mut self, now: LocalTime) {
+    /// The loop woke up; returns how late.
+    pub fn wake(&mut self, now: LocalTime) -> Span {
         let late = (now - self.due).max(Span(0));
         self.histogram.add(late);
         self.largest = self.largest.max(late);
+        late
     }
 
     /// The tick is done: the next one is due at the first whole period that has not passed.

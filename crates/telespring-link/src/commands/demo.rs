@@ -1,0 +1,60 @@
+//! `telespring-link demo`.
+
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use telespring_link::demo::{self, DemoError};
+use telespring_link::settings::LoopChoice;
+
+use super::{Failure, outcome, print, stop_on_signal};
+
+/// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// How long, s
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    seconds: f64,
+    /// Delay of the path each way, s
+    #[arg(long, default_value_t = 0.06, allow_negative_numbers = true)]
+    delay: f64,
+    /// The largest additional delay of a packet, s
+    #[arg(long, default_value_t = 0.006, allow_negative_numbers = true)]
+    jitter: f64,
+    /// The probability that a packet is lost
+    #[arg(long, default_value_t = 0.02, allow_negative_numbers = true)]
+    loss: f64,
+    /// Stiffness of the virtual spring, N/m
+    #[arg(long, default_value_t = 142.0, allow_negative_numbers = true)]
+    stiffness: f64,
+    /// What couples the robots
+    #[arg(long, value_enum, default_value_t = Strategy::Guard)]
+    strategy: Strategy,
+    /// Draws the path and what the simulated people see
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Strategy {
+    Guard,
+    Spring,
+}
+
+impl Demo {
+    pub(super) fn run(self) -> Result<ExitCode, Failure> {
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed } = self;
+        let strategy = match strategy {
+            Strategy::Guard => "guard",
+            Strategy::Spring => "spring",
+        };
+        let real_time = LoopChoice::default();
+        let demo = demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time };
+        let summary = demo.run(&stop_on_signal()).map_err(|error| match error {
+            DemoError::Input(refusal) => Failure::Input(refusal),
+            DemoError::Conduct(error) => error.into(),
+            other => Failure::Other(other.to_string()),
+        })?;
+        print(&summary);
+        Ok(outcome(&summary.sites))
+    }
+}

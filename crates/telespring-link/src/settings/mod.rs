@@ -1,0 +1,162 @@
+//! The site file: what one site is told, checked. One room per table of the file.
+
+mod device;
+mod network;
+mod range;
+mod real_time;
+mod safety;
+
+pub use device::DeviceChoice;
+pub use network::NetworkChoice;
+pub use real_time::LoopChoice;
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use telespring::InvalidInput;
+use telespring::session::Span;
+use telespring::session::architecture::{PredictorDesign, StrategyDesign};
+use telespring::study::Study;
+
+use crate::site::Safety;
+use range::span;
+
+/// What a site file says.
+#[derive(Debug, Clone)]
+pub struct SiteFile {
+    /// The study.
+    pub study: Study,
+    /// The robot of the study that this site moves, 1 or 2.
+    pub side: u8,
+    /// How long the session takes at most.
+    pub duration: Option<Span>,
+    /// The way to the partner.
+    pub network: NetworkChoice,
+    /// The robot.
+    pub device: DeviceChoice,
+    /// The limits.
+    pub safety: Safety,
+    /// The loop.
+    pub real_time: LoopChoice,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    study: PathBuf,
+    side: u8,
+    seconds: Option<f64>,
+    network: network::Text,
+    #[serde(default)]
+    device: device::Text,
+    #[serde(default)]
+    safety: safety::Text,
+    #[serde(default, rename = "loop")]
+    real_time: real_time::Text,
+}
+
+impl SiteFile {
+    /// Reads a site file and the study that it names, whose path is relative to the file.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] with the key, or with the line and column of what is not TOML.
+    pub fn read(path: &Path) -> Result<Self, InvalidInput> {
+        let text = read(path, "site")?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+    }
+
+    /// As [`SiteFile::read`], from the text; `study` returns that of the study.
+    ///
+    /// # Errors
+    ///
+    /// As [`SiteFile::read`], and every error of `study`.
+    pub fn from_toml(
+        text: &str,
+        study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
+    ) -> Result<Self, InvalidInput> {
+        let Text { study: path, side, seconds, network, device, safety, real_time } = toml::from_str(text)
+            .map_err(|error| {
+                let allowed = error.to_string().trim_end().to_owned();
+                InvalidInput::new(
+                    "site",
+                    "the file",
+                    allowed,
+                    "docs/connect.md has every key of a site file.",
+                )
+            })?;
+        let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
+        let file = Self {
+            study,
+            side,
+            duration: seconds.map(check_duration).transpose()?,
+            network: NetworkChoice::new(network)?,
+            device: DeviceChoice::new(device)?,
+            safety: safety::read(&safety)?,
+            real_time: LoopChoice::new(&real_time)?,
+        };
+        file.check()?;
+        Ok(file)
+    }
+
+    /// Checks what concerns several keys.
+    fn check(&self) -> Result<(), InvalidInput> {
+        if !matches!(self.side, 1 | 2) {
+            let remedy = "Give the robot of the study that this site moves.";
+            return Err(InvalidInput::new("side", self.side, "1 or 2", remedy));
+        }
+        if !self.device.is_real() {
+            return Ok(());
+        }
+        let session = self.study.session();
+        if !matches!(session.strategy, StrategyDesign::Guard(_)) {
+            return Err(InvalidInput::new(
+                "study.session.strategy",
+                format!("{:?}", session.strategy.kind()),
+                "a robot that a person holds is coupled by the guard",
+                "Write strategy = \"guard\" under [session] of the study.",
+            ));
+        }
+        if session.predictor == PredictorDesign::SharedTarget {
+            return Err(InvalidInput::new(
+                "study.session.predictor",
+                format!("{:?}", session.predictor.kind()),
+                "the device protocol tells no target, which this predictor needs",
+                "Write predictor = \"hold\" under [session] of the study.",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// How long a session takes at most, from seconds.
+///
+/// # Errors
+///
+/// [`InvalidInput`] if that is not 0.1 to 86400 s.
+pub fn check_duration(seconds: f64) -> Result<Span, InvalidInput> {
+    span("seconds", seconds, [0.1, 86_400.0], 20.0)
+}
+
+/// An address that only this machine reaches.
+fn loopback(field: &str, address: SocketAddr) -> Result<SocketAddr, InvalidInput> {
+    if address.ip().is_loopback() {
+        return Ok(address);
+    }
+    Err(InvalidInput::new(
+        field,
+        address,
+        "an address of this machine: nobody checks who sends a packet",
+        "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+    ))
+}
+
+/// The text of a file.
+fn read(path: &Path, what: &str) -> Result<String, InvalidInput> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let value = path.display();
+        InvalidInput::new(what, value, format!("the file cannot be read ({error})"), "Check the path.")
+    })
+}

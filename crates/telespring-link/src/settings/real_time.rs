@@ -1,0 +1,42 @@
+//! `[loop]`: what the loop asks the operating system for.
+
+use serde::Deserialize;
+use telespring::InvalidInput;
+
+/// What the loop asks the operating system for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoopChoice {
+    /// The priority of the first-in-first-out schedule, 1 to 99; `None` to ask for none.
+    pub priority: Option<i32>,
+    /// Whether the memory stays in place.
+    pub lock_memory: bool,
+}
+
+impl Default for LoopChoice {
+    /// Priority 80, memory locked.
+    fn default() -> Self {
+        Self { priority: Some(80), lock_memory: true }
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Text {
+    priority: Option<i32>,
+    lock_memory: Option<bool>,
+}
+
+impl LoopChoice {
+    pub(super) fn new(text: &Text) -> Result<Self, InvalidInput> {
+        let usual = Self::default();
+        let priority = text.priority.or(usual.priority);
+        if let Some(priority) = priority.filter(|priority| !(0..=99).contains(priority)) {
+            let remedy = "Give 80, or 0 for an ordinary thread.";
+            return Err(InvalidInput::new("loop.priority", priority, "a whole number from 0 to 99", remedy));
+        }
+        Ok(Self {
+            priority: priority.filter(|priority| *priority > 0),
+            lock_memory: text.lock_memory.unwrap_or(usual.lock_memory),
+        })
+    }
+}
