@@ -12,10 +12,10 @@ from telespring._core import RecordedSite, Study
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 
-__all__ = ["ArrivalStamps", "SiteRecording", "arrival_stamps", "check_one_session"]
+__all__ = ["PACKET_LENGTH", "ArrivalStamps", "SiteRecording", "arrival_stamps", "check_one_session"]
 
 #: A packet's length and first bytes, and where its session id, number and sent stamp (u64, ns) begin; docs/wire.md.
-_PACKET_LENGTH = 112
+PACKET_LENGTH = 112
 _MAGIC = b"TSPR"
 _SESSION_AT, _SEQUENCE_AT, _SENT_AT = 8, 16, 24
 
@@ -123,7 +123,7 @@ class ArrivalStamps:
 
 def arrival_stamps(site: SiteRecording) -> ArrivalStamps:
     """Read the stamps of a site's arrivals."""
-    rows = np.ascontiguousarray(site.datagram, dtype=np.uint8).reshape(-1, _PACKET_LENGTH)
+    rows = np.ascontiguousarray(site.datagram, dtype=np.uint8).reshape(-1, PACKET_LENGTH)
 
     def numbers(start: int) -> NDArray[np.uint64]:
         return np.ascontiguousarray(rows[:, start : start + 8]).view("<u8").reshape(-1)
