@@ -24,7 +24,7 @@ def packet(session: int, number: int, sent: int, echo: tuple[int, int], motion: 
 
 
 def positions(ticks: int, side: int, *, still: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return position (m) and velocity (m/s) of a handle: 2 cm apart from the other along x, or on a slow circle."""
+    """Return position (m) and velocity (m/s) of a handle: at rest 2 cm from the other, or on a circle."""
     time = 1e-3 * np.arange(ticks)
     apart = np.array([0.02 * side, 0.0])
     if still:
@@ -51,9 +51,7 @@ def made_session(
             newest = known[side]
             echo = (0, 0) if newest is None else (newest[0], now - newest[1])
             position, velocity = motions[side]
-            sent = packet(
-                SESSIONS[side], tick, now, echo, np.concatenate([position[tick], velocity[tick]])
-            )
+            sent = packet(SESSIONS[side], tick, now, echo, np.concatenate([position[tick], velocity[tick]]))
             if random.random() >= loss:
                 travel = TRAVEL + int(4e6 * random.random())
                 travelling[1 - side].append((now - STARTS[side] + travel, sent, now))

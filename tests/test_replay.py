@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_session import SESSIONS, TRAVEL, made_session
 from numpy.typing import NDArray
 
 import telespring as ts
+from made_session import SESSIONS, TRAVEL, made_session
 from telespring.replays.networks import rehearsal_study, session_traces, write_traces
 
 Pair = tuple[ts.SiteRecording, ts.SiteRecording]

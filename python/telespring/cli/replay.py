@@ -27,7 +27,8 @@ _REHEARSAL = "rehearsal"
 
 def replay_command(
     session: Annotated[
-        Path, typer.Argument(metavar="SESSION.mcap", help="The recording of one side, or the merged one of both.")
+        Path,
+        typer.Argument(metavar="SESSION.mcap", help="The recording of one side, or of both, merged."),
     ],
     other: Annotated[
         Path | None, typer.Argument(metavar="[OTHER.mcap]", help="The recording of the other side.")
@@ -61,14 +62,13 @@ def replay_command(
         Path, typer.Option(help="Folder for replay.json, the signals of each side (.nc) and the figure.")
     ] = Path("out/replay"),
     figure: Annotated[bool, typer.Option(help="Draw forces, ages and accounts over time.")] = True,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print replay.json instead of the table.")
-    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print replay.json instead of the table.")] = False,
 ) -> None:
     """Replay a recorded session: the forces that another strategy, stiffness or play-out would have given.
 
-    Without an option the session's own settings are replayed, which must give the recorded forces, bit for bit.
-    Motions and network stay as recorded: nobody reacts to the replayed force. --rehearse takes the network alone.
+    Without an option the session's own settings are replayed, which must give the recorded forces, bit for
+    bit. Motions and network stay as recorded: nobody reacts to the replayed force. --rehearse takes the
+    network alone.
 
     Example: telespring replay site1.mcap site2.mcap --strategy spring
     """

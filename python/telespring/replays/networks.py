@@ -21,8 +21,9 @@ NETWORK_FILES = ("forward.csv", "backward.csv")
 def way_trace(site: SiteRecording) -> Trace:
     """Return what happened to the packets on the way to a site, in the order of sending.
 
-    A delay is from the measurement of a motion to the tick at which the site took it, by the partner's clock as the site
-    estimated it at that time. A number that is missing between two that came is a packet that was lost.
+    A delay is from the measurement of a motion to the tick at which the site took it, by the partner's clock
+    as the site estimated it at that time. A number that is missing between two that came is a packet that was
+    lost.
     """
     stamps = arrival_stamps(site)
     offset = np.asarray(site.clock_offset, dtype=float)[np.asarray(site.arrival_tick)]
@@ -68,15 +69,15 @@ def write_traces(found: Replay, folder: Path) -> list[Path]:
     """Write both ways as `telespring trace` and a study read them."""
     traces = session_traces(found)
     return [
-        write_whole(folder / name, trace.to_csv())
-        for name, trace in zip(NETWORK_FILES, traces, strict=True)
+        write_whole(folder / name, trace.to_csv()) for name, trace in zip(NETWORK_FILES, traces, strict=True)
     ]
 
 
 def rehearsal_study(found: Replay) -> Study:
-    """Return the study of a comparison on the session's network: the recorded settings beside the replayed ones.
+    """Return the study that compares the recorded and the replayed settings on the session's network.
 
-    It names the files of `write_traces`. Simulated people react to the force, so it tells what a replay cannot.
+    It names the files of `write_traces`. Simulated people react to the force, so it tells what a replay
+    cannot.
     """
     recorded, study = found.recorded_study, found.study
     sessions = [recorded.session] if recorded.session == study.session else [recorded.session, study.session]

@@ -48,7 +48,9 @@ def site_recording(side: SideRecording) -> SiteRecording:
         stall=_number(side, "safety", "stall_ns", 1e-9),
         largest_force=limit,
         time=np.asarray(_column(ticks, "time"), dtype=np.uint64),
-        answered=np.where(_is_present(ticks, "asked_time"), _column(ticks, "asked_time"), 0).astype(np.uint64),
+        answered=np.where(_is_present(ticks, "asked_time"), _column(ticks, "asked_time"), 0).astype(
+            np.uint64
+        ),
         is_given=np.asarray(_column(ticks, "is_measured"), dtype=bool) & _is_present(ticks, "own.position.x"),
         position=_pairs(ticks, "own.position"),
         velocity=_pairs(ticks, "own.velocity"),
@@ -68,7 +70,8 @@ def site_recording(side: SideRecording) -> SiteRecording:
 def passed_share(wanted: FloatArray, force: FloatArray, limit: float) -> FloatArray:
     """Return the share of the endpoint's force that a site let through, per axis, before its limit.
 
-    Where the limit cut the force, or there was none, nobody sees the share: it is that of the tick before, at first all.
+    Where the limit cut the force, or there was none, nobody sees the share: it is that of the tick before, at
+    first all.
 
     Examples
     --------
@@ -90,7 +93,7 @@ def passed_share(wanted: FloatArray, force: FloatArray, limit: float) -> FloatAr
 
 
 def _session(side: SideRecording) -> int:
-    """Return the session id, which is written in hexadecimal digits because a number of JSON would lose some."""
+    """Return the session id, which is written in hexadecimal digits."""
     try:
         return int(side.session, 0)
     except ValueError:
@@ -107,7 +110,10 @@ def _number(side: SideRecording, table: str, key: str, unit: float) -> float:
 
 def _refuse(side: SideRecording, value: str, allowed: str) -> InvalidInput:
     return InvalidInput(
-        side.path.name, value, allowed, "Name a file that `telespring-link` recorded, or merge two of them again."
+        side.path.name,
+        value,
+        allowed,
+        "Name a file that `telespring-link` recorded, or merge two again.",
     )
 
 
@@ -133,7 +139,8 @@ def _pairs(table: TopicTable, name: str) -> FloatArray:
 def _places(side: SideRecording) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Return the place of the tick in which each datagram came, and which datagrams are kept.
 
-    Of a tick that is missing, they go to the next one. What came in the tick in which a recording was cut off is left out.
+    Of a tick that is missing, they go to the next one. What came in the tick in which a recording was cut off
+    is left out.
     """
     numbers = np.asarray(_column(side.ticks, "tick"), dtype=np.uint64)
     came = np.asarray(_column(side.arrivals, "tick"), dtype=np.uint64)

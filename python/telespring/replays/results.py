@@ -95,8 +95,8 @@ class SideReplay:
     replayed
         The site under the replayed settings.
     differs_at
-        From this time on, s, the replay under the session's own settings gives another force than was recorded; None if it
-        gives the recorded force at every tick, bit for bit.
+        From this time on, s, the replay under the session's own settings gives another force than was
+        recorded; None if it gives the recorded force at every tick, bit for bit.
     """
 
     recording: SiteRecording
@@ -200,8 +200,8 @@ class SideReplay:
 class Replay:
     """A recorded session under the same or another control architecture. `replay` returns it.
 
-    The motions and the network are the recorded ones, and nobody reacts to the replayed force: it is the force that this
-    motion would have met, not the motion that this force would have led to.
+    The motions and the network are the recorded ones, and nobody reacts to the replayed force: it is the
+    force that this motion would have met, not the motion that this force would have led to.
 
     Attributes
     ----------
@@ -210,8 +210,8 @@ class Replay:
     sides
         What was replayed, one or both sides.
     partner
-        "replayed" if both sides were: each gets the packets that the other makes in the replay. "as recorded" if there is one
-        side only.
+        "replayed" if both sides were: each gets the packets that the other makes in the replay. "as recorded"
+        if there is one side only.
     """
 
     recorded_study: Study
@@ -259,7 +259,7 @@ def seconds_since_start(site: SiteRecording) -> FloatArray:
 
 
 def first_difference(site: SiteRecording, own: ReplayedSite) -> float | None:
-    """Return the time from which a replay under the session's own settings differs from the recorded force, s."""
+    """Return from when, s, a replay under the session's own settings differs from the recorded force."""
     differs = np.zeros(len(site.time), dtype=bool)
     is_asked = np.asarray(site.answered) > 0
     for recorded, replayed in ((site.wanted, own.wanted), (site.force, own.force)):

@@ -32,10 +32,11 @@ def replay(
 ) -> Replay:
     """Replay a recorded session under another strategy, predictor, play-out or stiffness.
 
-    The endpoints of the session are given once more what they were given then: the measured motions, the target and every
-    datagram that arrived, at its time and in its order. With the recordings of both sides each packet has the content that
-    its replayed sender gives it. Without changes the recorded forces come out, bit for bit. The people do not react to the
-    force of a replay: it tells forces, ages, limits and energies on this motion and network.
+    The endpoints of the session are given once more what they were given then: the measured motions, the
+    target and every datagram that arrived, at its time and in its order. With the recordings of both sides
+    each packet has the content that its replayed sender gives it. Without changes the recorded forces come
+    out, bit for bit. The people do not react to the force of a replay: it tells forces, ages, limits and
+    energies on this motion and network.
 
     Parameters
     ----------
@@ -44,8 +45,8 @@ def replay(
     other : path or SiteRecording, optional
         The recording of the other side.
     strategy, predictor, playout : str or mapping, optional
-        As in the section ``[session]`` of a study file, such as "guard" or ``{"kind": "fixed", "delay": 0.08}``. Default: as
-        in the session.
+        As in the section ``[session]`` of a study file, such as "guard" or ``{"kind": "fixed", "delay":
+        0.08}``. Default: as in the session.
     stiffness : float, optional
         Stiffness of the spring, N/m. Default: as in the session.
 
@@ -57,8 +58,8 @@ def replay(
     Raises
     ------
     InvalidInput
-        If a file is no recording, the recordings are not of one session, a live session refuses the settings, or they need
-        the recording of the partner, too.
+        If a file is no recording, the recordings are not of one session, a live session refuses the settings,
+        or they need the recording of the partner, too.
     OSError
         If a file cannot be read.
 
@@ -72,11 +73,12 @@ def replay(
     >>> time = 10**9 + 10**6 * np.arange(1000, dtype=np.uint64)
     >>> still, unknown = np.zeros((1000, 2)), np.full((1000, 2), np.nan)
     >>> site = ts.SiteRecording(
-    ...     study, side=1, session=7, silence=0.15, stall=0.02, largest_force=20.0, time=time, answered=time + np.uint64(200),
-    ...     is_given=np.ones(1000, bool), position=still, velocity=still, acted=unknown, target_position=unknown,
-    ...     target_velocity=unknown, share=still + 1.0, wanted=still, force=still, clock_offset=unknown[:, 0],
-    ...     arrival_tick=np.zeros(0, np.int64), arrival_time=np.zeros(0, np.uint64),
-    ...     datagram=np.zeros((0, 112), np.uint8))
+    ...     study, side=1, session=7, silence=0.15, stall=0.02, largest_force=20.0, time=time,
+    ...     answered=time + np.uint64(200), is_given=np.ones(1000, bool), position=still, velocity=still,
+    ...     acted=unknown, target_position=unknown, target_velocity=unknown, share=still + 1.0,
+    ...     wanted=still, force=still, clock_offset=unknown[:, 0], arrival_tick=np.zeros(0, np.int64),
+    ...     arrival_time=np.zeros(0, np.uint64), datagram=np.zeros((0, 112), np.uint8),
+    ... )
     >>> replayed = ts.replay(site, predictor="linear")
     >>> replayed.is_reproduced, replayed.partner, replayed.sides[0].numbers.force_largest
     (True, 'as recorded', 0.0)
@@ -146,7 +148,7 @@ def changed_study(
 
 
 def _check_partner(recorded: Study, study: Study) -> None:
-    """Refuse settings under which the partner's packets would have carried something else than was recorded."""
+    """Refuse settings under which the partner's packets would have carried something else."""
     before, after = recorded.session, study.session
     is_kept = (
         before.settings()["strategy"] == after.settings()["strategy"]
@@ -157,8 +159,8 @@ def _check_partner(recorded: Study, study: Study) -> None:
     raise InvalidInput(
         "session",
         "the recording of one side",
-        f"with the strategy {after.strategy}, the partner's packets carry energy or waves, and those of a session with "
-        f"{before.strategy} at {recorded.stiffness:g} N/m are others",
+        f"with the strategy {after.strategy}, the partner's packets carry energy or waves, and those of a "
+        f"session with {before.strategy} at {recorded.stiffness:g} N/m are others",
         "Give the recording of the other side, too.",
     )
 

@@ -14,7 +14,7 @@ from telespring._types import FloatArray
 
 __all__ = ["PACKET_LENGTH", "ArrivalStamps", "SiteRecording", "arrival_stamps", "check_one_session"]
 
-#: A packet's length and first bytes, and where its session id, number and sent stamp (u64, ns) begin; docs/wire.md.
+#: A packet's length and first bytes, and where its session id, number and sent stamp begin; docs/wire.md.
 PACKET_LENGTH = 112
 _MAGIC = b"TSPR"
 _SESSION_AT, _SEQUENCE_AT, _SENT_AT = 8, 16, 24
@@ -51,11 +51,13 @@ class SiteRecording:
     share
         The share of its force that the site let act, per axis, before its limit, (n, 2).
     wanted, force
-        The force of the endpoint and that of the site, as recorded, N, (n, 2); NaN where the endpoint was not asked.
+        The force of the endpoint and that of the site, as recorded, N, (n, 2); NaN where the endpoint was not
+        asked.
     clock_offset
         The partner's clock minus this one, as the endpoint used it, s, (n,); NaN before it knew.
     arrival_tick, arrival_time
-        The tick in which the endpoint was given each datagram, and when, ns on the site's clock, (m,) int64 and uint64.
+        The tick in which the endpoint was given each datagram, and when, ns on the site's clock, (m,) int64
+        and uint64.
     datagram
         The bytes, (m, 112) uint8.
     """

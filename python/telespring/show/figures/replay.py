@@ -58,7 +58,9 @@ def replay_figure(panels: ReplayPanels) -> Figure:
         places = iter(axes)
         for side in panels.sides:
             for axis, name in enumerate("xy"):
-                _draw_force(next(places), side, axis, next(labels), f"force on handle {side.side} along {name}")
+                _draw_force(
+                    next(places), side, axis, next(labels), f"force on handle {side.side} along {name}"
+                )
         ages = [(side.side, side.time, 1e3 * side.recorded_age, 1e3 * side.age) for side in panels.sides]
         _draw_sides(next(places), ages, "Age, ms", next(labels), "age of the partner's motion in use")
         if has_account:

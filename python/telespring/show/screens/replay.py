@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["replay_screen"]
 
 _OPEN_LOOP = (
-    "The motions are the recorded ones: nobody reacted to the replayed force. It is what this motion would have met, not "
-    "what it would have led to."
+    "The motions are the recorded ones: nobody reacted to the replayed force. It is what this motion would "
+    "have met, not what it would have led to."
 )
 
 
@@ -65,8 +65,8 @@ def _reproduction(side: SideReplay) -> Text:
     if side.differs_at is None:
         return Text(f"{what}: the session's own settings give the recorded forces, bit for bit.")
     return Text(
-        f"{what}: from {format_time(side.differs_at, 4)} on the session's own settings give other forces than were recorded. "
-        "Was the recording cut or written by another release?",
+        f"{what}: from {format_time(side.differs_at, 4)} on the session's own settings give other forces "
+        "than were recorded. Does the recording miss ticks, or was it written by another release?",
         style="yellow",
     )
 
@@ -76,7 +76,8 @@ def _partner(found: Replay) -> str:
         renewed = sum(side.replayed.renewed for side in found.sides)
         packets = sum(len(side.recording.arrival_time) for side in found.sides)
         return (
-            f"Both sides were replayed: {renewed} of {packets} packets have the content that their replayed sender gives them."
+            f"Both sides were replayed: {renewed} of {packets} packets have the content that their replayed "
+            "sender gives them."
         )
     return "One side was replayed: the partner's packets are as recorded."
 
