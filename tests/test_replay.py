@@ -84,14 +84,18 @@ def test_law_the_guard_spends_no_more_than_it_has(session: Pair) -> None:
     stiff = ts.replay(*session, stiffness=150.0)
     for guarded, bare in zip(found.sides, stiff.sides, strict=True):
         assert guarded.numbers.least_account >= 0.0
-        assert 0.0 < guarded.numbers.limited_share < 1.0
         assert guarded.replayed.renewed == len(guarded.recording.arrival_time)
-        assert guarded.numbers.force_rms < bare.numbers.force_rms
         assert (sizes(guarded.replayed.force) <= sizes(bare.replayed.force) + 1e-9).all()
         # a recording of a spring has no account
         assert np.isnan(guarded.recorded_numbers.least_account)
-    energies = [side.numbers for side in found.sides]
-    assert 0.0 < energies[0].energy_received <= energies[1].energy_sent
+    # the first handle would gain energy, the second one loses some
+    first, second = (side.numbers for side in found.sides)
+    assert 0.3 < first.limited_share < 1.0
+    assert second.limited_share == 0.0
+    assert first.given_out < stiff.sides[0].numbers.given_out
+    # the account of a guard lives on what the replayed partner sends, not on what the recorded one did
+    assert 0.0 < first.energy_received <= second.energy_sent
+    assert 0.0 < second.energy_received <= first.energy_sent
 
 
 def test_law_the_site_lets_through_its_share_up_to_its_limit(session: Pair) -> None:

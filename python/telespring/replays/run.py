@@ -143,7 +143,7 @@ def changed_study(
     if chosen:
         study = study.replace(session=Architecture(**{**study.session.settings(), **chosen}))
     if stiffness is not None:
-        study = study.replace(coupling={"stiffness": stiffness, "damping": study.coupling_damping})
+        study = study.replace(coupling={"stiffness": stiffness})
     return study
 
 
