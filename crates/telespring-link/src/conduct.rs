@@ -8,7 +8,7 @@ use telespring::session::Span;
 use crate::device::Device;
 use crate::feed::{self, Item, Observer};
 use crate::real_time::{self, Limits, Pace};
-use crate::settings::LoopChoice;
+use crate::settings::{LoopChoice, PaceChoice};
 use crate::site::{Moment, Site, SiteSettings};
 use crate::summary::Summary;
 use crate::transport::Transport;
@@ -48,14 +48,15 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time: LoopChoice { priority, lock_memory }, limits, observers } = plan;
+    let Plan { real_time: LoopChoice { priority, lock_memory, pace: choice }, limits, observers } = plan;
+    let follows = choice == PaceChoice::Device;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
     let mut pace = Pace::new(period);
     let (mut feed, observers) = feed::start(observers)?;
     let privileges = real_time::claim(priority, lock_memory);
-    real_time::run(&mut site, &mut pace, limits, stop, |item| {
+    real_time::run(&mut site, &mut pace, limits, stop, follows, |item| {
         if let Item::Tick { moment, .. } = &item {
             watch(moment);
         }

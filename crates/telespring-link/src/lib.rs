@@ -6,7 +6,8 @@
 //! | room | its one job | which thread |
 //! |---|---|---|
 //! | [`clock`] | the monotonic clock, and sleeping until a point of time | the loop |
-//! | [`transport`] | datagrams to and from the partner: UDP, an emulated path on top | the loop |
+//! | [`transport`] | datagrams to and from the partner: iroh, UDP, an emulated path on top | the loop; iroh has one of its own |
+//! | [`keys`] | the key of a site, in a file; who may be the partner | before the loop |
 //! | [`device`] | the robot: simulated, or a program that speaks the device protocol | the loop |
 //! | [`hello`] | what both sides must agree on before any force | the loop |
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
@@ -15,6 +16,7 @@
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
+//! | [`probe`] | measures the path to a partner | a loop of its own |
 //! | [`demo`] | both sides on this machine | starts two loops |
 //!
 //! One thread touches a site: the one that runs its loop. It allocates nothing after its start, takes no lock and writes no
@@ -34,6 +36,8 @@ pub mod demo;
 pub mod device;
 pub mod feed;
 pub mod hello;
+pub mod keys;
+pub mod probe;
 pub mod real_time;
 pub mod settings;
 pub mod site;

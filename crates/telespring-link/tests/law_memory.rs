@@ -31,7 +31,7 @@ fn uses(
     let mut pace = Pace::new(Span(1_000_000));
     USES.set(0);
     FORBIDDEN.set(true);
-    run(&mut site, &mut pace, limits, &stop, |_| {
+    run(&mut site, &mut pace, limits, &stop, true, |_| {
         if let Some(flood) = flood {
             let _ = flood.send(b"no packet");
         }

@@ -1,6 +1,8 @@
 //! The commands, one room each, and what they share.
 
 mod demo;
+mod id;
+mod keygen;
 mod run;
 
 use std::process::ExitCode;
@@ -31,6 +33,8 @@ pub struct Arguments {
 enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Keygen(keygen::Keygen),
+    Id(id::Id),
 }
 
 impl Arguments {
@@ -39,6 +43,8 @@ impl Arguments {
         let outcome = match self.command {
             Command::Run(command) => command.run(),
             Command::Demo(command) => command.run(),
+            Command::Keygen(command) => command.run(),
+            Command::Id(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

@@ -11,7 +11,7 @@ use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::{DeviceChoice, NetworkChoice, SiteFile, check_duration};
 use telespring_link::site::SiteSettings;
-use telespring_link::transport::{Transport, Udp};
+use telespring_link::transport::{Iroh, Transport, Udp};
 
 use super::{Failure, outcome, print, stop_on_signal};
 
@@ -34,6 +34,11 @@ impl Run {
         let transport: Box<dyn Transport> = match network {
             NetworkChoice::Udp { local, peer } => {
                 Box::new(Udp::new(local, peer).map_err(system("network.local", local))?)
+            }
+            NetworkChoice::Iroh(choice) => {
+                let local: Vec<String> = choice.local.iter().map(ToString::to_string).collect();
+                let refuse = system("network.local", local.join(", "));
+                Box::new(Iroh::new(&choice.settings()?).map_err(refuse)?)
             }
         };
         let device: Box<dyn Device> = match device {

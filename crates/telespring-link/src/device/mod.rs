@@ -10,6 +10,8 @@ mod udp;
 pub use simulated::Simulated;
 pub use udp::UdpDevice;
 
+use std::os::fd::BorrowedFd;
+
 use telespring::session::{LocalTime, Motion};
 
 /// What a device says at a tick.
@@ -69,6 +71,11 @@ pub trait Device {
 
     /// Tells the device what to do from now on.
     fn command(&mut self, now: LocalTime, command: Command);
+
+    /// What becomes readable once the device has measured anew, if the device has a pace of its own.
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        None
+    }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
@@ -78,5 +85,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn command(&mut self, now: LocalTime, command: Command) {
         (**self).command(now, command);
+    }
+
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        (**self).pace()
     }
 }

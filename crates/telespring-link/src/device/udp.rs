@@ -2,6 +2,7 @@
 
 use std::io::Error;
 use std::net::{SocketAddr, UdpSocket};
+use std::os::fd::{AsFd, BorrowedFd};
 
 use telespring::session::{LocalTime, Span};
 
@@ -96,6 +97,10 @@ impl Device for UdpDevice {
         let Command { force, is_running } = command;
         let order = Order { sequence: self.orders as f64, answers, force, is_running };
         self.link.send(now, &order.encode());
+    }
+
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        Some(self.link.as_fd())
     }
 }
 

@@ -5,10 +5,11 @@ mod network;
 mod range;
 mod real_time;
 mod safety;
+mod several;
 
 pub use device::DeviceChoice;
-pub use network::NetworkChoice;
-pub use real_time::LoopChoice;
+pub use network::{IrohChoice, NetworkChoice};
+pub use real_time::{LoopChoice, PaceChoice};
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ struct Text {
 }
 
 impl SiteFile {
-    /// Reads a site file and the study that it names, whose path is relative to the file.
+    /// Reads a site file and the study that it names. Paths in it are relative to the file.
     ///
     /// # Errors
     ///
@@ -65,7 +66,8 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        Ok(Self { network: file.network.within(folder), ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -149,7 +151,7 @@ fn loopback(field: &str, address: SocketAddr) -> Result<SocketAddr, InvalidInput
         field,
         address,
         "an address of this machine: nobody checks who sends a packet",
-        "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+        "Write 127.0.0.1 with a port here, or transport = \"iroh\" for another machine.",
     ))
 }
 

@@ -21,6 +21,8 @@ pub use log::{Happened, LOG_CAPACITY, Log};
 pub use moment::{Cause, Moment, Phase, Tally};
 pub use settings::{Safety, SiteSettings};
 
+use std::os::fd::BorrowedFd;
+
 use telespring::InvalidInput;
 use telespring::session::{Endpoint, LocalTime, SessionReport, Span};
 
@@ -269,5 +271,10 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// The device.
     pub fn device(&self) -> &D {
         &self.device
+    }
+
+    /// What becomes readable once the device has measured anew, if it has a pace of its own.
+    pub fn device_pace(&self) -> Option<BorrowedFd<'_>> {
+        self.device.pace()
     }
 }
