@@ -18,6 +18,7 @@ from telespring.cli.compare import compare_command
 from telespring.cli.decide import decide_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
+from telespring.cli.merge import merge_command
 from telespring.cli.predictor import predictor_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.replay import replay_command
@@ -44,6 +45,7 @@ app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("replay", cls=Command)(refusals()(replay_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("merge", cls=Command)(refusals()(merge_command))
 app.command("predictor", cls=Command)(predictor_command)
 app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)
