@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import struct
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 import telespring as ts
+from made_recording import message
 
 PERIOD = 1_000_000
 SESSIONS = (0xA11CE, 0xB0B)
@@ -93,3 +97,67 @@ def made_session(
         for side in range(2)
     ]
     return sites[0], sites[1]
+
+
+def write_recording(path: Path, site: ts.SiteRecording) -> Path:
+    """Write a made site as the live program does, as far as a replay reads it."""
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=50_000, compression=CompressionType.LZ4)
+        writer.start("telespring", "telespring-link")
+        writer.add_metadata(
+            "telespring",
+            {"format_version": "1", "program_version": "0.1.0", "side": str(site.side)}
+            | {"session": f"{site.session:#018x}", "wall_time_zero": "1700000000000000000"},
+        )
+        writer.add_metadata("endpoint", {"sample_period_ns": str(PERIOD)})
+        spans = {"silence_ns": round(1e9 * site.silence), "stall_ns": round(1e9 * site.stall)}
+        safety = {name: str(value) for name, value in spans.items()}
+        writer.add_metadata("safety", safety | {"force": repr(site.largest_force)})
+        writer.add_attachment(0, 0, "study.toml", "application/toml", site.study.to_toml().encode())
+        made = {}
+        for full in ("tick.Tick", "arrival.Arrival", "event.Event"):
+            schema, kind = message(full)
+            topic = f"/site{site.side}/{full.split('.')[0]}"
+            number = writer.register_schema(full, "protobuf", schema)
+            made[full] = writer.register_channel(topic, "protobuf", number), kind
+        arrivals = list(zip(site.arrival_tick, site.arrival_time, site.datagram, strict=True))
+        for tick, time in enumerate(site.time.tolist()):
+            while arrivals and arrivals[0][0] == tick:
+                _, came, datagram = arrivals.pop(0)
+                arrival = made["arrival.Arrival"][1](
+                    tick=tick, time=int(came), is_taken=True, length=112, datagram=datagram.tobytes()
+                )
+                writer.add_message(made["arrival.Arrival"][0], time, arrival.SerializeToString(), time)
+            row = made["tick.Tick"][1](
+                tick=tick,
+                time=time,
+                commanded_time=time + 100_000,
+                phase="running",
+                watchdog="engaged",
+                is_measured=bool(site.is_given[tick]),
+            )
+            if site.answered[tick]:
+                row.asked_time = int(site.answered[tick])
+            offset = site.clock_offset[tick]
+            if np.isfinite(offset):
+                row.clock_offset, row.clock_offset_error = round(1e9 * offset), 1000
+            forces = {"wanted_force": site.wanted, "commanded_force": site.force, "told_force": site.acted}
+            for name, values in forces.items():
+                if np.isfinite(values[tick]).all():
+                    fill(getattr(row, name), values[tick])
+            if site.is_given[tick]:
+                fill(row.own.position, site.position[tick])
+                fill(row.own.velocity, site.velocity[tick])
+            if np.isfinite(site.target_position[tick]).all():
+                fill(row.target.position, site.target_position[tick])
+                fill(row.target.velocity, site.target_velocity[tick])
+            writer.add_message(made["tick.Tick"][0], time, row.SerializeToString(), time)
+        writer.add_metadata("end", {"missed": "0"})
+        writer.finish()
+    return path
+
+
+def fill(pair: Any, values: NDArray[np.float64]) -> None:
+    """Set a pair of numbers; also one of zeros is there then."""
+    pair.SetInParent()
+    pair.x, pair.y = (float(value) for value in values)

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from typer.testing import CliRunner, Result
 
 import telespring as ts
-from made_session import SESSIONS, TRAVEL, made_session
+from made_session import SESSIONS, TRAVEL, made_session, write_recording
+from telespring import cli
 from telespring.replays.networks import rehearsal_study, session_traces, write_traces
 
 Pair = tuple[ts.SiteRecording, ts.SiteRecording]
@@ -30,6 +32,12 @@ def with_forces(pair: Pair) -> Pair:
         for side in found.sides
     )
     return one, two
+
+
+def run(arguments: list[str], status: int = 0) -> Result:
+    done = CliRunner(env={"COLUMNS": "120", "NO_COLOR": "1"}).invoke(cli.app, ["replay", *arguments])
+    assert done.exit_code == status, done.output
+    return done
 
 
 def sizes(force: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -141,6 +149,75 @@ def test_law_signals_and_numbers_are_one(session: Pair) -> None:
     assert float(np.sqrt((data["force"] ** 2).sum("axis").mean())) == pytest.approx(side.numbers.force_rms)
     assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["people_react"] is False
     assert repr(found) == "<Replay of side 1 and 2: spring + linear>"
+
+
+@pytest.fixture(scope="module")
+def files(session: Pair, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    folder = tmp_path_factory.mktemp("recordings")
+    one, two = (write_recording(folder / f"site{site.side}.mcap", site) for site in session)
+    return one, two
+
+
+def test_cross_a_recorded_session_reproduces_itself(session: Pair, files: tuple[Path, Path]) -> None:
+    for sources in (files, files[::-1], files[:1]):
+        found = ts.replay(*sources)
+        assert found.is_reproduced
+        for side in found.sides:
+            made = session[side.side - 1]
+            assert np.array_equal(side.replayed.force, made.force)
+            assert side.recording.session == made.session
+            assert np.array_equal(side.recording.datagram, made.datagram)
+            assert np.array_equal(side.recording.answered, made.answered)
+            assert np.allclose(side.recording.clock_offset, made.clock_offset, rtol=0, atol=1e-9)
+    softer = ts.replay(*files, stiffness=30.0)
+    assert np.array_equal(softer.sides[0].replayed.force, 0.5 * session[0].force)
+
+
+def test_law_a_recording_cut_off_reproduces_what_is_left(files: tuple[Path, Path], tmp_path: Path) -> None:
+    content = files[1].read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(content[: int(0.6 * len(content))])
+    found = ts.replay(files[0], cut)
+    assert found.is_reproduced
+    one, two = found.sides
+    assert 500 < len(two.time) < len(one.time)
+    # what the cut side cannot tell any more keeps its content
+    assert 0 < one.replayed.renewed < len(one.recording.arrival_time)
+
+
+def test_law_the_command_prints_and_writes_a_replay(files: tuple[Path, Path], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    own = run([*map(str, files), "--out", str(out)])
+    assert own.stdout.count("give the recorded forces, bit for bit") == 2
+    done = run([*map(str, files), "--strategy", "guard", "--stiffness", "150", "--out", str(out)])
+    assert "guard at 150 N/m" in done.stdout
+    assert "nobody reacted to the replayed force" in " ".join(done.stdout.split())
+    numbers = json.loads((out / "replay.json").read_text(encoding="utf-8"))
+    assert numbers["replayed_session"]["strategy"] == "guard"
+    assert numbers["sides"][0]["replayed"]["limited_share"] > 0.3
+    assert (out / "replay.svg").read_text(encoding="utf-8").count("force on handle") == 4
+    for name in ("site1.nc", "site2.nc"):
+        assert (out / name).stat().st_size > 10_000
+    later = run([str(files[0]), "--playout-delay", "90ms", "--json", "--no-figure", "--out", str(out)])
+    printed = json.loads(later.stdout)
+    assert printed["partner"] == "as recorded"
+    assert printed["replayed_session"]["playout"] == {"kind": "fixed", "delay": 0.09}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--strategy", "guad"], "guard"),
+        (["--stiffness", "-1"], "stiffness"),
+        (["--playout", "adaptive", "--playout-delay", "0.1"], "Leave out one of them"),
+        (["--strategy", "wave-variables"], "Give the recording of the other side"),
+    ],
+)
+def test_law_the_command_refuses_with_a_remedy(
+    files: tuple[Path, Path], tmp_path: Path, arguments: list[str], words: str
+) -> None:
+    refused = run([str(files[0]), *arguments, "--out", str(tmp_path)], status=2)
+    assert words in " ".join(refused.stderr.split())
 
 
 def test_ref_the_session_s_network_as_traces(session: Pair) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from telespring._types import FloatArray
 from telespring.replays.sites import PACKET_LENGTH, SiteRecording
 
 if TYPE_CHECKING:
-    from telespring.recording.side import SideRecording
+    from telespring.recording import SideRecording
     from telespring.recording.topics import TopicTable
 
 __all__ = ["read_sites", "site_recording"]
@@ -25,9 +24,9 @@ _CUT = 1e-9
 
 def read_sites(path: str) -> list[SiteRecording]:
     """Read the recording of one side, or the merged one of both; InvalidInput if it is none."""
-    from telespring.recording.side import read_sides
+    from telespring.recording import read_recording
 
-    return [site_recording(side) for side in read_sides(Path(path))]
+    return [site_recording(side) for side in read_recording(path).sides.values()]
 
 
 def site_recording(side: SideRecording) -> SiteRecording:
