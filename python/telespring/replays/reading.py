@@ -88,7 +88,7 @@ def passed_share(wanted: FloatArray, force: FloatArray, limit: float) -> FloatAr
     places = np.where(is_seen, np.arange(1, len(wanted) + 1)[:, None], 0)
     latest = np.maximum.accumulate(places, axis=0)
     filled = np.vstack([np.ones((1, 2)), share])
-    return np.clip(np.take_along_axis(filled, latest, axis=0), 0.0, 1.0)
+    return np.asarray(np.clip(np.take_along_axis(filled, latest, axis=0), 0.0, 1.0))
 
 
 def _session(side: SideRecording) -> int:

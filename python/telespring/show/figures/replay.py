@@ -10,12 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from telespring._types import FloatArray
-from telespring.show.figures.style import COLOURS, FULL_WIDTH, ROBOT_COLOURS, figure_style, panel_label
+from telespring.show.figures.style import (
+    COLOURS,
+    FULL_WIDTH,
+    ROBOT_COLOURS,
+    figure_style,
+    legend_line,
+    panel_label,
+)
 from telespring.show.figures.thinning import extremes
 
 __all__ = ["ReplayPanels", "ReplayedCurves", "replay_figure"]
 
-_RECORDED, _REPLAYED = COLOURS["black"], "solid"
 _DASHED = (0.0, (5.0, 1.6))
 
 
@@ -67,27 +73,19 @@ def replay_figure(panels: ReplayPanels) -> Figure:
             accounts = [(side.side, side.time, side.recorded_account, side.account) for side in panels.sides]
             _draw_sides(next(places), accounts, "Account, J", next(labels), "energy in the account")
         axes[-1].set_xlabel("Time since the first tick of the side, s")
-        figure.legend(
-            *_legend(panels), loc="outside upper right", ncols=2, borderaxespad=0.0, handlelength=2.8
-        )
+        lines = [
+            legend_line(f"recorded: {panels.recorded}", COLOURS["black"], _DASHED),
+            legend_line(f"replayed: {panels.replayed}", COLOURS["black"]),
+        ]
+        figure.legend(handles=lines, loc="outside upper right", ncols=2, borderaxespad=0.0)
     return figure
-
-
-def _legend(panels: ReplayPanels) -> tuple[list[object], list[str]]:
-    from telespring.show.figures.style import legend_line
-
-    lines = [
-        legend_line(f"recorded: {panels.recorded}", _RECORDED, _DASHED),
-        legend_line(f"replayed: {panels.replayed}", COLOURS["blue"]),
-    ]
-    return list(lines), [str(line.get_label()) for line in lines]
 
 
 def _draw_force(axes: Axes, side: ReplayedCurves, axis: int, label: str, text: str) -> None:
     colour = ROBOT_COLOURS[(side.side - 1) % 2]
     axes.plot(*extremes(side.time, side.force[:, axis]), color=colour, linewidth=1.0)
     recorded = extremes(side.time, side.recorded_force[:, axis])
-    axes.plot(*recorded, color=_RECORDED, linestyle=_DASHED, linewidth=0.8)
+    axes.plot(*recorded, color=COLOURS["black"], linestyle=_DASHED, linewidth=0.8)
     axes.set_ylabel("Force, N")
     axes.margins(x=0.0)
     panel_label(axes, label, text)
@@ -102,13 +100,15 @@ def _draw_sides(
 ) -> None:
     for side, time, recorded, replayed in sides:
         colour = ROBOT_COLOURS[(side - 1) % 2]
-        for values, dash, width in ((replayed, _REPLAYED, 1.0), (recorded, _DASHED, 0.8)):
+        for values, dash, width in ((replayed, "solid", 1.0), (recorded, _DASHED, 0.8)):
             is_known = np.isfinite(values)
             if is_known.any():
-                axes.plot(*extremes(time[is_known], values[is_known]), color=colour, ls=dash, lw=width)
+                axes.plot(
+                    *extremes(time[is_known], values[is_known]), color=colour, linestyle=dash, linewidth=width
+                )
         axes.plot([], [], color=colour, label=f"site {side}")
     axes.set_ylabel(unit)
     axes.margins(x=0.0)
     if len(sides) > 1:
-        axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.9, edgecolor="none")
+        axes.legend(loc="best", ncols=2, frameon=True, framealpha=0.9, edgecolor="none")
     panel_label(axes, label, text)
