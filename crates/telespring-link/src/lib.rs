@@ -13,6 +13,7 @@
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
 //! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
+//! | [`telemetry`] | a row of numbers per tick for programs beside this one | its own |
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
@@ -42,4 +43,5 @@ pub mod real_time;
 pub mod settings;
 pub mod site;
 pub mod summary;
+pub mod telemetry;
 pub mod transport;

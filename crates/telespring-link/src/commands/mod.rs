@@ -3,6 +3,9 @@
 mod demo;
 mod id;
 mod keygen;
+mod parts;
+mod probe;
+mod relay_config;
 mod run;
 
 use std::process::ExitCode;
@@ -35,6 +38,8 @@ enum Command {
     Demo(demo::Demo),
     Keygen(keygen::Keygen),
     Id(id::Id),
+    Probe(probe::Probe),
+    RelayConfig(relay_config::RelayConfig),
 }
 
 impl Arguments {
@@ -45,6 +50,8 @@ impl Arguments {
             Command::Demo(command) => command.run(),
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
+            Command::Probe(command) => command.run(),
+            Command::RelayConfig(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

@@ -162,6 +162,11 @@ impl<T: Transport> Probe<T> {
         })
     }
 
+    /// Packets of the measurement that are sent, and of all.
+    pub fn progress(&self) -> (usize, usize) {
+        (self.sent.len(), self.sent.capacity())
+    }
+
     /// Sends and receives once. `stop` ends a measurement; what was sent until then is still reported.
     pub fn tick(&mut self, clock: &impl Clock, stop: bool) -> Stage {
         self.receive(clock);

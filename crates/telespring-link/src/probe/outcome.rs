@@ -185,10 +185,7 @@ impl<T: Transport> Probe<T> {
             paths: self
                 .paths
                 .iter()
-                .map(|(time, event)| Path {
-                    time: (*time - first).seconds(),
-                    event: event.word(),
-                })
+                .map(|(time, event)| Path { time: (*time - first).seconds(), event: event.word() })
                 .collect(),
         }
     }

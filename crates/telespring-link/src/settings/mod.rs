@@ -6,10 +6,12 @@ mod range;
 mod real_time;
 mod safety;
 mod several;
+mod telemetry;
 
 pub use device::DeviceChoice;
 pub use network::{IrohChoice, NetworkChoice};
 pub use real_time::{LoopChoice, PaceChoice};
+pub use telemetry::TelemetryChoice;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -40,6 +42,8 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
+    /// Who on this machine is sent what every tick says.
+    pub telemetry: Option<TelemetryChoice>,
 }
 
 #[derive(Deserialize)]
@@ -55,6 +59,7 @@ struct Text {
     safety: safety::Text,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
+    telemetry: Option<telemetry::Text>,
 }
 
 impl SiteFile {
@@ -79,8 +84,8 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time } = toml::from_str(text)
-            .map_err(|error| {
+        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
+            toml::from_str(text).map_err(|error| {
                 let allowed = error.to_string().trim_end().to_owned();
                 InvalidInput::new(
                     "site",
@@ -98,6 +103,7 @@ impl SiteFile {
             device: DeviceChoice::new(device)?,
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
+            telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
         };
         file.check()?;
         Ok(file)

@@ -169,12 +169,12 @@ impl IrohChoice {
         Ok(())
     }
 
-    /// What the transport is made of: reads the key.
+    /// What the transport is made of: reads the key. `priority`: that of the loop, if it has one.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] if the key cannot be read, or is the partner's.
-    pub fn settings(&self) -> Result<IrohSettings, InvalidInput> {
+    pub fn settings(&self, priority: Option<i32>) -> Result<IrohSettings, InvalidInput> {
         let key = SiteKey::read("network.key", &self.key)?;
         if self.peer_ids.contains(&key.id()) {
             let remedy = "Ask the partner for the line of telespring-link id.";
@@ -186,7 +186,8 @@ impl IrohChoice {
             ));
         }
         let Self { key: _, peer_ids, peers, local, relay, relayed } = self.clone();
-        Ok(IrohSettings { key, peer_ids, peers, local, relay, relayed })
+        let priority = priority.map(|priority| priority - 1).filter(|priority| *priority > 0);
+        Ok(IrohSettings { key, peer_ids, peers, local, relay, relayed, priority })
     }
 }
 

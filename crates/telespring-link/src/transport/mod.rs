@@ -35,6 +35,8 @@ pub enum PathEvent {
         /// 1, 2 or 4.
         every: u8,
     },
+    /// The partner does not know this site's key. Said once; the transport goes on asking.
+    Refused,
     /// No way is left, or the partner is silent on it. The transport goes on looking for one.
     Lost,
 }
@@ -48,6 +50,7 @@ impl PathEvent {
             Self::Relayed => "path-relayed",
             Self::Withheld => "path-withheld",
             Self::Rate { .. } => "path-rate",
+            Self::Refused => "path-refused",
             Self::Lost => "path-lost",
         }
     }

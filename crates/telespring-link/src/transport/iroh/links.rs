@@ -4,14 +4,19 @@
 //! still holds the former connection. So there may be two for a moment. Datagrams are taken from all of them. The side with the
 //! smaller id closes all but its newest one; the other side sends on the one on which it heard last. If the smaller one has the
 //! newest one, the other one hears on it at once, so both use the same.
+//!
+//! Who dials is connected before the partner has looked at its key, so a connection counts only once something has come over it.
+//! Both send an empty datagram ten times per second, as a sign of life, for that.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use iroh::EndpointId;
-use iroh::endpoint::Connection;
+use iroh::endpoint::{Connection, ConnectionError};
 use tokio::sync::Notify;
 
 use super::admission::reason;
@@ -20,15 +25,15 @@ use super::shared::{Shared, count};
 
 /// Connections at a time.
 const MOST: usize = 3;
-/// A partner that is silent for this long is looked for anew. A connection gives a sign of life every 0.5 s.
+/// A partner that is silent for this long is looked for anew.
 const SILENCE: Duration = Duration::from_millis(1500);
 
 #[derive(Debug)]
 struct Link {
     connection: Connection,
     heard: Instant,
-    /// What QUIC has received, to notice signs of life that are no datagrams.
-    datagrams: u64,
+    /// A datagram has come: the partner has let this site in.
+    is_proven: bool,
 }
 
 /// The connections with the partner, newest last.
@@ -65,9 +70,8 @@ impl Links {
             connection.close(reason::BUSY, b"another partner");
             return;
         }
-        count(&self.shared.connections, 1);
         let is_arbiter = self.own < partner;
-        links.push(Link { connection: connection.clone(), heard: Instant::now(), datagrams: 0 });
+        links.push(Link { connection: connection.clone(), heard: Instant::now(), is_proven: false });
         let keep = if is_arbiter { 1 } else { MOST };
         let many = links.len().saturating_sub(keep);
         for link in links.drain(..many) {
@@ -82,13 +86,20 @@ impl Links {
     /// Reads datagrams until the connection ends.
     async fn read(self: Rc<Self>, connection: Connection) {
         let id = connection.stable_id();
-        while let Ok(datagram) = connection.read_datagram().await {
+        let end = loop {
+            let datagram = match connection.read_datagram().await {
+                Ok(datagram) => datagram,
+                Err(end) => break end,
+            };
             self.note(id);
-            if self.is_open.get() {
+            if self.is_open.get() && !datagram.is_empty() {
                 count(&self.shared.received, 1);
                 let has_overflowed = self.inbox.borrow_mut().push(&datagram);
                 count(&self.shared.overflowed, u64::from(has_overflowed));
             }
+        };
+        if matches!(&end, ConnectionError::ApplicationClosed(close) if close.error_code == reason::UNKNOWN) {
+            self.shared.is_unknown.store(true, Relaxed);
         }
         self.links.borrow_mut().retain(|link| link.connection.stable_id() != id);
         self.changed.notify_waiters();
@@ -101,6 +112,10 @@ impl Links {
         if let Some(at) = links.iter().position(|link| link.connection.stable_id() == id) {
             if let Some(link) = links.get_mut(at) {
                 link.heard = Instant::now();
+                if !link.is_proven {
+                    link.is_proven = true;
+                    count(&self.shared.connections, 1);
+                }
             }
             links.swap(at, last);
         }
@@ -111,18 +126,20 @@ impl Links {
         self.links.borrow().last().map(|link| link.connection.clone())
     }
 
-    /// Whether the partner has given a sign of life lately.
+    /// Whether there is a connection with a sign of life lately, perhaps one over which nothing has come yet.
     pub(super) fn is_alive(&self) -> bool {
         self.links.borrow().iter().any(|link| link.heard.elapsed() < SILENCE)
     }
 
-    /// Looks for signs of life that are no datagrams.
-    pub(super) fn look(&self) {
-        for link in self.links.borrow_mut().iter_mut() {
-            let datagrams = link.connection.stats().udp_rx.datagrams;
-            if datagrams != link.datagrams {
-                (link.datagrams, link.heard) = (datagrams, Instant::now());
-            }
+    /// Whether the partner has let this site in, and has given a sign of life lately.
+    pub(super) fn is_connected(&self) -> bool {
+        self.links.borrow().iter().any(|link| link.is_proven && link.heard.elapsed() < SILENCE)
+    }
+
+    /// Gives a sign of life on each connection.
+    pub(super) fn greet(&self) {
+        for link in self.links.borrow().iter() {
+            let _ = link.connection.send_datagram(Bytes::new());
         }
     }
 

@@ -47,6 +47,8 @@ pub struct IrohSettings {
     pub relay: Option<RelayUrl>,
     /// Whether datagrams may take the way over the relay for good.
     pub relayed: bool,
+    /// The real-time priority of the thread of the network: less than the loop's. `None` for an ordinary thread.
+    pub priority: Option<i32>,
 }
 
 /// Datagrams to and from a partner that is known by its key.
@@ -114,7 +116,7 @@ impl Iroh {
             return true;
         }
         self.turn = self.turn.wrapping_add(1);
-        self.turn % u64::from(self.shared.every()) == 0
+        self.turn.is_multiple_of(u64::from(self.shared.every()))
     }
 }
 

@@ -22,6 +22,7 @@ use super::packet::{Inbox, Packet};
 use super::quic;
 use super::rate::{Outcome, RateCap};
 use super::shared::{Shared, Way, count};
+use crate::real_time;
 
 /// The name and version of what two sites speak over iroh. Others are refused in the handshake.
 pub const ALPN: &[u8] = b"telespring/1";
@@ -48,6 +49,8 @@ pub(super) fn run(
     ends: Ends,
     bound: &SyncSender<Result<Vec<std::net::SocketAddr>, String>>,
 ) {
+    // as long as it waits behind others, packets grow old; the loop goes first
+    real_time::claim(settings.priority, false);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build();
     let runtime = match runtime {
         Ok(runtime) => runtime,
@@ -130,14 +133,18 @@ async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends
                 if shared.stop.load(Relaxed) {
                     break;
                 }
-                forward(&mut outbox, &links, &supervisor);
+                forward(&mut outbox, &links, &supervisor).await;
                 links.flush();
             }
             Some(connection) = arrived.recv() => {
                 links.add(connection);
+                links.greet();
                 supervisor.look(&links);
             }
-            _ = look.tick() => supervisor.look(&links),
+            _ = look.tick() => {
+                links.greet();
+                supervisor.look(&links);
+            }
         }
     }
     answering.abort();
@@ -145,7 +152,7 @@ async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends
 }
 
 /// Sends what the loop has left in its queue.
-fn forward(outbox: &mut Consumer<Packet>, links: &Links, supervisor: &Supervisor) {
+async fn forward(outbox: &mut Consumer<Packet>, links: &Links, supervisor: &Supervisor) {
     let connection = links.current();
     // at each send: a path may have become another since the last look
     let way = connection.as_ref().map_or(Way::None, |connection| supervisor.way(connection));
@@ -155,6 +162,10 @@ fn forward(outbox: &mut Consumer<Packet>, links: &Links, supervisor: &Supervisor
             connection.send_datagram(Bytes::copy_from_slice(packet.bytes())).is_ok()
         });
         count(if taken { &supervisor.shared.sent } else { &supervisor.shared.unsent }, 1);
+        if !outbox.is_empty() {
+            // QUIC keeps few: if this thread was held up, let it send what it has
+            tokio::task::yield_now().await;
+        }
     }
 }
 
@@ -176,7 +187,9 @@ async fn dial(
     let mut pause = first;
     for id in settings.peer_ids.iter().cycle() {
         while links.is_alive() {
-            pause = first;
+            if links.is_connected() {
+                pause = first;
+            }
             // a silence is nothing that comes or goes
             let _ = tokio::time::timeout(LOOK, links.changed.notified()).await;
         }
@@ -239,8 +252,7 @@ impl Supervisor {
 
     /// Looks at the path, and says what is new.
     fn look(&mut self, links: &Links) {
-        links.look();
-        let connection = links.current().filter(|_| links.is_alive());
+        let connection = links.current().filter(|_| links.is_connected());
         let path = connection.as_ref().and_then(|connection| {
             let paths = connection.paths();
             let path = paths.iter().find(|path| path.is_selected()).or_else(|| paths.iter().next())?;

@@ -9,7 +9,7 @@ use crate::transport::ROOM;
 /// Datagrams that wait for the loop in the queue, and as many again in front of it.
 pub(super) const INBOX: usize = 64;
 /// Datagrams that wait for the thread of the network.
-pub(super) const OUTBOX: usize = 16;
+pub(super) const OUTBOX: usize = 32;
 
 /// A datagram of fixed size, so that a queue holds it without an allocation.
 #[derive(Debug, Clone, Copy)]

@@ -36,6 +36,8 @@ pub(super) struct Shared {
     pub(super) overflowed: AtomicU64,
     /// Packets that got lost on the way to the partner.
     pub(super) lost: AtomicU64,
+    /// The partner has refused this site's key.
+    pub(super) is_unknown: AtomicBool,
     /// Connections with the partner.
     pub(super) connections: AtomicU64,
     /// Connections of others, or more than one site answers.
@@ -116,6 +118,8 @@ pub(super) struct Told {
     way: Way,
     /// 0 before the first look.
     every: u8,
+    /// That the partner does not know this site's key is said once.
+    is_unknown: bool,
 }
 
 impl Told {
@@ -133,6 +137,10 @@ impl Told {
                 (_, Way::Relayed) => Some(PathEvent::Relayed),
                 (_, Way::Withheld) => Some(PathEvent::Withheld),
             };
+        }
+        if !self.is_unknown && shared.is_unknown.load(Relaxed) {
+            self.is_unknown = true;
+            return Some(PathEvent::Refused);
         }
         let every = shared.every();
         let before = std::mem::replace(&mut self.every, every);
@@ -162,6 +170,10 @@ mod tests {
             assert_eq!(told.news(&shared), expected);
             assert_eq!(told.news(&shared), None);
         }
+        for _ in 0..3 {
+            shared.is_unknown.store(true, Relaxed);
+        }
+        assert_eq!([told.news(&shared), told.news(&shared)], [Some(PathEvent::Refused), None]);
         for every in [2, 4, 1] {
             shared.set_every(every);
             assert_eq!(told.news(&shared), Some(PathEvent::Rate { every }));
