@@ -4,10 +4,11 @@ use serde::Serialize;
 use telespring::session::event::EventKind;
 use telespring::session::playout::PlayoutReport;
 use telespring::session::watchdog::Cause as Fault;
-use telespring::session::{LocalTime, SessionReport, Span};
+use telespring::session::{LocalTime, SessionReport, Span, WatchdogState};
 
 use crate::device::Device;
 use crate::real_time::{Lateness, Privileges};
+use crate::record::RecordingSummary;
 use crate::site::{Cause, Happened, Site, Tally};
 use crate::transport::{PathEvent, Transport, TransportReport};
 
@@ -57,6 +58,8 @@ pub struct Summary {
     pub events: Vec<Entry>,
     /// Events for which there was no room.
     pub missed_events: u64,
+    /// What became of the recording; `null` if there is none.
+    pub recording: Option<RecordingSummary>,
 }
 
 /// See [`Summary::round_trip`].
@@ -254,6 +257,7 @@ impl Summary {
                 .map(|(time, happened)| entry(first, *time, happened))
                 .collect(),
             missed_events: site.log().missed() + report.missed_events,
+            recording: None,
         }
     }
 }
@@ -328,16 +332,33 @@ fn granted(outcome: Option<bool>) -> &'static str {
 
 /// An entry of the log.
 fn entry(first: LocalTime, time: LocalTime, happened: &Happened) -> Entry {
-    let (event, cause) = match happened {
+    let (event, cause) = event_words(happened);
+    Entry { time: (time - first).seconds(), event, cause }
+}
+
+/// What happened in a word, and why or with which value.
+pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
+    match happened {
         Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
         Happened::Disagreed(disagreement) => ("disagreed", Some(disagreement.word().to_owned())),
         Happened::Running => ("running", None),
         Happened::Leaving(cause) => ("leaving", Some(cause.word().to_owned())),
         Happened::Ended(cause) => ("ended", Some(cause.word().to_owned())),
         Happened::Path(event) => (event.word(), path_cause(*event)),
+        Happened::RecordingBroken => ("recording-broken", None),
         Happened::Session(kind) => session_event(kind),
-    };
-    Entry { time: (time - first).seconds(), event, cause }
+    }
+}
+
+/// The state of the watchdog in a word, and why.
+pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
+    match state {
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(fault(cause))),
+        WatchdogState::RampingIn => ("ramping-in", None),
+        WatchdogState::Engaged => ("engaged", None),
+        WatchdogState::Holding { cause } => ("holding", Some(fault(cause))),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(fault(cause))),
+    }
 }
 
 /// How much of the stream is sent from now on, if that is what a path event says.

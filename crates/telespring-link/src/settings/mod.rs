@@ -4,6 +4,7 @@ mod device;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
 mod several;
 mod telemetry;
@@ -44,6 +45,10 @@ pub struct SiteFile {
     pub real_time: LoopChoice,
     /// Who on this machine is sent what every tick says.
     pub telemetry: Option<TelemetryChoice>,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
 }
 
 #[derive(Deserialize)]
@@ -60,6 +65,10 @@ struct Text {
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
@@ -71,20 +80,21 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        let file = Self::from_toml(&text, folder, |study| read(&folder.join(study), "study"))?;
         Ok(Self { network: file.network.within(folder), ..file })
     }
 
-    /// As [`SiteFile::read`], from the text; `study` returns that of the study.
+    /// As [`SiteFile::read`], from the text of a file in `folder`; `study` returns the text of the study.
     ///
     /// # Errors
     ///
     /// As [`SiteFile::read`], and every error of `study`.
     pub fn from_toml(
         text: &str,
+        folder: &Path,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
+        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry, recording, live } =
             toml::from_str(text).map_err(|error| {
                 let allowed = error.to_string().trim_end().to_owned();
                 InvalidInput::new(
@@ -104,6 +114,8 @@ impl SiteFile {
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
+            recording: record::folder(recording, folder),
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)

@@ -68,6 +68,13 @@ pub(super) struct Text {
 }
 
 impl NetworkChoice {
+    /// The kind in a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Udp { .. } => "udp",
+        }
+    }
+
     pub(super) fn new(text: Text) -> Result<Self, InvalidInput> {
         match text.transport {
             Word::Udp => udp(text),

@@ -1,0 +1,31 @@
+//! `[recording]` and `[live]`: who sees the session beside the people.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use telespring::InvalidInput;
+
+use super::loopback;
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Recording {
+    folder: Option<PathBuf>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Live {
+    address: Option<SocketAddr>,
+}
+
+/// The folder for recordings, relative to that of the site file.
+pub(super) fn folder(recording: Recording, home: &Path) -> Option<PathBuf> {
+    recording.folder.map(|folder| home.join(folder))
+}
+
+/// Where viewers may look on.
+pub(super) fn address(live: &Live) -> Result<Option<SocketAddr>, InvalidInput> {
+    live.address.map(|address| loopback("live.address", address)).transpose()
+}
