@@ -56,7 +56,8 @@ impl Run {
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
         };
-        let plan = Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
+        let plan =
+            Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);

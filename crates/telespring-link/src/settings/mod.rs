@@ -94,16 +94,21 @@ impl SiteFile {
         folder: &Path,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry, recording, live } =
-            toml::from_str(text).map_err(|error| {
-                let allowed = error.to_string().trim_end().to_owned();
-                InvalidInput::new(
-                    "site",
-                    "the file",
-                    allowed,
-                    "docs/connect.md has every key of a site file.",
-                )
-            })?;
+        let Text {
+            study: path,
+            side,
+            seconds,
+            network,
+            device,
+            safety,
+            real_time,
+            telemetry,
+            recording,
+            live,
+        } = toml::from_str(text).map_err(|error| {
+            let allowed = error.to_string().trim_end().to_owned();
+            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
+        })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
         let file = Self {
             study,
