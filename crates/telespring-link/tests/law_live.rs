@@ -47,7 +47,7 @@ fn tick(number: u64) -> Item {
         wanted_stiffness: 142.0,
         unnoted_arrivals: 0,
     };
-    Item::Tick { moment, lateness: Span(0), duration: Span(0) }
+    Item::Tick { moment, lateness: Span(0), duration: Span(0), overruns: 0 }
 }
 
 struct Viewer(WebSocket<TcpStream>);
