@@ -2,11 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
+use rtrb::Consumer;
 use telespring::InvalidInput;
 use telespring::session::Span;
 
 use crate::device::Device;
 use crate::feed::{self, Item, Observer};
+use crate::operator::Order;
 use crate::real_time::{self, Limits, Pace};
 use crate::settings::LoopChoice;
 use crate::site::{Moment, Site, SiteSettings};
@@ -22,6 +24,8 @@ pub struct Plan {
     pub limits: Limits,
     /// Who sees it, each on a thread of its own.
     pub observers: Vec<Box<dyn Observer>>,
+    /// What the people at the site order.
+    pub orders: Option<Consumer<Order>>,
 }
 
 /// Why a session did not take place.
@@ -48,10 +52,13 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time: LoopChoice { priority, lock_memory }, limits, observers } = plan;
+    let Plan { real_time: LoopChoice { priority, lock_memory }, limits, observers, orders } = plan;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
+    if let Some(orders) = orders {
+        site.obey(orders);
+    }
     let mut pace = Pace::new(period);
     let (mut feed, observers) = feed::start(observers)?;
     let privileges = real_time::claim(priority, lock_memory);

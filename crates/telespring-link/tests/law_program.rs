@@ -1,6 +1,7 @@
 //! The program as people start it: what it prints, its exit status, its refusals, and a robot written in Python.
 
 use std::fs;
+use std::io::Write;
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -127,7 +128,16 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("device = \"127.0.0.1:", "device = \"192.0.2.7:", "device.device = 192.0.2.7:"),
         ("deadline = 1.0", "deadline = 0.0001", "device.deadline = 0.0001 s"),
         ("stall = 0.5", "stall = 100", "safety.stall = 100 s"),
-        ("stall = 0.5", "force = -1.0", "safety.force = -1"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nforce = -1.0", "limits.force = -1"),
+        ("stall = 0.5", "stall = 0.5\n[limits.person]\nforce = 0.0", "limits.person.force = 0"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nscale = 1.5", "limits.scale = 1.5"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nvelocity = 0.0", "limits.velocity = 0"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nworkspace.x = [0.1, 0.0]", "limits.workspace"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nlock = [\"z\"]", "unknown variant `z`"),
+        ("stall = 0.5", "stall = 0.5\n[session]\nconsent = \"automatic\"", "whoever holds a robot consents"),
+        ("stall = 0.5", "stall = 0.5\n[session]\nalignment = 0.0", "session.alignment = 0"),
+        ("stall = 0.5", "stall = 0.5\n[fallback]\nloss = 2.0", "fallback.loss = 2"),
+        ("stall = 0.5", "stall = 0.5\n[fallback]\npatience = 0.0", "fallback.patience = 0 s"),
         ("stall = 0.5", "silence = 0.01", "safety.silence = 0.01 s"),
         ("side = 1", "side = 1\nloop.priority = 100", "loop.priority = 100"),
         ("side = 1", "side = 1\nseconds = 0.0", "seconds = 0 s"),
@@ -208,6 +218,9 @@ fn law_a_signal_ends_a_session_in_an_orderly_way() {
     assert!(summary["loss"]["unreachable"].as_u64().unwrap() > 0, "{summary}");
 }
 
+/// The tables of a site file.
+const TABLES: [&str; 7] = ["network", "device", "safety", "loop", "limits", "session", "fallback"];
+
 #[test]
 fn law_the_page_has_every_key() {
     let page = fs::read_to_string(examples().join("../docs/connect.md")).unwrap();
@@ -221,21 +234,24 @@ fn law_the_page_has_every_key() {
         ("network.", "[network]\n"),
         ("device.", "[device]\n"),
         ("safety.", "[safety]\n"),
+        ("limits.", "[limits]\n"),
+        ("session.", "[session]\n"),
+        ("fallback.", "[fallback]\n"),
         ("loop.", "[loop]\n"),
     ] {
-        let text = format!("{good}\n[loop]\npriority = 0\n");
+        let text = format!("{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n");
         let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
         fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
         let message = refusal(&["run", site.to_str().unwrap()]);
         let allowed = message.split("expected ").nth(1).unwrap_or_else(|| panic!("{message}"));
         for key in allowed.split('`').skip(1).step_by(2) {
-            if !(section.is_empty() && ["network", "device", "safety", "loop"].contains(&key)) {
+            if !(section.is_empty() && TABLES.contains(&key)) {
                 assert!(page.contains(&format!("`{section}{key}`")), "{section}{key} {message}");
                 keys += 1;
             }
         }
     }
-    assert_eq!(keys, 14);
+    assert_eq!(keys, 29);
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group
@@ -270,14 +286,26 @@ fn cross_a_robot_in_python_is_coupled_and_let_go() {
         .spawn()
         .unwrap();
     let other = program().arg("run").arg(second).args(["--seconds", "60"]).spawn().unwrap();
-    let site = program().arg("run").arg(first).args(["--seconds", "8"]).output().unwrap();
+    // whoever holds the robot consents; before it is asked for, that is refused and said
+    let mut site = program();
+    site.arg("run").arg(first).args(["--seconds", "8", "--console"]).stdin(Stdio::piped());
+    let mut site = site.spawn().unwrap();
+    let mut orders = site.stdin.take().unwrap();
+    for order in ["nonsense", "mark participant P-01"].into_iter().chain(["consent"; 12]) {
+        // a site that has ended takes none
+        let _ = writeln!(orders, "{order}");
+        std::thread::sleep(std::time::Duration::from_millis(500));
+    }
+    let site = site.wait_with_output().unwrap();
     let other = other.wait_with_output().unwrap();
     let robot = robot.wait_with_output().unwrap();
     assert_eq!(site.status.code(), Some(0), "{site:?} {robot:?}");
     assert_eq!(other.status.code(), Some(0), "{other:?}");
     let [site, other] = [summary(&site), summary(&other)];
     assert_eq!([&site["cause"], &other["cause"]], ["stop-requested", "partner-left"]);
-    assert!(events(&site).contains(&"ramping-in"), "{site}");
+    for event in ["order-refused", "mark", "consented", "partner-consented", "ramping-in"] {
+        assert!(events(&site).contains(&event), "{event}: {site}");
+    }
     let largest = site["largest_force"].as_f64().unwrap();
     assert!(largest > 0.0 && largest <= 20.0, "{site}");
     assert!(site["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{site}");

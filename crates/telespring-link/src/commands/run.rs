@@ -10,10 +10,9 @@ use telespring_link::device::{Device, Simulated, UdpDevice};
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::{DeviceChoice, NetworkChoice, SiteFile, check_duration};
-use telespring_link::site::SiteSettings;
 use telespring_link::transport::{Transport, Udp};
 
-use super::{Failure, outcome, print, stop_on_signal};
+use super::{Failure, orders, outcome, print, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -23,14 +22,17 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// Takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
 }
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile { study, side, duration, network, device, safety, real_time } =
-            SiteFile::read(&self.site)?;
+        let file = SiteFile::read(&self.site)?;
+        let settings = file.site(draw_session())?;
+        let SiteFile { study, side, duration, network, device, real_time, .. } = file;
         let duration = self.seconds.map(check_duration).transpose()?.or(duration);
-        let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
         let transport: Box<dyn Transport> = match network {
             NetworkChoice::Udp { local, peer } => {
                 Box::new(Udp::new(local, peer).map_err(system("network.local", local))?)
@@ -45,7 +47,8 @@ impl Run {
                 Box::new(UdpDevice::new(local, device, deadline).map_err(system("device.local", local))?)
             }
         };
-        let plan = Plan { real_time, limits: Limits { duration }, observers: Vec::new() };
+        let [orders] = if self.console { orders()?.map(Some) } else { [None] };
+        let plan = Plan { real_time, limits: Limits { duration }, observers: Vec::new(), orders };
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);
         Ok(outcome([&summary]))

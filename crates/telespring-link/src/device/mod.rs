@@ -4,6 +4,7 @@
 //! comes: nobody else can, once this program has died.
 
 pub mod protocol;
+pub mod request;
 mod simulated;
 mod udp;
 
@@ -11,6 +12,8 @@ pub use simulated::Simulated;
 pub use udp::UdpDevice;
 
 use telespring::session::{LocalTime, Motion};
+
+use crate::operator::Order;
 
 /// What a device says at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,8 +35,10 @@ pub struct Reading {
 pub struct Command {
     /// The force on the handle until the next command, N.
     pub force: [f64; 2],
-    /// Whether the session runs: a simulated person begins to move with it.
+    /// Whether the two sides are coupled: a simulated person moves meanwhile.
     pub is_running: bool,
+    /// Whether the session is over.
+    pub is_over: bool,
 }
 
 /// Why a device cannot go on.
@@ -56,6 +61,11 @@ impl Fault {
             Self::Silent => "device-silent",
         }
     }
+
+    /// Whether the device cannot come back.
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Halted)
+    }
 }
 
 /// The robot of one side. No call waits or allocates.
@@ -69,6 +79,11 @@ pub trait Device {
 
     /// Tells the device what to do from now on.
     fn command(&mut self, now: LocalTime, command: Command);
+
+    /// The oldest order that somebody gave at the device and that nobody has asked for yet.
+    fn poll_order(&mut self) -> Option<Order> {
+        None
+    }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
@@ -78,5 +93,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn command(&mut self, now: LocalTime, command: Command) {
         (**self).command(now, command);
+    }
+
+    fn poll_order(&mut self) -> Option<Order> {
+        (**self).poll_order()
     }
 }

@@ -38,17 +38,16 @@ pub fn run<D: Device, T: Transport>(
     let clock = MonotonicClock;
     let start = clock.now();
     pace.begin(start);
-    let (mut ended, mut told) = (None, 0);
+    let mut ended = None;
     loop {
         clock.sleep_until(pace.due());
         let now = clock.now();
         let lateness = pace.wake(now);
         let is_over = limits.duration.is_some_and(|duration| now - start >= duration);
         let moment = site.tick(&clock, is_over || stop.load(Ordering::Relaxed));
-        for (time, happened) in site.log().entries().iter().skip(told) {
+        for (time, happened) in site.log().news() {
             watch(Item::Event { time: *time, happened: *happened });
         }
-        told = site.log().entries().len();
         watch(Item::Tick { moment, lateness });
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
