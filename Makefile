@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link test-link lint format verify oracles fuzz bench clean toolchain remake
+.PHONY: help study test link test-link lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -39,11 +39,11 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	$(PYTHON_IN_VENV) -m pytest
 
 # The live program is no default member of the workspace: what does not name it does not build it.
-link: toolchain ## build the live program, target/release/telespring-link (Linux)
+link: link-toolchain ## build the live program, target/release/telespring-link (Linux)
 	cargo build --release --locked -p telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
-test-link: toolchain ## test the live program
+test-link: link-toolchain ## test the live program
 	cargo test --locked -p telespring-link
 
 lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
@@ -93,6 +93,9 @@ clean: ## remove everything that was built (not out/)
 
 toolchain:
 	@tools/check-toolchain.sh
+
+link-toolchain:
+	@tools/check-toolchain.sh --link
 
 remake:
 

@@ -22,9 +22,11 @@ DOCUMENTS = [
     "docs/compare.md",
     "docs/connect.md",
     "docs/device-protocol.md",
+    "docs/drivers.md",
     "docs/prediction.md",
     "docs/recorded-trials.md",
     "docs/session.md",
+    "docs/telemetry.md",
     "docs/traces.md",
     "docs/wire.md",
 ]

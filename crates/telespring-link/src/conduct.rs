@@ -10,7 +10,7 @@ use crate::device::Device;
 use crate::feed::{self, Item, Observer};
 use crate::operator::Order;
 use crate::real_time::{self, Limits, Pace};
-use crate::settings::LoopChoice;
+use crate::settings::{LoopChoice, PaceChoice};
 use crate::site::{Moment, Site, SiteSettings};
 use crate::summary::Summary;
 use crate::transport::Transport;
@@ -52,7 +52,9 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time: LoopChoice { priority, lock_memory }, limits, observers, orders } = plan;
+    let Plan { real_time, limits, observers, orders } = plan;
+    let LoopChoice { priority, lock_memory, pace: choice } = real_time;
+    let follows = choice == PaceChoice::Device;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
@@ -62,7 +64,7 @@ pub fn conduct<D: Device, T: Transport>(
     let mut pace = Pace::new(period);
     let (mut feed, observers) = feed::start(observers)?;
     let privileges = real_time::claim(priority, lock_memory);
-    real_time::run(&mut site, &mut pace, limits, stop, |item| {
+    real_time::run(&mut site, &mut pace, limits, stop, follows, |item| {
         if let Item::Tick { moment, .. } = &item {
             watch(moment);
         }

@@ -6,16 +6,19 @@
 //! | room | its one job | which thread |
 //! |---|---|---|
 //! | [`clock`] | the monotonic clock, and sleeping until a point of time | the loop |
-//! | [`transport`] | datagrams to and from the partner: UDP, an emulated path on top | the loop |
+//! | [`transport`] | datagrams to and from the partner: iroh, UDP, an emulated path on top | the loop; iroh has one of its own |
+//! | [`keys`] | the key of a site, in a file; who may be the partner | before the loop |
 //! | [`device`] | the robot: simulated, or a program that speaks the device protocol | the loop |
 //! | [`operator`] | orders and markers of the people at a site | one thread for the console, then the loop |
 //! | [`hello`] | what both sides must agree on before any force, and where each stands | the loop |
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
 //! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
+//! | [`telemetry`] | a row of numbers per tick for programs beside this one | its own |
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
+//! | [`probe`] | measures the path to a partner | a loop of its own |
 //! | [`demo`] | both sides on this machine | starts two loops |
 //!
 //! One thread touches a site: the one that runs its loop. It allocates nothing after its start, takes no lock and writes no
@@ -35,9 +38,12 @@ pub mod demo;
 pub mod device;
 pub mod feed;
 pub mod hello;
+pub mod keys;
 pub mod operator;
+pub mod probe;
 pub mod real_time;
 pub mod settings;
 pub mod site;
 pub mod summary;
+pub mod telemetry;
 pub mod transport;

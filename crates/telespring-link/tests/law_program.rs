@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
 use serde_json::Value;
+use telespring_link::site::Phase;
+use telespring_link::telemetry::{VALUES, phase_code};
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_telespring-link"));
@@ -141,6 +143,14 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("stall = 0.5", "silence = 0.01", "safety.silence = 0.01 s"),
         ("side = 1", "side = 1\nloop.priority = 100", "loop.priority = 100"),
         ("side = 1", "side = 1\nseconds = 0.0", "seconds = 0 s"),
+        ("side = 1", "side = 1\ntelemetry.address = 4700", "up to 4 of them in brackets"),
+        ("side = 1", "side = 1\ntelemetry.address = []", "telemetry.address = 0 addresses"),
+        (
+            "side = 1",
+            "side = 1\ntelemetry.address = \"192.0.2.7:4700\"",
+            "telemetry.address = 192.0.2.7:4700",
+        ),
+        ("side = 1", "side = 1\ntelemetry = {address = \"127.0.0.1:1\", every = 0}", "telemetry.every = 0"),
     ] {
         assert!(good.contains(from), "{from}");
         fs::write(&site, good.replace(from, to)).unwrap();
@@ -219,7 +229,8 @@ fn law_a_signal_ends_a_session_in_an_orderly_way() {
 }
 
 /// The tables of a site file.
-const TABLES: [&str; 7] = ["network", "device", "safety", "loop", "limits", "session", "fallback"];
+const TABLES: [&str; 8] =
+    ["network", "device", "safety", "loop", "limits", "session", "fallback", "telemetry"];
 
 #[test]
 fn law_the_page_has_every_key() {
@@ -238,8 +249,11 @@ fn law_the_page_has_every_key() {
         ("session.", "[session]\n"),
         ("fallback.", "[fallback]\n"),
         ("loop.", "[loop]\n"),
+        ("telemetry.", "[telemetry]\n"),
     ] {
-        let text = format!("{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n");
+        let text = format!(
+            "{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n"
+        );
         let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
         fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
         let message = refusal(&["run", site.to_str().unwrap()]);
@@ -251,12 +265,70 @@ fn law_the_page_has_every_key() {
             }
         }
     }
-    assert_eq!(keys, 29);
+    assert!(keys >= 35, "{keys}");
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group
         assert!(page.contains(&format!("`{key}`")), "{key}");
     }
+}
+
+#[test]
+fn law_the_telemetry_of_a_session_reaches_who_listens() {
+    let folder = folder("telemetry");
+    let [one, two] = ports::<2>().map(|port| format!("\"127.0.0.1:{port}\""));
+    let listener = UdpSocket::bind("127.0.0.1:0").unwrap();
+    listener.set_read_timeout(Some(std::time::Duration::from_secs(30))).unwrap();
+    let address = listener.local_addr().unwrap();
+    fs::copy(examples().join("connect.toml"), folder.join("connect.toml")).unwrap();
+    let children = [(1, &one, &two), (2, &two, &one)].map(|(side, local, peer)| {
+        let path = folder.join(format!("{side}.toml"));
+        let telemetry = if side == 2 {
+            format!("[telemetry]\naddress = \"{address}\"\nevery = 2\n")
+        } else {
+            String::new()
+        };
+        let text = format!(
+            "study = \"connect.toml\"\nside = {side}\n[network]\nlocal = {local}\npeer = {peer}\n\
+             [safety]\nstall = 0.5\n{telemetry}"
+        );
+        fs::write(&path, text).unwrap();
+        program()
+            .arg("run")
+            .arg(path)
+            .args(["--seconds", if side == 1 { "3" } else { "60" }])
+            .spawn()
+            .unwrap()
+    });
+    let mut rows: Vec<[f64; VALUES]> = Vec::new();
+    // until the session has ended
+    while rows.last().is_none_or(|row| row[4] != phase_code(Phase::Ended)) {
+        let mut room = [0; 8 * VALUES + 1];
+        assert_eq!(listener.recv(&mut room).unwrap(), 8 * VALUES);
+        let value = |place: usize| f64::from_le_bytes(room[8 * place..8 * place + 8].try_into().unwrap());
+        rows.push(std::array::from_fn(value));
+    }
+    for child in children {
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+    for (number, row) in (1_u32..).zip(&rows) {
+        // the version, each row once, the side, the interval; nothing was missed
+        assert_eq!([row[0], row[1], row[2], row[35], row[36]], [1.0, f64::from(number), 2.0, 0.002, 0.0]);
+    }
+    assert!(rows.windows(2).all(|rows| rows[0][3] < rows[1][3]));
+    let mut phases: Vec<f64> = rows.iter().map(|row| row[4]).collect();
+    phases.dedup();
+    let [first, .., last] = phases[..] else { panic!("{phases:?}") };
+    assert_eq!([first, last], [Phase::Connecting, Phase::Ended].map(phase_code));
+    for phase in [Phase::RampingIn, Phase::Running, Phase::RampingOut] {
+        assert!(phases.contains(&phase_code(phase)), "{phases:?}");
+    }
+    let running: Vec<_> = rows.iter().filter(|row| row[4] == phase_code(Phase::Running)).collect();
+    assert!(running.len() > 100, "{}", running.len());
+    assert!(running.iter().any(|row| row[19].hypot(row[20]) > 0.0));
+    // position, target, stiffness wanted, balance
+    assert!(running.iter().all(|row| [7, 8, 15, 16, 23, 26].iter().all(|place| row[*place].is_finite())));
 }
 
 /// The name of Python, if there is one.
@@ -274,12 +346,33 @@ fn cross_a_robot_in_python_is_coupled_and_let_go() {
         eprintln!("SKIPPED: there is no Python 3.11 or newer on the path");
         return;
     };
-    let folder = folder("python");
+    let mut robot = Command::new(python);
+    robot.arg(examples().join("device.py"));
+    assert_is_coupled_and_let_go("python", robot);
+}
+
+#[test]
+fn cross_a_robot_in_c_is_coupled_and_let_go() {
+    let robot = folder("c-compiled").join("device");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c11", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&robot);
+    match compiler.arg(examples().join("device.c")).arg("-lm").output() {
+        Ok(output) => assert!(output.status.success(), "{output:?}"),
+        Err(error) => {
+            eprintln!("SKIPPED: there is no C compiler cc on the path ({error})");
+            return;
+        }
+    }
+    assert_is_coupled_and_let_go("c", Command::new(robot));
+}
+
+/// Joins a robot of one's own, as the examples are, with a simulated partner for some seconds.
+fn assert_is_coupled_and_let_go(name: &str, mut robot: Command) {
+    let folder = folder(name);
     let ports = ports();
     let [_, _, link, device] = ports;
     let [first, second] = write_sites(&folder, ports);
-    let robot = Command::new(python)
-        .arg(examples().join("device.py"))
+    let robot = robot
         .args(["--listen", &format!("127.0.0.1:{device}"), "--site", &format!("127.0.0.1:{link}")])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -306,6 +399,9 @@ fn cross_a_robot_in_python_is_coupled_and_let_go() {
     for event in ["order-refused", "mark", "consented", "partner-consented", "ramping-in"] {
         assert!(events(&site).contains(&event), "{event}: {site}");
     }
+    // its rows set the pace; the other side has none
+    assert!(site["lateness"]["followed"].as_u64().unwrap() > 100, "{site}");
+    assert_eq!(other["lateness"]["followed"], 0);
     let largest = site["largest_force"].as_f64().unwrap();
     assert!(largest > 0.0 && largest <= 20.0, "{site}");
     assert!(site["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{site}");

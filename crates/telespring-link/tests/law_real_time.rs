@@ -9,14 +9,14 @@ use telespring_link::conduct::{Plan, conduct};
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
-use telespring_link::settings::LoopChoice;
+use telespring_link::settings::{LoopChoice, PaceChoice};
 use telespring_link::site::{Moment, Phase, Safety, SiteSettings};
 use telespring_link::summary::Summary;
 use telespring_link::transport::{Emulated, Udp};
 
 /// A real-time priority where it is granted. Where it is not, a busy machine keeps a loop from its tick for tens of
 /// milliseconds, again and again.
-const PRIORITY: LoopChoice = LoopChoice { priority: Some(10), lock_memory: false };
+const PRIORITY: LoopChoice = LoopChoice { priority: Some(10), lock_memory: false, pace: PaceChoice::Clock };
 /// For the same reason a standstill of the loop does not let the force go here: the partner's silence is judged.
 const PATIENT: Span = Span(100_000_000);
 

@@ -1,6 +1,11 @@
 //! The commands, one room each, and what they share.
 
 mod demo;
+mod id;
+mod keygen;
+mod parts;
+mod probe;
+mod relay_config;
 mod run;
 
 use std::process::ExitCode;
@@ -33,6 +38,10 @@ pub struct Arguments {
 enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Keygen(keygen::Keygen),
+    Id(id::Id),
+    Probe(probe::Probe),
+    RelayConfig(relay_config::RelayConfig),
 }
 
 impl Arguments {
@@ -41,6 +50,10 @@ impl Arguments {
         let outcome = match self.command {
             Command::Run(command) => command.run(),
             Command::Demo(command) => command.run(),
+            Command::Keygen(command) => command.run(),
+            Command::Id(command) => command.run(),
+            Command::Probe(command) => command.run(),
+            Command::RelayConfig(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

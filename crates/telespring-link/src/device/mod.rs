@@ -11,6 +11,8 @@ mod udp;
 pub use simulated::Simulated;
 pub use udp::UdpDevice;
 
+use std::os::fd::BorrowedFd;
+
 use telespring::session::{LocalTime, Motion};
 
 use crate::operator::Order;
@@ -84,6 +86,11 @@ pub trait Device {
     fn poll_order(&mut self) -> Option<Order> {
         None
     }
+
+    /// What becomes readable once the device has measured anew, if the device has a pace of its own.
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        None
+    }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
@@ -97,5 +104,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn poll_order(&mut self) -> Option<Order> {
         (**self).poll_order()
+    }
+
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        (**self).pace()
     }
 }

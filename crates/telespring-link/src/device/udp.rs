@@ -2,6 +2,7 @@
 
 use std::io::Error;
 use std::net::{SocketAddr, UdpSocket};
+use std::os::fd::{AsFd, BorrowedFd};
 
 use telespring::session::{LocalTime, Span};
 
@@ -133,6 +134,10 @@ impl Device for UdpDevice {
         let oldest = self.requests.first_mut().and_then(Option::take);
         self.requests.rotate_left(usize::from(oldest.is_some()));
         oldest
+    }
+
+    fn pace(&self) -> Option<BorrowedFd<'_>> {
+        Some(self.link.as_fd())
     }
 }
 

@@ -1,7 +1,8 @@
-//! The loop: one thread that ticks a site at absolute times.
+//! The loop: one thread that ticks a site at absolute times, or whenever its device has measured anew.
 
 mod pace;
 mod privileges;
+mod wait;
 
 pub use pace::{Lateness, Pace};
 pub use privileges::{Privileges, claim};
@@ -9,6 +10,7 @@ pub use privileges::{Privileges, claim};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use telespring::session::Span;
+use wait::{Woken, wait};
 
 use crate::clock::{Clock, MonotonicClock};
 use crate::device::Device;
@@ -26,13 +28,15 @@ pub struct Limits {
     pub duration: Option<Span>,
 }
 
-/// Ticks a site at the times of `pace` until its session has ended; `stop` asks it to. `watch` sees every event and every
-/// tick. It allocates nothing if `watch` does not.
+/// Ticks a site until its session has ended; `stop` asks it to. The device's measurements say when to tick if `follows` is
+/// set and the device has a pace of its own; the clock does otherwise, and where a measurement fails to come. `watch` sees
+/// every event and every tick. It allocates nothing if `watch` does not.
 pub fn run<D: Device, T: Transport>(
     site: &mut Site<D, T>,
     pace: &mut Pace,
     limits: Limits,
     stop: &AtomicBool,
+    follows: bool,
     mut watch: impl FnMut(Item),
 ) {
     let clock = MonotonicClock;
@@ -40,9 +44,12 @@ pub fn run<D: Device, T: Transport>(
     pace.begin(start);
     let mut ended = None;
     loop {
-        clock.sleep_until(pace.due());
+        let woken = wait(site.device_pace().filter(|_| follows), pace.earliest(), pace.due());
         let now = clock.now();
-        let lateness = pace.wake(now);
+        let lateness = match woken {
+            Woken::Clock => pace.wake(now),
+            Woken::Device => pace.wake_early(now),
+        };
         let is_over = limits.duration.is_some_and(|duration| now - start >= duration);
         let moment = site.tick(&clock, is_over || stop.load(Ordering::Relaxed));
         for (time, happened) in site.log().news() {
@@ -52,6 +59,6 @@ pub fn run<D: Device, T: Transport>(
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
         }
-        pace.rest(clock.now());
+        pace.rest(clock.now(), woken == Woken::Device);
     }
 }

@@ -7,11 +7,14 @@ mod range;
 mod real_time;
 mod safety;
 mod session;
+mod several;
+mod telemetry;
 
 pub use device::DeviceChoice;
-pub use network::NetworkChoice;
-pub use real_time::LoopChoice;
+pub use network::{IrohChoice, NetworkChoice};
+pub use real_time::{LoopChoice, PaceChoice};
 pub use session::SessionChoice;
+pub use telemetry::TelemetryChoice;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -46,6 +49,8 @@ pub struct SiteFile {
     pub session: SessionChoice,
     /// The loop.
     pub real_time: LoopChoice,
+    /// Who on this machine is sent what every tick says.
+    pub telemetry: Option<TelemetryChoice>,
 }
 
 #[derive(Deserialize)]
@@ -67,10 +72,11 @@ struct Text {
     fallback: session::FallbackText,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
+    telemetry: Option<telemetry::Text>,
 }
 
 impl SiteFile {
-    /// Reads a site file and the study that it names, whose path is relative to the file.
+    /// Reads a site file and the study that it names. Paths in it are relative to the file.
     ///
     /// # Errors
     ///
@@ -78,7 +84,8 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        Ok(Self { network: file.network.within(folder), ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -105,6 +112,7 @@ impl SiteFile {
             session,
             fallback,
             real_time,
+            telemetry,
         } = text;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
         let (network, device) = (NetworkChoice::new(network)?, DeviceChoice::new(device)?);
@@ -118,6 +126,7 @@ impl SiteFile {
             limits: limits::read(&limits)?,
             session: SessionChoice::new(session, fallback, device.is_real())?,
             real_time: LoopChoice::new(&real_time)?,
+            telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
         };
         file.check()?;
         Ok(file)
@@ -182,7 +191,7 @@ fn loopback(field: &str, address: SocketAddr) -> Result<SocketAddr, InvalidInput
         field,
         address,
         "an address of this machine: nobody checks who sends a packet",
-        "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+        "Write 127.0.0.1 with a port here, or transport = \"iroh\" for another machine.",
     ))
 }
 

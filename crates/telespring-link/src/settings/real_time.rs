@@ -10,12 +10,26 @@ pub struct LoopChoice {
     pub priority: Option<i32>,
     /// Whether the memory stays in place.
     pub lock_memory: bool,
+    /// What the loop keeps time with.
+    pub pace: PaceChoice,
+}
+
+/// What a loop keeps time with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PaceChoice {
+    /// The clock of the machine.
+    Clock,
+    /// The measurements of the device, if it sends them by itself. Two clocks of one rate drift past each other: by its own
+    /// clock, a loop finds now two measurements and now none.
+    #[default]
+    Device,
 }
 
 impl Default for LoopChoice {
-    /// Priority 80, memory locked.
+    /// Priority 80, memory locked, the pace of the device.
     fn default() -> Self {
-        Self { priority: Some(80), lock_memory: true }
+        Self { priority: Some(80), lock_memory: true, pace: PaceChoice::Device }
     }
 }
 
@@ -24,6 +38,7 @@ impl Default for LoopChoice {
 pub(super) struct Text {
     priority: Option<i32>,
     lock_memory: Option<bool>,
+    pace: Option<PaceChoice>,
 }
 
 impl LoopChoice {
@@ -37,6 +52,7 @@ impl LoopChoice {
         Ok(Self {
             priority: priority.filter(|priority| *priority > 0),
             lock_memory: text.lock_memory.unwrap_or(usual.lock_memory),
+            pace: text.pace.unwrap_or(usual.pace),
         })
     }
 }

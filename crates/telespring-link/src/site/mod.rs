@@ -30,6 +30,8 @@ pub use notices::Limit;
 pub use phase::{Cause, Interruption, Phase};
 pub use settings::{Consent, Rules, Safety, SiteSettings};
 
+use std::os::fd::BorrowedFd;
+
 use rtrb::Consumer;
 use telespring::InvalidInput;
 use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span};
@@ -311,5 +313,10 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// The device.
     pub fn device(&self) -> &D {
         &self.device
+    }
+
+    /// What becomes readable once the device has measured anew, if it has a pace of its own.
+    pub fn device_pace(&self) -> Option<BorrowedFd<'_>> {
+        self.device.pace()
     }
 }

@@ -59,8 +59,8 @@ impl Phase {
         }
     }
 
-    /// The state as a code in a greeting.
-    pub(super) fn code(self) -> u8 {
+    /// The state as a code in a greeting or a row of numbers.
+    pub fn code(self) -> u8 {
         Self::ALL.iter().zip(0..).find(|(one, _)| **one == self).map_or(0, |(_, code)| code)
     }
 

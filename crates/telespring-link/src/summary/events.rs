@@ -69,8 +69,7 @@ fn words(happened: &Happened) -> (&'static str, Option<String>) {
         }
         Happened::Leaving(cause) => ("leaving", because(cause.word())),
         Happened::Ended(cause) => ("ended", because(cause.word())),
-        Happened::Path(PathEvent::Changed) => ("path-changed", None),
-        Happened::Path(PathEvent::Lost) => ("path-lost", None),
+        Happened::Path(event) => (event.word(), path_cause(*event)),
         Happened::Session(kind) => session_event(kind),
     }
 }
@@ -84,6 +83,14 @@ fn way_in_words(way: [f64; 2]) -> String {
         .map(|(axis, millimetres)| format!("{millimetres:.0} mm in {axis}"))
         .collect();
     format!("move the handle of site 2 by {}", parts.join(" and "))
+}
+
+/// How much of the stream is sent from now on, if that is what a path event says.
+fn path_cause(event: PathEvent) -> Option<String> {
+    match event {
+        PathEvent::Rate { every } => Some(format!("one packet of {every}")),
+        _ => None,
+    }
 }
 
 /// An event of the endpoint, in a word, and why.

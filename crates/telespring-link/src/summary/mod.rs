@@ -39,6 +39,8 @@ pub struct Summary {
     pub age: Option<Age>,
     /// What the network did.
     pub loss: Loss,
+    /// What the transport knows of its path.
+    pub path: Path,
     /// How late the loop was.
     pub lateness: LatenessSummary,
     /// The share of the ticks at which the strategy changed the force of the spring; `null` without a tick with a partner.
@@ -112,6 +114,27 @@ pub struct Loss {
     pub unreachable: u64,
 }
 
+/// See [`Summary::path`]. All is 0 or `null` for a transport that knows nothing of its path.
+#[derive(Debug, Clone, Serialize)]
+pub struct Path {
+    /// The latest round trip of the transport's own packets.
+    pub round_trip: Option<f64>,
+    /// Packets that got lost on the way to the partner.
+    pub lost: u64,
+    /// Of how many packets one was sent at last, because of the loss that lasted; `null` if the transport leaves out none.
+    pub every: Option<u8>,
+    /// Packets that were left out.
+    pub thinned: u64,
+    /// Packets for which there was no way.
+    pub unsent: u64,
+    /// Datagrams that made room for newer ones before the loop looked.
+    pub overflowed: u64,
+    /// Connections with the partner, one after the other.
+    pub connections: u64,
+    /// Connections that were refused: unknown keys, and more than this site answers.
+    pub strangers: u64,
+}
+
 /// See [`Summary::lateness`].
 #[derive(Debug, Clone, Serialize)]
 pub struct LatenessSummary {
@@ -127,6 +150,8 @@ pub struct LatenessSummary {
     pub largest: f64,
     /// See [`Lateness`].
     pub overruns: u64,
+    /// See [`Lateness`].
+    pub followed: u64,
 }
 
 /// See [`Summary::energy`].
@@ -197,6 +222,7 @@ impl Summary {
             round_trip: round_trip(&report),
             age: age(&report.playout),
             loss: loss(&report, &site.transport_report()),
+            path: path(&site.transport_report()),
             lateness: LatenessSummary {
                 ticks: lateness.ticks,
                 median: lateness.median.seconds(),
@@ -204,6 +230,7 @@ impl Summary {
                 quantile_999: lateness.quantile_999.seconds(),
                 largest: lateness.largest.seconds(),
                 overruns: lateness.overruns,
+                followed: lateness.followed,
             },
             limited_share: (strategy.ticks > 0).then(|| share(strategy.limited_ticks, strategy.ticks)),
             energy: Energy {
@@ -265,6 +292,22 @@ fn loss(report: &SessionReport, transport: &TransportReport) -> Loss {
         share: if all == 0 { 0.0 } else { lost as f64 / all as f64 },
         late,
         unreachable: transport.unreachable,
+    }
+}
+
+fn path(report: &TransportReport) -> Path {
+    let TransportReport {
+        round_trip, lost, every, thinned, unsent, overflowed, connections, strangers, ..
+    } = *report;
+    Path {
+        round_trip: round_trip.map(Span::seconds),
+        lost,
+        every: (every > 0).then_some(every),
+        thinned,
+        unsent,
+        overflowed,
+        connections,
+        strangers,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::io::{Error, ErrorKind};
 use std::net::{SocketAddr, UdpSocket};
+use std::os::fd::{AsFd, BorrowedFd};
 
 use telespring::session::LocalTime;
 
@@ -65,6 +66,12 @@ impl Udp {
         ) {
             self.report.unreachable += 1;
         }
+    }
+}
+
+impl AsFd for Udp {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.socket.as_fd()
     }
 }
 

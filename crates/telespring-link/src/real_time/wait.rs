@@ -1,0 +1,68 @@
+//! Waiting for the clock, or for the device with the clock as the limit.
+
+use std::os::fd::BorrowedFd;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use telespring::session::LocalTime;
+
+use crate::clock::{Clock, MonotonicClock};
+
+/// What ended a wait.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Woken {
+    /// The time has come.
+    Clock,
+    /// The device has measured anew.
+    Device,
+}
+
+/// Waits until `due`, or until `device` is readable but not before `earliest`.
+pub(super) fn wait(device: Option<BorrowedFd<'_>>, earliest: LocalTime, due: LocalTime) -> Woken {
+    let clock = MonotonicClock;
+    let Some(device) = device else {
+        clock.sleep_until(due);
+        return Woken::Clock;
+    };
+    clock.sleep_until(earliest);
+    loop {
+        let left = (due - clock.now()).0.max(0);
+        let limit = Timespec { tv_sec: left / 1_000_000_000, tv_nsec: left % 1_000_000_000 };
+        match poll(&mut [PollFd::new(&device, PollFlags::IN)], Some(&limit)) {
+            Ok(1..) => return Woken::Device,
+            // a signal
+            Err(_) if clock.now() < due => {}
+            _ => {
+                // a limit is rounded: the clock has the last word
+                clock.sleep_until(due);
+                return Woken::Clock;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::UdpSocket;
+    use std::os::fd::AsFd;
+
+    use telespring::session::Span;
+
+    use super::*;
+
+    #[test]
+    fn law_a_measurement_ends_the_wait_but_not_before_its_time() {
+        let clock = MonotonicClock;
+        let device = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let after = |milliseconds: i64| clock.now() + Span(milliseconds * 1_000_000);
+        let due = after(3);
+        assert_eq!(wait(Some(device.as_fd()), clock.now(), due), Woken::Clock);
+        assert!(clock.now() >= due);
+        device.send_to(b"row", device.local_addr().unwrap()).unwrap();
+        let (earliest, due) = (after(3), after(60_000));
+        assert_eq!(wait(Some(device.as_fd()), earliest, due), Woken::Device);
+        assert!(clock.now() >= earliest && clock.now() < due);
+        let due = after(1);
+        assert_eq!(wait(None, after(-1), due), Woken::Clock);
+        assert!(clock.now() >= due);
+    }
+}

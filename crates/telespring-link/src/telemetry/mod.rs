@@ -1,0 +1,143 @@
+//! The telemetry stream: a row of numbers per tick for programs beside this one, for instance bridges to ROS 2 and LSL.
+//!
+//! Every row is a datagram of [`VALUES`] little-endian doubles. What is not known is NaN. `docs/telemetry.md` has the places.
+
+mod row;
+
+pub use row::{COLUMNS, VALUES, VERSION, phase_code, watchdog_code};
+
+use std::io::{Error, ErrorKind};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+
+use crate::feed::{Item, Observer};
+use crate::hello::Terms;
+use crate::settings::TelemetryChoice;
+use crate::summary::Summary;
+use row::Frame;
+
+/// Sends the rows of a session.
+#[derive(Debug)]
+pub struct Telemetry {
+    /// Where the rows go, each with a socket of its own.
+    ends: Vec<(UdpSocket, SocketAddr)>,
+    /// A row every so many ticks.
+    every: u64,
+    frame: Frame,
+    /// Ticks seen.
+    ticks: u64,
+    /// Rows for which the system had no room.
+    unsent: u64,
+}
+
+impl Telemetry {
+    /// The stream of a site with these terms.
+    ///
+    /// # Errors
+    ///
+    /// Those of the operating system.
+    pub fn new(choice: &TelemetryChoice, terms: &Terms) -> Result<Self, Error> {
+        let every = u64::from(choice.every.max(1));
+        let [stiffness, _] = terms.coupling;
+        let frame = Frame {
+            side: terms.side,
+            stiffness,
+            interval: terms.sample_period * every as f64,
+            sequence: 0,
+            missed: 0,
+            motion: None,
+        };
+        let ends = choice.addresses.iter().map(|address| Ok((open(*address)?, *address)));
+        Ok(Self { ends: ends.collect::<Result<_, Error>>()?, every, frame, ticks: 0, unsent: 0 })
+    }
+
+    fn send(&mut self, row: &[f64; VALUES]) {
+        let mut bytes = [0; 8 * VALUES];
+        for (place, value) in bytes.chunks_exact_mut(8).zip(row) {
+            place.copy_from_slice(&value.to_le_bytes());
+        }
+        for (socket, address) in &self.ends {
+            match socket.send_to(&bytes, *address) {
+                Ok(_) => {}
+                // nobody listens there, or not yet
+                Err(error) if error.kind() == ErrorKind::ConnectionRefused => {}
+                Err(_) => self.unsent += 1,
+            }
+        }
+    }
+}
+
+/// A socket that sends to addresses of this machine.
+fn open(address: SocketAddr) -> Result<UdpSocket, Error> {
+    let socket = if address.is_ipv4() {
+        UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?
+    } else {
+        UdpSocket::bind((Ipv6Addr::LOCALHOST, 0))?
+    };
+    socket.set_nonblocking(true)?;
+    Ok(socket)
+}
+
+impl Observer for Telemetry {
+    fn name(&self) -> &'static str {
+        "telemetry"
+    }
+
+    fn take(&mut self, item: &Item) {
+        let Item::Tick { moment, lateness } = item else { return };
+        self.frame.motion = moment.motion.or(self.frame.motion);
+        let is_due = self.ticks.is_multiple_of(self.every);
+        self.ticks += 1;
+        if is_due {
+            self.frame.sequence += 1;
+            let row = self.frame.row(moment, *lateness);
+            self.send(&row);
+        }
+    }
+
+    fn miss(&mut self, count: u64) {
+        self.frame.missed = self.frame.missed.saturating_add(count);
+    }
+
+    fn finish(&mut self, _: &Summary) {
+        if self.unsent > 0 {
+            eprintln!("The system had no room for {} rows of telemetry.", self.unsent);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use telespring::session::{LocalTime, Span};
+    use telespring::study::Study;
+
+    use super::row::tests::moment;
+    use super::*;
+
+    #[test]
+    fn law_every_listener_gets_the_rows_that_are_due() {
+        let listeners = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+        let absent = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let mut addresses: Vec<_> = listeners.iter().map(|socket| socket.local_addr().unwrap()).collect();
+        addresses.insert(0, absent);
+        let choice = TelemetryChoice { addresses, every: 3 };
+        let mut telemetry = Telemetry::new(&choice, &Terms::new(&Study::paper(), 1).unwrap()).unwrap();
+        telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Restored });
+        telemetry.miss(5);
+        for _ in 0..7 {
+            telemetry.take(&Item::Tick { moment: moment(), lateness: Span(0) });
+        }
+        for listener in listeners {
+            listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();
+            let mut room = [0; 1000];
+            for sequence in 1..=3_u32 {
+                assert_eq!(listener.recv(&mut room).unwrap(), 8 * VALUES);
+                let value =
+                    |place: usize| f64::from_le_bytes(room[8 * place..8 * place + 8].try_into().unwrap());
+                assert_eq!([value(0), value(1), value(36)], [1.0, f64::from(sequence), 5.0]);
+            }
+            listener.set_nonblocking(true).unwrap();
+            assert!(listener.recv(&mut room).is_err());
+        }
+        assert_eq!(telemetry.unsent, 0);
+    }
+}

@@ -1,0 +1,253 @@
+//! The row of a tick: what stands in which place.
+
+use telespring::session::{Motion, Span, WatchdogState};
+
+use crate::site::{Moment, Phase};
+
+/// The version, the first value of every row.
+pub const VERSION: f64 = 1.0;
+/// Values in a row.
+pub const VALUES: usize = 40;
+
+/// What a place of a row holds, and its unit, in their order; the rest is not used and NaN.
+pub const COLUMNS: [(&str, &str); 38] = [
+    ("version", ""),
+    ("sequence", ""),
+    ("side", ""),
+    ("time", "s"),
+    ("phase", ""),
+    ("watchdog", ""),
+    ("measured", ""),
+    ("position x", "m"),
+    ("position y", "m"),
+    ("velocity x", "m/s"),
+    ("velocity y", "m/s"),
+    ("partner position x", "m"),
+    ("partner position y", "m"),
+    ("partner velocity x", "m/s"),
+    ("partner velocity y", "m/s"),
+    ("target position x", "m"),
+    ("target position y", "m"),
+    ("target velocity x", "m/s"),
+    ("target velocity y", "m/s"),
+    ("force x", "N"),
+    ("force y", "N"),
+    ("measured force x", "N"),
+    ("measured force y", "N"),
+    ("stiffness wanted", "N/m"),
+    ("stiffness in use", "N/m"),
+    ("limited", ""),
+    ("balance", "J"),
+    ("age", "s"),
+    ("silence", "s"),
+    ("round trip", "s"),
+    ("clock error", "s"),
+    ("lateness", "s"),
+    ("device delay", "s"),
+    ("network delay", "s"),
+    ("play-out delay", "s"),
+    ("interval", "s"),
+    ("missed", ""),
+    ("marker", ""),
+];
+
+/// The number of a state of the session.
+pub fn phase_code(phase: Phase) -> f64 {
+    f64::from(phase.code())
+}
+
+/// The number of a state of the watchdog.
+pub fn watchdog_code(state: WatchdogState) -> f64 {
+    match state {
+        WatchdogState::Disengaged { .. } => 0.0,
+        WatchdogState::RampingIn => 1.0,
+        WatchdogState::Engaged => 2.0,
+        WatchdogState::Holding { .. } => 3.0,
+        WatchdogState::RampingOut { .. } => 4.0,
+    }
+}
+
+/// What a row says beside its moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frame {
+    pub(super) side: u8,
+    /// The stiffness that the study wants, N/m.
+    pub(super) stiffness: f64,
+    /// From one row to the next, s.
+    pub(super) interval: f64,
+    /// Counts the rows.
+    pub(super) sequence: u64,
+    /// Items that this thread has missed.
+    pub(super) missed: u64,
+    /// The newest motion that the device reported.
+    pub(super) motion: Option<Motion>,
+}
+
+impl Frame {
+    /// The row of a moment.
+    pub(super) fn row(&self, moment: &Moment, lateness: Span) -> [f64; VALUES] {
+        let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let motion = |motion: Option<Motion>| {
+            motion.map_or([f64::NAN; 4], |Motion { position: [x, y], velocity: [u, v] }| [x, y, u, v])
+        };
+        let pair = |pair: Option<[f64; 2]>| pair.unwrap_or([f64::NAN; 2]);
+        let is_coupled = moment.phase.is_coupled();
+        let mut row = [f64::NAN; VALUES];
+        let mut places = row.iter_mut();
+        let mut put =
+            |values: &[f64]| values.iter().zip(&mut places).for_each(|(value, place)| *place = *value);
+        put(&[VERSION, self.sequence as f64, f64::from(self.side), moment.time.seconds()]);
+        put(&[
+            phase_code(moment.phase),
+            known(is_coupled.then(|| watchdog_code(moment.state))),
+            f64::from(u8::from(moment.motion.is_some())),
+        ]);
+        put(&motion(self.motion));
+        put(&motion(None));
+        put(&motion(moment.target));
+        put(&moment.force);
+        put(&pair(None));
+        put(&[self.stiffness, f64::NAN, f64::NAN, known(moment.balance), known(moment.age)]);
+        put(&[known(moment.heard.map(|heard| (moment.time - heard).seconds())), f64::NAN, f64::NAN]);
+        put(&[lateness.seconds(), f64::NAN, f64::NAN, f64::NAN]);
+        put(&[self.interval, self.missed as f64, f64::NAN]);
+        row
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use telespring::session::LocalTime;
+    use telespring::session::watchdog::Cause;
+
+    use super::*;
+
+    const PAGE: &str = include_str!("../../../../docs/telemetry.md");
+
+    pub(in crate::telemetry) fn moment() -> Moment {
+        Moment {
+            time: LocalTime(2_500_000_000),
+            phase: Phase::Running,
+            state: WatchdogState::Engaged,
+            motion: Some(Motion { position: [1.0, 2.0], velocity: [3.0, 4.0] }),
+            target: Some(Motion { position: [5.0, 6.0], velocity: [7.0, 8.0] }),
+            force: [9.0, 10.0],
+            balance: Some(11.0),
+            age: Some(12.0),
+            heard: Some(LocalTime(2_000_000_000)),
+            offset: None,
+            consents: [true; 2],
+            share: 1.0,
+        }
+    }
+
+    fn frame() -> Frame {
+        Frame { side: 2, stiffness: 100.0, interval: 0.002, sequence: 7, missed: 3, motion: moment().motion }
+    }
+
+    /// The cells of the row of the page that begins with `place`.
+    fn cells(place: &str) -> Vec<&'static str> {
+        let line = PAGE.lines().find(|line| line.starts_with(&format!("| {place} |"))).unwrap();
+        line.split('|').map(str::trim).collect()
+    }
+
+    /// "0 greeting, 1 running" as numbers and words.
+    fn codes(text: &str) -> Vec<(f64, &str)> {
+        let pairs = text.split(", ").map(|pair| pair.split_once(' ').unwrap());
+        pairs.map(|(code, word)| (code.parse().unwrap(), word)).collect()
+    }
+
+    #[test]
+    fn law_the_page_has_every_place() {
+        for (place, (name, unit)) in COLUMNS.iter().enumerate() {
+            assert_eq!(cells(&place.to_string())[2..4], [*name, *unit], "{place}");
+        }
+        assert_eq!(cells("38, 39")[2], "not used");
+        assert_eq!(VALUES, 40);
+        assert!(PAGE.contains(&format!(
+            "{VALUES} little-endian doubles (IEEE 754), 8 bytes each, {} bytes",
+            8 * VALUES
+        )));
+        let phases: Vec<_> = Phase::ALL.map(|phase| (phase_code(phase), phase.word())).into();
+        assert_eq!(codes(cells("4")[4]), phases);
+        let cause = Cause::Silence;
+        let states = [
+            (WatchdogState::Disengaged { cause }, "disengaged"),
+            (WatchdogState::RampingIn, "ramping-in"),
+            (WatchdogState::Engaged, "engaged"),
+            (WatchdogState::Holding { cause }, "holding"),
+            (WatchdogState::RampingOut { cause }, "ramping-out"),
+        ];
+        let states: Vec<_> = states.map(|(state, word)| (watchdog_code(state), word)).into();
+        assert_eq!(codes(cells("5")[4]), states);
+    }
+
+    #[test]
+    fn law_each_value_stands_in_its_place() {
+        let row = frame().row(&moment(), Span(250_000));
+        let value = |name: &str| row[COLUMNS.iter().position(|(column, _)| *column == name).unwrap()];
+        for (name, expected) in [
+            ("version", 1.0),
+            ("sequence", 7.0),
+            ("side", 2.0),
+            ("time", 2.5),
+            ("phase", 5.0),
+            ("watchdog", 2.0),
+            ("measured", 1.0),
+            ("position x", 1.0),
+            ("position y", 2.0),
+            ("velocity x", 3.0),
+            ("velocity y", 4.0),
+            ("target position x", 5.0),
+            ("target position y", 6.0),
+            ("target velocity x", 7.0),
+            ("target velocity y", 8.0),
+            ("force x", 9.0),
+            ("force y", 10.0),
+            ("stiffness wanted", 100.0),
+            ("balance", 11.0),
+            ("age", 12.0),
+            ("silence", 0.5),
+            ("lateness", 0.000_25),
+            ("interval", 0.002),
+            ("missed", 3.0),
+        ] {
+            assert_eq!(value(name), expected, "{name}");
+        }
+        assert!(row[COLUMNS.len()..].iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn law_what_is_not_known_is_no_number() {
+        let moment = Moment {
+            phase: Phase::Connecting,
+            motion: None,
+            target: None,
+            balance: None,
+            age: None,
+            heard: None,
+            ..moment()
+        };
+        let row = Frame { motion: None, ..frame() }.row(&moment, Span(0));
+        for (name, value) in COLUMNS.iter().map(|(name, _)| *name).zip(row) {
+            let known = [
+                "version",
+                "sequence",
+                "side",
+                "time",
+                "phase",
+                "measured",
+                "force x",
+                "force y",
+                "stiffness wanted",
+                "lateness",
+                "interval",
+                "missed",
+            ];
+            assert_eq!(!value.is_nan(), known.contains(&name), "{name} {value}");
+        }
+        // the newest motion stays
+        let row = frame().row(&moment, Span(0));
+        assert_eq!(row[6..11], [0.0, 1.0, 2.0, 3.0, 4.0]);
+    }
+}

@@ -1,0 +1,1 @@
+"""A bridge from the telemetry stream to Lab Streaming Layer (README.md)."""
