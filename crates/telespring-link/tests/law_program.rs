@@ -104,6 +104,8 @@ fn law_input_that_cannot_be_is_refused_with_the_field_and_a_remedy() {
         (vec!["demo", "site.toml"], "unexpected argument 'site.toml'"),
         (vec!["run"], "<SITE>"),
         (vec!["run", "nowhere.toml"], "site = nowhere.toml"),
+        (vec!["demo", "--record", "nowhere"], "--record = nowhere"),
+        (vec!["demo", "--live", "0.0.0.0:8765"], "--live = 0.0.0.0:8765"),
     ] {
         let message = refusal(&arguments);
         assert!(message.contains(said), "{arguments:?}: {message}");
@@ -229,8 +231,18 @@ fn law_a_signal_ends_a_session_in_an_orderly_way() {
 }
 
 /// The tables of a site file.
-const TABLES: [&str; 8] =
-    ["network", "device", "safety", "loop", "limits", "session", "fallback", "telemetry"];
+const TABLES: [&str; 10] = [
+    "network",
+    "device",
+    "safety",
+    "loop",
+    "limits",
+    "session",
+    "fallback",
+    "telemetry",
+    "recording",
+    "live",
+];
 
 #[test]
 fn law_the_page_has_every_key() {
@@ -250,9 +262,12 @@ fn law_the_page_has_every_key() {
         ("fallback.", "[fallback]\n"),
         ("loop.", "[loop]\n"),
         ("telemetry.", "[telemetry]\n"),
+        ("recording.", "[recording]\n"),
+        ("live.", "[live]\n"),
     ] {
         let text = format!(
-            "{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n"
+            "{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n\n\
+             [recording]\n\n[live]\n"
         );
         let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
         fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
@@ -265,7 +280,7 @@ fn law_the_page_has_every_key() {
             }
         }
     }
-    assert!(keys >= 35, "{keys}");
+    assert!(keys >= 37, "{keys}");
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group

@@ -303,7 +303,7 @@ fn law_the_force_is_never_above_the_limit() {
 #[test]
 fn law_the_account_takes_the_force_that_was_commanded() {
     // limited to 1 N, let down when the session leaves, and with a device that misses every fifth tick
-    let mut pair = Pair::limited(&study(), 0.02);
+    let mut pair = Pair::limited(&study(), 0.02, 1.0);
     let mut given = [0.0; 2];
     let mut place = [0.0, 0.02];
     for tick in 0..2500_u32 {

@@ -390,7 +390,7 @@ fn law_scale_and_lock_take_their_part_of_the_force_and_the_account_knows() {
 
 #[test]
 fn law_what_limits_the_force_is_told_when_it_begins_and_when_it_is_over() {
-    let mut pair = Pair::limited(&study(), 0.02);
+    let mut pair = Pair::limited(&study(), 0.02, 1.0);
     pair.run(2000, |_, _| {});
     let told = |pair: &Pair, wanted: Happened| {
         pair.site_of(0).log().entries().iter().filter(|(_, happened)| *happened == wanted).count()

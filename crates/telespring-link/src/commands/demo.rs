@@ -1,5 +1,7 @@
 //! `telespring-link demo`.
 
+use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -39,6 +41,12 @@ pub struct Demo {
     /// resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
+    /// The folder for the recordings of both sides
+    #[arg(long, value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    /// An address of this machine for Foxglove or Lichtblick
+    #[arg(long, value_name = "ADDRESS")]
+    live: Option<SocketAddr>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -49,14 +57,26 @@ enum Strategy {
 
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, imposed_delay, console } = self;
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, .. } = self;
+        let Self { imposed_delay, console, record, live, .. } = self;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
         };
         let real_time = LoopChoice::default();
-        let demo =
-            demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, imposed_delay, real_time };
+        let demo = demo::Demo {
+            seconds,
+            delay,
+            jitter,
+            loss,
+            stiffness,
+            strategy,
+            seed,
+            imposed_delay,
+            real_time,
+            record,
+            live,
+        };
         let orders = if console { orders()?.map(Some) } else { [None, None] };
         let summary = demo.run(&stop_on_signal(), orders).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),

@@ -55,7 +55,11 @@ pub fn run<D: Device, T: Transport>(
         for (time, happened) in site.log().news() {
             watch(Item::Event { time: *time, happened: *happened });
         }
-        watch(Item::Tick { moment, lateness });
+        for arrival in site.arrivals() {
+            watch(Item::Arrival(*arrival));
+        }
+        let duration = clock.now() - now;
+        watch(Item::Tick { moment, lateness, duration, overruns: pace.overruns() });
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
         }

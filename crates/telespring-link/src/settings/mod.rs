@@ -5,6 +5,7 @@ mod limits;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
 mod session;
 mod several;
@@ -49,6 +50,10 @@ pub struct SiteFile {
     pub session: SessionChoice,
     /// The loop.
     pub real_time: LoopChoice,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
     /// Who on this machine is sent what every tick says.
     pub telemetry: Option<TelemetryChoice>,
 }
@@ -73,6 +78,10 @@ struct Text {
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
@@ -85,7 +94,8 @@ impl SiteFile {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
-        Ok(Self { network: file.network.within(folder), ..file })
+        let recording = file.recording.map(|recording| folder.join(recording));
+        Ok(Self { network: file.network.within(folder), recording, ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -97,10 +107,6 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let text: Text = toml::from_str(text).map_err(|error| {
-            let allowed = error.to_string().trim_end().to_owned();
-            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
-        })?;
         let Text {
             study: path,
             side,
@@ -113,7 +119,12 @@ impl SiteFile {
             fallback,
             real_time,
             telemetry,
-        } = text;
+            recording,
+            live,
+        } = toml::from_str(text).map_err(|error| {
+            let allowed = error.to_string().trim_end().to_owned();
+            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
+        })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
         let (network, device) = (NetworkChoice::new(network)?, DeviceChoice::new(device)?);
         let file = Self {
@@ -127,6 +138,8 @@ impl SiteFile {
             session: SessionChoice::new(session, fallback, device.is_real())?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
+            recording: recording.folder,
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)

@@ -52,10 +52,9 @@ impl<D: Device, T: Transport> Site<D, T> {
         let there = self.accord.partner().and_then(|stance| stance.position);
         self.offset = Alignment::offset(self.motion.as_ref(), there);
         let knows_network = self.knows_network();
-        let own = &mut self.accord.own;
         let is_inside = self.motion.is_some_and(|motion| self.limits.holds(motion.position));
-        let is_resting =
-            !self.is_watched || matches!(self.endpoint.state(), WatchdogState::Disengaged { .. });
+        let is_resting = self.is_resting();
+        let own = &mut self.accord.own;
         let was = std::mem::replace(&mut own.is_aligned, false);
         own.is_aligned = self.alignment.judge(self.motion.as_ref(), self.offset, was)
             && is_inside
@@ -297,6 +296,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             return [0.0; 2];
         }
         let wanted = self.endpoint.force(now);
+        (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
         self.gate.pass(wanted, self.share(now))
     }
 }

@@ -54,6 +54,11 @@ impl Greeter {
         Self { session, terms, partner: None, is_accepted: false, refused: None, urgent: false }
     }
 
+    /// What both sides must agree on.
+    pub(super) fn terms(&self) -> &Terms {
+        &self.terms
+    }
+
     /// The partner agreed to.
     pub(super) fn partner(&self) -> Option<u64> {
         self.partner

@@ -76,6 +76,8 @@ pub enum Happened {
     Session(EventKind),
     /// The way of the datagrams has changed.
     Path(PathEvent),
+    /// The recording has broken off; the session goes on.
+    RecordingBroken,
 }
 
 /// The most that happens between two ticks; the rest is in the log only.

@@ -16,6 +16,7 @@ mod greeter;
 mod limits;
 mod log;
 mod moment;
+mod notes;
 mod notices;
 mod orders;
 mod phase;
@@ -26,15 +27,18 @@ pub use fallback::{Badness, Fallback};
 pub use limits::Limits;
 pub use log::{Happened, LOG_CAPACITY, Log};
 pub use moment::{Moment, Tally};
+pub use notes::{Arrival, Forces, Latency, Newest};
 pub use notices::Limit;
 pub use phase::{Cause, Interruption, Phase};
 pub use settings::{Consent, Rules, Safety, SiteSettings};
 
 use std::os::fd::BorrowedFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rtrb::Consumer;
 use telespring::InvalidInput;
-use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span};
+use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span, WatchdogState};
 
 use crate::clock::Clock;
 use crate::device::{Command, Device, Reading};
@@ -47,6 +51,7 @@ use coupling::Coupling;
 use fallback::Watch;
 use force::ForceGate;
 use greeter::Greeter;
+use notes::Notes;
 use notices::Notices;
 use round_trip::RoundTrips;
 
@@ -94,6 +99,9 @@ pub struct Site<D, T> {
     orders: Option<Consumer<Order>>,
     log: Log,
     tally: Tally,
+    notes: Notes,
+    /// Somebody outside sets it when the recording has broken off.
+    recording_alarm: Arc<AtomicBool>,
 }
 
 impl<D: Device, T: Transport> Site<D, T> {
@@ -144,6 +152,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             orders: None,
             log: Log::new(),
             tally: Tally::default(),
+            notes: Notes::new(),
+            recording_alarm: Arc::default(),
         })
     }
 
@@ -156,6 +166,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     pub fn tick(&mut self, clock: &impl Clock, stop: bool) -> Moment {
         let now = clock.now();
         self.log.begin_tick();
+        self.notes.begin();
         let reading = self.read(now);
         self.take_orders(now);
         if stop {
@@ -164,18 +175,22 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.judge(now);
         match &reading {
             Some(reading) if self.coupling != Coupling::Off => self.measure(now, reading),
-            // what the watchdog knows must be true when the coupling begins again
-            _ if self.coupling == Coupling::Off => self.endpoint.handle_timeout(now),
+            _ if self.coupling == Coupling::Off && !self.is_resting() => self.endpoint.handle_timeout(now),
             _ => {}
         }
         self.greet(now);
         self.receive(clock);
         self.decide(now);
         let force = self.force(clock.now());
+        let commanded = clock.now();
         let is_over = self.phase == Phase::Ended;
-        let command = Command { force, is_running: self.phase.is_coupled(), is_over };
-        self.device.command(clock.now(), command);
-        self.collect(now, reading.as_ref(), force)
+        self.device.command(commanded, Command { force, is_running: self.phase.is_coupled(), is_over });
+        self.collect(now, commanded, reading.as_ref(), force)
+    }
+
+    /// Whether the endpoint's force is zero. It must be before a coupling begins, so that the force begins from zero.
+    fn is_resting(&self) -> bool {
+        !self.is_watched || matches!(self.endpoint.state(), WatchdogState::Disengaged { .. })
     }
 
     /// Reads the device, and what it means for this side.
@@ -217,9 +232,11 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// Gives the endpoint the own motion, and sends its packet.
     fn measure(&mut self, now: LocalTime, reading: &Reading) {
         let Some(motion) = reading.motion else { return };
-        if let Some(acted) = reading.acted.or_else(|| self.gate.acted()) {
+        let told = reading.acted.or_else(|| self.gate.acted());
+        if let Some(acted) = told {
             self.endpoint.handle_acted(acted);
         }
+        (self.notes.is_measured, self.notes.forces.told) = (true, told);
         // A motion that cannot be is an event of the endpoint, and its watchdog sees to the force.
         let _ = self.endpoint.handle_measurement(now, motion);
         if let Some(target) = reading.target {
@@ -245,7 +262,13 @@ impl<D: Device, T: Transport> Site<D, T> {
     }
 
     /// What there is to say of this tick.
-    fn collect(&mut self, now: LocalTime, reading: Option<&Reading>, force: [f64; 2]) -> Moment {
+    fn collect(
+        &mut self,
+        now: LocalTime,
+        commanded: LocalTime,
+        reading: Option<&Reading>,
+        force: [f64; 2],
+    ) -> Moment {
         while let Some(event) = self.endpoint.poll_event() {
             // while nothing is coupled the silence of both is no event
             if self.coupling != Coupling::Off {
@@ -255,29 +278,58 @@ impl<D: Device, T: Transport> Site<D, T> {
         while let Some(event) = self.transport.poll_path() {
             self.log.push(now, Happened::Path(event));
         }
-        let report = self.endpoint.strategy_report();
+        if self.recording_alarm.load(Ordering::Relaxed) && self.recording_alarm.swap(false, Ordering::Relaxed)
+        {
+            self.log.push(now, Happened::RecordingBroken);
+        }
+        let session = self.endpoint.snapshot();
+        let report = session.strategy;
         let is_coupled = self.phase.is_coupled();
         let is_limited = is_coupled && report.limited_ticks > self.limited_ticks;
         self.limited_ticks = report.limited_ticks;
         self.notices.take(now, [is_limited, self.gate.was_cut()], &mut self.log);
+        let measured = reading.and_then(|reading| reading.acted);
+        let device_delay = reading.and_then(|reading| self.notes.device_delay(now, reading));
         let moment = Moment {
+            tick: self.notes.tick,
             time: now,
+            commanded,
             phase: self.phase,
             state: self.endpoint.state(),
             motion: reading.and_then(|reading| reading.motion),
             target: reading.and_then(|reading| reading.target),
             force,
-            balance: report.balance,
+            balance: session.strategy.balance,
             age: self.endpoint.partner_age(),
             heard: self.heard,
+            stamp: reading.and_then(|reading| reading.stamp),
+            device_delay,
+            is_measured: self.notes.is_measured,
+            forces: Forces { measured, ..self.notes.forces },
+            asked: self.notes.asked,
+            newest: self.notes.newest,
+            session,
+            wanted_stiffness: self.greeter.terms().coupling[0],
+            unnoted_arrivals: self.notes.unnoted,
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
             share: self.share(now),
         };
         self.tally.cut_ticks += u64::from(self.gate.was_cut());
         self.tally.softened_ticks += u64::from(is_coupled && self.watch.share() < 1.0);
+        self.notes.tick += 1;
         self.tally.count(&moment);
         moment
+    }
+
+    /// Says in the log when this switch is set, and resets it: the recording has broken off.
+    pub fn watch_recording(&mut self, alarm: Arc<AtomicBool>) {
+        self.recording_alarm = alarm;
+    }
+
+    /// The datagrams that the endpoint was given at the latest tick, in their order.
+    pub fn arrivals(&self) -> &[Arrival] {
+        self.notes.arrivals()
     }
 
     /// The state of the session.

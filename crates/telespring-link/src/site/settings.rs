@@ -1,10 +1,9 @@
 //! What a site is made of.
 
 use telespring::InvalidInput;
-use telespring::rig::ConnectedMode;
 use telespring::session::architecture::PlayoutDesign;
-use telespring::session::{ClockSettings, EndpointSettings, SideFacts, Span, WatchdogSettings};
-use telespring::study::{Coupling, Study};
+use telespring::session::{EndpointSettings, Span, WatchdogSettings};
+use telespring::study::Study;
 
 use super::{Fallback, Limits};
 use crate::hello::Terms;
@@ -48,31 +47,14 @@ impl Safety {
         Ok(())
     }
 
-    /// The watchdog that lets the force be zero `silence` after the last packet, counted to the tick that is due by then:
-    /// 2 parts of silence, 5 of holding on, 8 of ramp.
+    /// The watchdog that keeps these limits.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] if the time is too short for this sample period.
     pub fn watchdog(&self, sample_period: Span) -> Result<WatchdogSettings, InvalidInput> {
-        let whole = self.silence - sample_period - sample_period;
-        let silence = whole.scaled(2.0 / 15.0);
-        if silence < sample_period + sample_period {
-            return Err(InvalidInput::new(
-                "safety.silence",
-                format!("{} s", self.silence.seconds()),
-                format!("at least 17 sample periods of {} s", sample_period.seconds()),
-                "Lengthen it, or shorten the sample period.",
-            ));
-        }
-        let (hold, usual) = (whole.scaled(5.0 / 15.0), WatchdogSettings::for_period(sample_period));
-        Ok(WatchdogSettings {
-            silence,
-            hold,
-            ramp_out: whole - silence - hold,
-            own_silence: self.stall - usual.own_hold,
-            ..usual
-        })
+        let within = WatchdogSettings::within(self.silence, self.stall, sample_period);
+        within.map_err(|refusal| refusal.within("safety"))
     }
 }
 
@@ -110,18 +92,19 @@ impl Default for Rules {
 }
 
 impl Rules {
-    /// The usual rules for a side of a study. A fixed play-out with a delay of its own imposes it. A motion is too old beyond
+    /// The usual rules of a study. A fixed play-out with a delay of its own imposes it. A motion is too old beyond
     /// twice the age that the study states of the network, or imposes, and 50 ms.
-    fn of_study(study: &Study, facts: &SideFacts) -> Self {
+    fn of_study(study: &Study) -> Result<Self, InvalidInput> {
         let imposed_delay = match study.session().playout {
             PlayoutDesign::Fixed { delay } => delay,
             PlayoutDesign::Adaptive(_) => None,
         };
-        let ([delay, _], [lateness, _]) = (facts.delays, facts.lateness);
-        let stated = (delay + lateness).max(imposed_delay.unwrap_or(0.0));
+        let delay = study.network()?.delay();
+        let [here, there] = study.laboratory_without_traces()?.session.lateness;
+        let stated = (delay.forward() + here).max(delay.backward() + there).max(imposed_delay.unwrap_or(0.0));
         let age = (2.0 * stated + 0.05).min(60.0);
         let usual = Self::default();
-        Self { imposed_delay, fallback: Fallback { age, ..usual.fallback }, ..usual }
+        Ok(Self { imposed_delay, fallback: Fallback { age, ..usual.fallback }, ..usual })
     }
 
     /// Checks the values.
@@ -166,26 +149,11 @@ impl SiteSettings {
     ///
     /// [`InvalidInput`] if the study or a value does not do for a live session.
     pub fn new(study: &Study, side: u8, session: u64, safety: Safety) -> Result<Self, InvalidInput> {
-        if !matches!(side, 1 | 2) {
-            return Err(InvalidInput::new(
-                "side",
-                side,
-                "1 or 2",
-                "Give the robot of the study that this site moves.",
-            ));
-        }
-        let laboratory = study.laboratory_without_traces()?;
-        let Coupling { stiffness, damping } = study.coupling()?;
-        let coupling = ConnectedMode { stiffness, damping, delay: study.network()?.delay() };
-        let facts = SideFacts { session, ..laboratory.side_facts(usize::from(side) - 1, &coupling) };
-        let sample_period = Span::from_seconds(facts.sample_period);
-        let endpoint = EndpointSettings {
-            clock: ClockSettings::estimated(),
-            watchdog: Some(safety.watchdog(sample_period)?),
-            ..laboratory.session.architecture.endpoint_settings(&facts)?
-        };
-        let (terms, rules) = (Terms::new(study, side)?, Rules::of_study(study, &facts));
-        Ok(Self { terms, endpoint, safety, limits: Limits::default(), rules })
+        let terms = Terms::new(study, side)?;
+        let watchdog = safety.watchdog(Span::from_seconds(terms.sample_period))?;
+        let endpoint = study.live_side(side, session, watchdog)?;
+        let (limits, rules) = (Limits::default(), Rules::of_study(study)?);
+        Ok(Self { terms, endpoint, safety, limits, rules })
     }
 
     /// As these, with a simulated person, who consents without an order.

@@ -1,9 +1,7 @@
 //! What happened, in words: the same in the summary, on the console and in a record.
 
 use serde::Serialize;
-use telespring::session::LocalTime;
-use telespring::session::event::EventKind;
-use telespring::session::watchdog::Cause as Fault;
+use telespring::session::{LocalTime, WatchdogState};
 
 use crate::site::Happened;
 use crate::transport::PathEvent;
@@ -26,7 +24,7 @@ pub struct Entry {
 impl Entry {
     /// What happened at `time`, counted from `first`.
     pub fn new(first: LocalTime, time: LocalTime, happened: &Happened) -> Self {
-        let (event, cause) = words(happened);
+        let (event, cause) = event_words(happened);
         let values = match *happened {
             Happened::Offset(way) => Some(way),
             Happened::DelayTooShort { imposed, measured } => Some([imposed, measured]),
@@ -36,8 +34,8 @@ impl Entry {
     }
 }
 
-/// What happened, in a word, and why.
-fn words(happened: &Happened) -> (&'static str, Option<String>) {
+/// What happened in a word, and why or with which value.
+pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
     let because = |word: &str| Some(word.to_owned());
     match happened {
         Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
@@ -70,7 +68,8 @@ fn words(happened: &Happened) -> (&'static str, Option<String>) {
         Happened::Leaving(cause) => ("leaving", because(cause.word())),
         Happened::Ended(cause) => ("ended", because(cause.word())),
         Happened::Path(event) => (event.word(), path_cause(*event)),
-        Happened::Session(kind) => session_event(kind),
+        Happened::RecordingBroken => ("recording-broken", None),
+        Happened::Session(kind) => (kind.word(), kind.reason()),
     }
 }
 
@@ -93,37 +92,14 @@ fn path_cause(event: PathEvent) -> Option<String> {
     }
 }
 
-/// An event of the endpoint, in a word, and why.
-fn session_event(kind: &EventKind) -> (&'static str, Option<String>) {
-    let because = |cause: &Fault| Some(fault(*cause).to_owned());
-    match kind {
-        EventKind::PartnerFound { session } => ("partner-found", Some(format!("{session:#018x}"))),
-        EventKind::PartnerRestarted { session } => ("partner-restarted", Some(format!("{session:#018x}"))),
-        EventKind::Holding(cause) => ("holding", because(cause)),
-        EventKind::RampingOut(cause) => ("ramping-out", because(cause)),
-        EventKind::Disengaged(cause) => ("disengaged", because(cause)),
-        EventKind::RampingIn => ("ramping-in", None),
-        EventKind::Engaged => ("engaged", None),
-        EventKind::Refused(refusal) => ("datagram-refused", Some(refusal.to_string())),
-        EventKind::ImpossibleValue { value } => ("impossible-value", Some(value.to_string())),
-        EventKind::ClockStepped => ("clock-stepped", None),
-        EventKind::ImpossibleForce => ("impossible-force", None),
-        _ => ("other", None),
-    }
-}
-
-/// A cause of the watchdog in a word.
-fn fault(cause: Fault) -> &'static str {
-    match cause {
-        Fault::Starting => "starting",
-        Fault::Silence => "silence",
-        Fault::FrozenStamps => "frozen-stamps",
-        Fault::FrozenMotion => "frozen-motion",
-        Fault::PartnerRestarted => "partner-restarted",
-        Fault::ClockStepped => "clock-stepped",
-        Fault::OwnMeasurement => "own-measurement",
-        Fault::OwnSilence => "own-silence",
-        _ => "other",
+/// The state of the watchdog in a word, and why.
+pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
+    match state {
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
+        WatchdogState::RampingIn => ("ramping-in", None),
+        WatchdogState::Engaged => ("engaged", None),
+        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
     }
 }
 

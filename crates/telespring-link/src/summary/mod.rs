@@ -2,7 +2,7 @@
 
 mod events;
 
-pub use events::Entry;
+pub use events::{Entry, event_words, watchdog_words};
 
 use serde::Serialize;
 use telespring::session::playout::PlayoutReport;
@@ -10,6 +10,7 @@ use telespring::session::{SessionReport, Span};
 
 use crate::device::Device;
 use crate::real_time::{Lateness, Privileges};
+use crate::record::RecordingSummary;
 use crate::site::{Cause, Site, Tally};
 use crate::transport::{Transport, TransportReport};
 
@@ -67,6 +68,8 @@ pub struct Summary {
     pub events: Vec<Entry>,
     /// Events for which there was no room.
     pub missed_events: u64,
+    /// What became of the recording; `null` if there is none.
+    pub recording: Option<RecordingSummary>,
 }
 
 /// See [`Summary::round_trip`].
@@ -258,6 +261,7 @@ impl Summary {
                 .map(|(time, happened)| Entry::new(first, *time, happened))
                 .collect(),
             missed_events: site.log().missed() + report.missed_events,
+            recording: None,
         }
     }
 }

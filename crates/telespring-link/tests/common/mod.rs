@@ -13,7 +13,9 @@ use telespring_link::clock::Clock;
 use telespring_link::device::{Command, Device, Fault, Reading};
 use telespring_link::hello::MAGIC;
 use telespring_link::operator::Order;
-use telespring_link::site::{Happened, Limits, Moment, Phase, Safety, Site, SiteSettings};
+use telespring_link::site::{
+    Consent, Fallback, Happened, Limits, Moment, Phase, Rules, Safety, Site, SiteSettings,
+};
 use telespring_link::transport::{ROOM, Transport, TransportReport};
 
 pub const PERIOD: Span = Span(1_000_000);
@@ -147,7 +149,7 @@ impl Device for Scripted {
         }
         let Script { position, velocity, is_measured, is_ready, is_stopped, .. } = script;
         let motion = is_measured.then_some(Motion { position, velocity });
-        Ok(Reading { motion, acted: None, target: None, is_ready, is_stopped })
+        Ok(Reading { motion, stamp: None, acted: None, target: None, is_ready, is_stopped })
     }
 
     fn command(&mut self, _: LocalTime, command: Command) {
@@ -161,11 +163,22 @@ impl Device for Scripted {
     }
 }
 
+/// Changes what a site is made of.
+type Adjust = Rc<dyn Fn(SiteSettings) -> SiteSettings>;
+
+/// Simulated people that are coupled wherever their handles are, and however bad the network is: for tests of the endpoint.
+pub fn anywhere(settings: SiteSettings) -> SiteSettings {
+    let long = Span(600_000_000_000);
+    let fallback = Fallback { softened: 1.0, patience: long, silence: long, ..Fallback::default() };
+    let rules = Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..settings.rules };
+    SiteSettings { rules, limits: Limits { velocity: 100.0, ..settings.limits }, ..settings }
+}
+
 /// Two sites with scripted devices, 2 cm apart, in virtual time. People consent without an order unless a test says
 /// otherwise.
 pub struct Pair {
     /// What each site is made of, on top of its study.
-    adjust: fn(SiteSettings) -> SiteSettings,
+    adjust: Adjust,
     pub clock: VirtualClock,
     pub ends: [End; 2],
     pub devices: [Scripted; 2],
@@ -180,21 +193,26 @@ impl Pair {
         Self::with(studies, delay, SiteSettings::simulated)
     }
 
-    /// Both sites of a study, with at most 1 N.
-    pub fn limited(study: &Study, delay: f64) -> Self {
-        Self::with([study, study], delay, |settings| {
-            let limits = Limits { force: 1.0, ..settings.limits };
-            SiteSettings { limits, ..settings.simulated() }
+    /// Both sites of a study, with at most this force, N, coupled wherever the handles are.
+    pub fn limited(study: &Study, delay: f64, force: f64) -> Self {
+        Self::with([study, study], delay, move |settings| {
+            let settings = anywhere(settings);
+            SiteSettings { limits: Limits { force, ..settings.limits }, ..settings }
         })
     }
 
     /// As [`Pair::new`], of other settings.
-    pub fn with(studies: [&Study; 2], delay: f64, adjust: fn(SiteSettings) -> SiteSettings) -> Self {
+    pub fn with(
+        studies: [&Study; 2],
+        delay: f64,
+        adjust: impl Fn(SiteSettings) -> SiteSettings + 'static,
+    ) -> Self {
+        let adjust: Adjust = Rc::new(adjust);
         let ends = wire(Span::from_seconds(delay) - PERIOD);
         let devices = [Scripted::default(), Scripted::default()];
         devices[1].change(|script| script.position = [0.02, 0.0]);
         let sites = [0, 1]
-            .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, adjust, &devices, &ends)));
+            .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, &adjust, &devices, &ends)));
         let clock = VirtualClock(Rc::new(Cell::new(5_000_000_000)));
         Self { adjust, clock, ends, devices, sites, stop: [false; 2], moments: [None; 2] }
     }
@@ -203,7 +221,7 @@ impl Pair {
         study: &Study,
         side: usize,
         session: u64,
-        adjust: fn(SiteSettings) -> SiteSettings,
+        adjust: &Adjust,
         devices: &[Scripted; 2],
         ends: &[End; 2],
     ) -> Site<Scripted, End> {
@@ -214,7 +232,7 @@ impl Pair {
 
     /// Starts the program of a side anew.
     pub fn restart(&mut self, study: &Study, side: usize, session: u64) {
-        self.sites[side] = Some(Self::site(study, side, session, self.adjust, &self.devices, &self.ends));
+        self.sites[side] = Some(Self::site(study, side, session, &self.adjust, &self.devices, &self.ends));
     }
 
     /// One tick of both.
