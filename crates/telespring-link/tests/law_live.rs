@@ -50,7 +50,7 @@ fn tick(number: u64) -> Item {
         consents: [true; 2],
         share: 1.0,
     };
-    Item::Tick { moment, lateness: Span(0), duration: Span(0) }
+    Item::Tick { moment, lateness: Span(0), duration: Span(0), overruns: 0 }
 }
 
 struct Viewer(WebSocket<TcpStream>);
