@@ -11,7 +11,9 @@ use telespring::session::Span;
 use telespring::study::Study;
 
 use crate::conduct::{ConductError, Plan, conduct};
+use crate::console::{Console, Output};
 use crate::device::Simulated;
+use crate::feed::Observer;
 use crate::hello::draw_session;
 use crate::real_time::Limits;
 use crate::record::live::LiveServer;
@@ -110,12 +112,12 @@ impl Demo {
         ))
     }
 
-    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set.
+    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set; `console` tells what happens.
     ///
     /// # Errors
     ///
     /// [`DemoError`].
-    pub fn run(&self, stop: &AtomicBool) -> Result<DemoSummary, DemoError> {
+    pub fn run(&self, stop: &AtomicBool, console: Option<&Output>) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
             return Err(InvalidInput::new("seconds", self.seconds, allowed, "Give 20.").into());
@@ -136,9 +138,9 @@ impl Demo {
                 .map(|()| {
                     sides.next().map(|(side, link)| {
                         let name = format!("site {side}");
-                        std::thread::Builder::new()
-                            .name(name)
-                            .spawn_scoped(scope, move || self.run_side(study, side, link, server, stop))
+                        std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
+                            self.run_side(study, side, link, (server, console), stop)
+                        })
                     })
                 })
                 .map(|thread| match thread {
@@ -155,7 +157,7 @@ impl Demo {
         study: &Study,
         side: u8,
         link: Udp,
-        server: Option<&Arc<LiveServer>>,
+        (server, console): (Option<&Arc<LiveServer>>, Option<&Output>),
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
@@ -170,7 +172,9 @@ impl Demo {
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
-        let plan = Plan { real_time: self.real_time, limits, ..Plan::default() };
+        let console = console.map(|output| Console::new(output.clone(), &settings.terms));
+        let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
+        let plan = Plan { real_time: self.real_time, limits, observers, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }

@@ -32,6 +32,8 @@ pub enum Item {
         lateness: Span,
         /// How long it took.
         duration: Span,
+        /// Ticks that were left out so far.
+        overruns: u64,
     },
     /// A datagram that the endpoint was given; it comes before the tick at which it was.
     Arrival(Arrival),

@@ -84,5 +84,5 @@ impl<D: Device> Device for Watched<D> {
 
 /// What a device says that says nothing.
 fn nothing() -> Reading {
-    Reading { motion: None, acted: None, target: None, is_ready: false, is_stopped: false }
+    Reading { motion: None, stamp: None, acted: None, target: None, is_ready: false, is_stopped: false }
 }

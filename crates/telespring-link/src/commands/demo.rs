@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use telespring_link::console::Output;
 use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
-use super::{Failure, outcome, print, stop_on_signal};
+use super::{Failure, leave_with_input, outcome, print_summary, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -40,6 +41,9 @@ pub struct Demo {
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
+    /// Prints status and events as JSON, one object per line, while the session runs; its end is that of the input, too
+    #[arg(long)]
+    console: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -50,7 +54,7 @@ enum Strategy {
 
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, record, live } = self;
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, record, live, console } = self;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
@@ -58,12 +62,17 @@ impl Demo {
         let real_time = LoopChoice::default();
         let demo =
             demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time, record, live };
-        let summary = demo.run(&stop_on_signal()).map_err(|error| match error {
+        let console = console.then(Output::stdout).transpose()?;
+        let stop = stop_on_signal();
+        if console.is_some() {
+            leave_with_input(&stop)?;
+        }
+        let summary = demo.run(&stop, console.as_ref()).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),
             DemoError::Conduct(error) => error.into(),
             other => Failure::Other(other.to_string()),
         })?;
-        print(&summary);
+        print_summary(&summary, console.as_ref());
         Ok(outcome(&summary.sites))
     }
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use telespring_link::conduct::{Plan, conduct};
+use telespring_link::console::{Console, Output};
 use telespring_link::feed::Observer;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
@@ -14,7 +15,7 @@ use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
 use telespring_link::site::SiteSettings;
 
-use super::{Failure, outcome, parts, print, stop_on_signal};
+use super::{Failure, leave_with_input, outcome, parts, print_summary, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -30,6 +31,9 @@ pub struct Run {
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
+    /// Prints status and events as JSON, one object per line, while the session runs; its end is that of the input, too
+    #[arg(long)]
+    console: bool,
 }
 
 impl Run {
@@ -66,10 +70,18 @@ impl Run {
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
         };
+        let console = self.console.then(Output::stdout).transpose()?;
+        if let Some(output) = &console {
+            observers.push(Box::new(Console::new(output.clone(), &settings.terms)));
+        }
         let plan = Plan { real_time, limits: Limits { duration }, observers, recording: None };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
-        let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
-        print(&summary);
+        let stop = stop_on_signal();
+        if console.is_some() {
+            leave_with_input(&stop)?;
+        }
+        let summary = conduct(settings, device, transport, plan, &stop, |_| {})?;
+        print_summary(&summary, console.as_ref());
         Ok(outcome([&summary]))
     }
 }
