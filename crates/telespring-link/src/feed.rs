@@ -23,6 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Something that the loop tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "most items are ticks, and a box would allocate on the loop")]
 pub enum Item {
     /// A tick.
     Tick {

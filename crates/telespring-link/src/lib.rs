@@ -13,8 +13,8 @@
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
 //! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
-//! | [`record`] | the recording and the live view, watching through the feed | threads of their own |
 //! | [`telemetry`] | a row of numbers per tick for programs beside this one | its own |
+//! | [`record`] | the recording and the live view, watching through the feed | threads of their own |
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |

@@ -1,9 +1,7 @@
 //! What a session was, as JSON.
 
 use serde::Serialize;
-use telespring::session::event::EventKind;
 use telespring::session::playout::PlayoutReport;
-use telespring::session::watchdog::Cause as Fault;
 use telespring::session::{LocalTime, SessionReport, Span, WatchdogState};
 
 use crate::device::Device;
@@ -346,18 +344,18 @@ pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
         Happened::Ended(cause) => ("ended", Some(cause.word().to_owned())),
         Happened::Path(event) => (event.word(), path_cause(*event)),
         Happened::RecordingBroken => ("recording-broken", None),
-        Happened::Session(kind) => session_event(kind),
+        Happened::Session(kind) => (kind.word(), kind.reason()),
     }
 }
 
 /// The state of the watchdog in a word, and why.
 pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
     match state {
-        WatchdogState::Disengaged { cause } => ("disengaged", Some(fault(cause))),
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
         WatchdogState::RampingIn => ("ramping-in", None),
         WatchdogState::Engaged => ("engaged", None),
-        WatchdogState::Holding { cause } => ("holding", Some(fault(cause))),
-        WatchdogState::RampingOut { cause } => ("ramping-out", Some(fault(cause))),
+        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
     }
 }
 
@@ -366,39 +364,5 @@ fn path_cause(event: PathEvent) -> Option<String> {
     match event {
         PathEvent::Rate { every } => Some(format!("one packet of {every}")),
         _ => None,
-    }
-}
-
-/// An event of the endpoint, in a word, and why.
-fn session_event(kind: &EventKind) -> (&'static str, Option<String>) {
-    let because = |cause: &Fault| Some(fault(*cause).to_owned());
-    match kind {
-        EventKind::PartnerFound { session } => ("partner-found", Some(format!("{session:#018x}"))),
-        EventKind::PartnerRestarted { session } => ("partner-restarted", Some(format!("{session:#018x}"))),
-        EventKind::Holding(cause) => ("holding", because(cause)),
-        EventKind::RampingOut(cause) => ("ramping-out", because(cause)),
-        EventKind::Disengaged(cause) => ("disengaged", because(cause)),
-        EventKind::RampingIn => ("ramping-in", None),
-        EventKind::Engaged => ("engaged", None),
-        EventKind::Refused(refusal) => ("datagram-refused", Some(refusal.to_string())),
-        EventKind::ImpossibleValue { value } => ("impossible-value", Some(value.to_string())),
-        EventKind::ClockStepped => ("clock-stepped", None),
-        EventKind::ImpossibleForce => ("impossible-force", None),
-        _ => ("other", None),
-    }
-}
-
-/// A cause of the watchdog in a word.
-fn fault(cause: Fault) -> &'static str {
-    match cause {
-        Fault::Starting => "starting",
-        Fault::Silence => "silence",
-        Fault::FrozenStamps => "frozen-stamps",
-        Fault::FrozenMotion => "frozen-motion",
-        Fault::PartnerRestarted => "partner-restarted",
-        Fault::ClockStepped => "clock-stepped",
-        Fault::OwnMeasurement => "own-measurement",
-        Fault::OwnSilence => "own-silence",
-        _ => "other",
     }
 }

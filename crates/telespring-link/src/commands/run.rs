@@ -38,34 +38,24 @@ pub struct Run {
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile {
-            study,
-            side,
-            duration,
-            network,
-            device,
-            safety,
-            real_time,
-            telemetry,
-            recording,
-            live,
-        } = SiteFile::read(&self.site)?;
-        let duration = self.seconds.map(check_duration).transpose()?.or(duration);
-        let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
-        let facts =
-            Facts::new(&study, &settings).with("device", device.word()).with("network", network.word());
-        let transport = parts::transport(&network, real_time.priority)?;
-        let device = parts::device(&device, &study, side)?;
+        let file = SiteFile::read(&self.site)?;
+        let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
+        let settings = SiteSettings::new(&file.study, file.side, draw_session(), file.safety)?;
+        let facts = Facts::new(&file.study, &settings)
+            .with("device", file.device.word())
+            .with("network", file.network.word());
+        let transport = parts::transport(&file.network, file.real_time.priority)?;
+        let device = parts::device(&file.device, &file.study, file.side)?;
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
-        if let Some(choice) = telemetry {
-            observers.push(parts::telemetry(&choice, &settings.terms)?);
+        if let Some(choice) = &file.telemetry {
+            observers.push(parts::telemetry(choice, &settings.terms)?);
         }
-        let server = match (self.live, live) {
+        let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
             (None, None) => None,
         };
-        let folder = match (&self.record, &recording) {
+        let folder = match (&self.record, &file.recording) {
             (Some(folder), _) => Some(("--record", folder)),
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
@@ -74,7 +64,8 @@ impl Run {
         if let Some(output) = &console {
             observers.push(Box::new(Console::new(output.clone(), &settings.terms)));
         }
-        let plan = Plan { real_time, limits: Limits { duration }, observers, recording: None };
+        let plan =
+            Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
         let stop = stop_on_signal();
         if console.is_some() {

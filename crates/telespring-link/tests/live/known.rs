@@ -38,6 +38,7 @@ impl Known {
             local: vec![at(side, PORT)],
             relay: None,
             relayed: false,
+            priority: None,
         });
         Some(Self { joined, settings, folder })
     }
