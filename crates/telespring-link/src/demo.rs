@@ -12,7 +12,9 @@ use telespring::session::Span;
 use telespring::study::Study;
 
 use crate::conduct::{ConductError, Plan, conduct};
+use crate::console::{Console, Output};
 use crate::device::Simulated;
+use crate::feed::Observer;
 use crate::hello::draw_session;
 use crate::operator::Order;
 use crate::real_time::Limits;
@@ -118,7 +120,7 @@ impl Demo {
     }
 
     /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set. `orders`: what the people at
-    /// both sides order, if anybody does.
+    /// both sides order, if anybody does; `console` tells what happens.
     ///
     /// # Errors
     ///
@@ -127,6 +129,7 @@ impl Demo {
         &self,
         stop: &AtomicBool,
         orders: [Option<Consumer<Order>>; 2],
+        console: Option<&Output>,
     ) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
@@ -149,7 +152,7 @@ impl Demo {
                     sides.next().map(|(side, (link, orders))| {
                         let name = format!("site {side}");
                         std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
-                            self.run_side(study, side, link, server, orders, stop)
+                            self.run_side(study, side, link, (server, console), orders, stop)
                         })
                     })
                 })
@@ -167,7 +170,7 @@ impl Demo {
         study: &Study,
         side: u8,
         link: Udp,
-        server: Option<&Arc<LiveServer>>,
+        (server, console): (Option<&Arc<LiveServer>>, Option<&Output>),
         orders: Option<Consumer<Order>>,
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
@@ -183,7 +186,9 @@ impl Demo {
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
-        let plan = Plan { real_time: self.real_time, limits, orders, ..Plan::default() };
+        let console = console.map(|output| Console::new(output.clone(), &settings.terms));
+        let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
+        let plan = Plan { real_time: self.real_time, limits, observers, orders, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }

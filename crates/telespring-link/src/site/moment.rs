@@ -65,6 +65,13 @@ impl Moment {
         self.asked.and(self.session.partner)
     }
 
+    /// From the handle to the target while the session runs, m.
+    pub fn distance(&self) -> Option<f64> {
+        let (motion, target) = self.motion.zip(self.target).filter(|_| self.phase.is_coupled())?;
+        let [x, y] = [0, 1].map(|axis| motion.position[axis] - target.position[axis]);
+        Some(x.hypot(y))
+    }
+
     /// Where the time went, of a tick that began `lateness` after it was due.
     pub fn latency(&self, lateness: Span) -> Latency {
         let network = self.newest.as_ref().and_then(|newest| transit(newest, self.session.clock.offset));
@@ -130,9 +137,8 @@ impl Tally {
         if moment.phase.is_coupled() {
             self.coupled_ticks += 1;
             self.unmeasured_ticks += u64::from(moment.motion.is_none());
-            if let (Some(motion), Some(target)) = (moment.motion, moment.target) {
-                let [dx, dy] = [0, 1].map(|axis| motion.position[axis] - target.position[axis]);
-                self.distance = (self.distance.0 + dx.hypot(dy), self.distance.1 + 1);
+            if let Some(distance) = moment.distance() {
+                self.distance = (self.distance.0 + distance, self.distance.1 + 1);
             }
         }
     }
