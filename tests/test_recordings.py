@@ -308,6 +308,44 @@ def test_law_a_merged_file_is_both_files(files: tuple[Path, Path], tmp_path: Pat
         ts.merge_recordings(*files, tmp_path / "session.nc")
 
 
+def test_cross_a_merged_file_is_what_another_reader_expects(files: tuple[Path, Path], tmp_path: Path) -> None:
+    from mcap.reader import make_reader
+    from mcap.stream_reader import StreamReader
+
+    out = tmp_path / "session.mcap"
+    merged = ts.merge_recordings(*files, out)
+    with out.open("rb") as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        topics = {channel.topic for channel in summary.channels.values()}
+        assert topics == {f"/site{side}/{kind}" for side in (1, 2) for kind in ("tick", "arrival", "event")}
+        # By the index of the chunks and of the messages, in the order of time: both sites alternate.
+        stamps = []
+        for _, channel, found in reader.iter_messages(topics=["/site1/tick", "/site2/tick"]):
+            stamps.append((found.log_time, channel.topic))
+        assert stamps == sorted(stamps, key=lambda stamp: stamp[0])
+        assert len(stamps) == 6000
+        assert {name for _, name in stamps[1000:1010]} == {"/site1/tick", "/site2/tick"}
+        total = sum(
+            len(getattr(side, kind))
+            for side in merged.sides.values()
+            for kind in ("ticks", "arrivals", "events")
+        )
+        assert summary.statistics.message_count == total
+        assert {attachment.name for attachment in reader.iter_attachments()} == {
+            "site1/study.toml",
+            "site2/study.toml",
+        }
+        assert {metadata.name for metadata in reader.iter_metadata()} >= {"site1/telespring", "common time"}
+    with out.open("rb") as stream:
+        messages = sum(
+            type(record).__name__ == "Message" for record in StreamReader(stream, validate_crcs=True).records
+        )
+    assert messages == total
+
+
 def test_law_files_of_two_sessions_are_refused(files: tuple[Path, Path], tmp_path: Path) -> None:
     made = MadeSession(seconds=0.3)
     other = made.write_site(tmp_path, 2)
