@@ -139,6 +139,7 @@ __all__ = [
     "PlayoutChoice",
     "RecordedWay",
     "Remedies",
+    "Replay",
     "ResponseCurve",
     "Robot",
     "Sampled",
@@ -146,6 +147,7 @@ __all__ = [
     "SessionRecording",
     "Signal",
     "Sine",
+    "SiteRecording",
     "Spectrum",
     "StiffnessAllowed",
     "StiffnessMargin",
@@ -188,6 +190,7 @@ __all__ = [
     "read_recording",
     "read_trace",
     "rehearse",
+    "replay",
     "simulate",
     "simulate_array",
     "solve_dde",
@@ -210,6 +213,9 @@ if TYPE_CHECKING:
     from telespring.recording import SessionRecording as SessionRecording
     from telespring.recording import merge_recordings as merge_recordings
     from telespring.recording import read_recording as read_recording
+    from telespring.replays import Replay as Replay
+    from telespring.replays import SiteRecording as SiteRecording
+    from telespring.replays import replay as replay
 else:
     # Hidden from type checkers, which would accept every name.
     # Importing matplotlib takes long, so `plot` waits until it is used; answers, comparisons and recordings
@@ -220,12 +226,15 @@ else:
         late={
             "Answer": "telespring.answer",
             "Comparison": "telespring.comparison",
+            "Replay": "telespring.replays",
             "SessionRecording": "telespring.recording",
+            "SiteRecording": "telespring.replays",
             "analyse_recording": "telespring.analysis.sessions",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
             "merge_recordings": "telespring.recording",
             "read_recording": "telespring.recording",
+            "replay": "telespring.replays",
         },
     )
 

@@ -1,8 +1,11 @@
 //! Both sides on this machine: simulated robots and people, real sockets and clocks, and an emulated path between them.
 
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use rtrb::Consumer;
 use serde::Serialize;
 use telespring::InvalidInput;
 use telespring::session::Span;
@@ -11,14 +14,17 @@ use telespring::study::Study;
 use crate::conduct::{ConductError, Plan, conduct};
 use crate::device::Simulated;
 use crate::hello::draw_session;
+use crate::operator::Order;
 use crate::real_time::Limits;
+use crate::record::live::LiveServer;
+use crate::record::{Facts, check_folder};
 use crate::settings::LoopChoice;
 use crate::site::{Safety, SiteSettings};
 use crate::summary::{SCHEMA, Summary};
 use crate::transport::{Emulated, Udp};
 
 /// What a demonstration shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Demo {
     /// How long, s.
     pub seconds: f64,
@@ -34,8 +40,14 @@ pub struct Demo {
     pub strategy: &'static str,
     /// Draws the path and what the simulated people see.
     pub seed: u64,
+    /// A delay imposed on the partner's motion, s, if any.
+    pub imposed_delay: Option<f64>,
     /// What both loops ask the operating system for.
     pub real_time: LoopChoice,
+    /// The folder for the recordings of both sides; `None` for none.
+    pub record: Option<PathBuf>,
+    /// Where viewers may look on both sides; `None` for nowhere.
+    pub live: Option<SocketAddr>,
 }
 
 impl Default for Demo {
@@ -49,7 +61,10 @@ impl Default for Demo {
             stiffness: 142.0,
             strategy: "guard",
             seed: 1,
+            imposed_delay: None,
             real_time: LoopChoice::default(),
+            record: None,
+            live: None,
         }
     }
 }
@@ -89,42 +104,53 @@ impl Demo {
     ///
     /// [`InvalidInput`] with the key of the study.
     pub fn study(&self) -> Result<Study, InvalidInput> {
-        let Self { delay, jitter, loss, stiffness, strategy, .. } = self;
+        let Self { delay, jitter, loss, stiffness, strategy, imposed_delay, .. } = self;
+        let playout = imposed_delay
+            .map_or("\"adaptive\"".to_owned(), |delay| format!("{{kind = \"fixed\", delay = {delay}}}"));
         Study::from_toml(&format!(
             "name = \"Demonstration\"\n\
              robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
              robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n\
              coupling.stiffness = {stiffness}\n\
              network = {{delay = {delay}, jitter = {jitter}, loss = {loss}}}\n\
-             session = {{strategy = \"{strategy}\", playout = \"adaptive\"}}\n"
+             session = {{strategy = \"{strategy}\", playout = {playout}}}\n"
         ))
     }
 
-    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set.
+    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set. `orders`: what the people at
+    /// both sides order, if anybody does.
     ///
     /// # Errors
     ///
     /// [`DemoError`].
-    pub fn run(&self, stop: &AtomicBool) -> Result<DemoSummary, DemoError> {
+    pub fn run(
+        &self,
+        stop: &AtomicBool,
+        orders: [Option<Consumer<Order>>; 2],
+    ) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
             return Err(InvalidInput::new("seconds", self.seconds, allowed, "Give 20.").into());
         }
         let study = self.study()?;
+        if let Some(folder) = &self.record {
+            check_folder("--record", folder)?;
+        }
+        let server = self.live.map(|address| LiveServer::start("--live", address)).transpose()?;
         let sockets = [UdpSocket::bind("127.0.0.1:0")?, UdpSocket::bind("127.0.0.1:0")?];
         let [here, there] = [sockets[0].local_addr()?, sockets[1].local_addr()?];
         let [first, second] = sockets;
         let links = [Udp::on(first, there)?, Udp::on(second, here)?];
         let [first, second] = std::thread::scope(|scope| {
-            let study = &study;
-            let mut sides = (1_u8..).zip(links);
+            let (study, server) = (&study, server.as_ref());
+            let mut sides = (1_u8..).zip(links.into_iter().zip(orders));
             [(); 2]
                 .map(|()| {
-                    sides.next().map(|(side, link)| {
+                    sides.next().map(|(side, (link, orders))| {
                         let name = format!("site {side}");
-                        std::thread::Builder::new()
-                            .name(name)
-                            .spawn_scoped(scope, move || self.run_side(study, side, link, stop))
+                        std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
+                            self.run_side(study, side, link, server, orders, stop)
+                        })
                     })
                 })
                 .map(|thread| match thread {
@@ -136,18 +162,29 @@ impl Demo {
         Ok(DemoSummary { schema: SCHEMA, study: study.to_toml(), sites: [first?, second?] })
     }
 
-    fn run_side(&self, study: &Study, side: u8, link: Udp, stop: &AtomicBool) -> Result<Summary, DemoError> {
+    fn run_side(
+        &self,
+        study: &Study,
+        side: u8,
+        link: Udp,
+        server: Option<&Arc<LiveServer>>,
+        orders: Option<Consumer<Order>>,
+        stop: &AtomicBool,
+    ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
         let index = usize::from(side) - 1;
         let travel = Span::from_seconds(self.delay - laboratory.controller.sample_period).max(Span(0));
         let path = laboratory.network.towards(index);
         let transport = Emulated::new(link, path, travel, self.seed, index);
         let device = Simulated::new(&laboratory, index, self.seed)?;
-        let settings = SiteSettings::new(study, side, draw_session(), Safety::default())?;
+        let settings = SiteSettings::new(study, side, draw_session(), Safety::default())?.simulated();
         // The second side only follows, so that its goodbye is an answer.
         let after = if side == 1 { 0.0 } else { 1.0 };
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
-        let plan = Plan { real_time: self.real_time, limits, observers: Vec::new() };
+        let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
+        let folder = self.record.as_ref().map(|folder| ("--record", folder));
+        let plan = Plan { real_time: self.real_time, limits, orders, ..Plan::default() };
+        let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }
 }

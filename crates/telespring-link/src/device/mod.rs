@@ -4,6 +4,7 @@
 //! comes: nobody else can, once this program has died.
 
 pub mod protocol;
+pub mod request;
 mod simulated;
 mod udp;
 
@@ -14,11 +15,24 @@ use std::os::fd::BorrowedFd;
 
 use telespring::session::{LocalTime, Motion};
 
+use crate::operator::Order;
+
+/// The device's own count and time of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stamp {
+    /// Counts the measurements of the device.
+    pub sequence: f64,
+    /// The device's own time, s.
+    pub time: f64,
+}
+
 /// What a device says at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// The motion, if a new one has been measured since the last tick.
     pub motion: Option<Motion>,
+    /// The stamp of the newest measurement.
+    pub stamp: Option<Stamp>,
     /// The mean force that acted on the handle since the last measurement, N, if it is known better than by the commands.
     pub acted: Option<[f64; 2]>,
     /// The target that the person is shown, if this program shows one.
@@ -34,8 +48,10 @@ pub struct Reading {
 pub struct Command {
     /// The force on the handle until the next command, N.
     pub force: [f64; 2],
-    /// Whether the session runs: a simulated person begins to move with it.
+    /// Whether the two sides are coupled: a simulated person moves meanwhile.
     pub is_running: bool,
+    /// Whether the session is over.
+    pub is_over: bool,
 }
 
 /// Why a device cannot go on.
@@ -58,6 +74,11 @@ impl Fault {
             Self::Silent => "device-silent",
         }
     }
+
+    /// Whether the device cannot come back.
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Halted)
+    }
 }
 
 /// The robot of one side. No call waits or allocates.
@@ -72,6 +93,11 @@ pub trait Device {
     /// Tells the device what to do from now on.
     fn command(&mut self, now: LocalTime, command: Command);
 
+    /// The oldest order that somebody gave at the device and that nobody has asked for yet.
+    fn poll_order(&mut self) -> Option<Order> {
+        None
+    }
+
     /// What becomes readable once the device has measured anew, if the device has a pace of its own.
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         None
@@ -85,6 +111,10 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn command(&mut self, now: LocalTime, command: Command) {
         (**self).command(now, command);
+    }
+
+    fn poll_order(&mut self) -> Option<Order> {
+        (**self).poll_order()
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {

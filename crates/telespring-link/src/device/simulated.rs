@@ -4,24 +4,26 @@ use telespring::InvalidInput;
 use telespring::rig::{Laboratory, SimulatedRobot};
 use telespring::session::{LocalTime, Span};
 
-use super::{Command, Device, Fault, Reading};
+use super::{Command, Device, Fault, Reading, Stamp};
 
 /// The most steps of one call: after a longer standstill the simulated robot skips time.
 const MOST_STEPS: i64 = 10_000;
 
 /// The robot of a study with its simulated person, moved as far as the time that has passed. The person rests on the first
-/// target until the session runs. Like a real device, it acts on a command for [`Simulated::deadline`] only.
+/// target until the session runs, and on the latest one while it does not run any more. Like a real device, it acts on a command for [`Simulated::deadline`] only.
 #[derive(Debug, Clone)]
 pub struct Simulated {
     robot: SimulatedRobot,
     period: Span,
     command: Command,
-    /// When the session began to run, and when the robot was moved and told last.
+    /// When the session began to run, less the time during which it did not; and when the robot was moved and told last.
     began: Option<LocalTime>,
     moved: LocalTime,
     told: LocalTime,
     /// Whether the actuator lags.
     lags: bool,
+    /// Measurements so far.
+    measurements: u64,
 }
 
 impl Simulated {
@@ -39,6 +41,7 @@ impl Simulated {
             moved: LocalTime(0),
             told: LocalTime(0),
             lags: laboratory.controller.actuator_lag > 0.0,
+            measurements: 0,
         })
     }
 
@@ -57,10 +60,12 @@ impl Simulated {
         for step in 0..steps {
             let (from, to) = (whole.0 * step / steps, whole.0 * (step + 1) / steps);
             let at = self.moved + Span(from);
+            let shown = if self.command.is_running { at } else { self.moved };
             let span = Span(to - from).seconds();
             expired |= at >= end;
             let force = if at >= end { [0.0; 2] } else { self.command.force };
-            let acted = self.robot.advance((at - began).seconds(), force, span).map_err(|_| Fault::Halted)?;
+            let acted =
+                self.robot.advance((shown - began).seconds(), force, span).map_err(|_| Fault::Halted)?;
             impulse = [0, 1].map(|axis| impulse[axis] + acted[axis] * span);
         }
         self.moved = now;
@@ -72,7 +77,14 @@ impl Simulated {
 impl Device for Simulated {
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         let acted = match self.began {
-            Some(began) if now > self.moved => self.advance(began, now)?,
+            Some(began) if now > self.moved => {
+                let stood_still = now - self.moved;
+                let acted = self.advance(began, now)?;
+                if !self.command.is_running {
+                    self.began = Some(began + stood_still);
+                }
+                acted
+            }
             _ => None,
         };
         // The clock of the person starts with the first measurement of a session that runs.
@@ -80,8 +92,10 @@ impl Device for Simulated {
             (self.began, self.moved, self.told) = (Some(now), now, now);
         }
         let began = self.began.unwrap_or(now);
+        self.measurements += 1;
         Ok(Reading {
             motion: Some(self.robot.measure()),
+            stamp: Some(Stamp { sequence: self.measurements as f64, time: now.seconds() }),
             acted,
             target: Some(self.robot.target((now - began).seconds())),
             is_ready: true,
@@ -103,7 +117,7 @@ mod tests {
         let mut device = Simulated::new(&Laboratory::paper(), 0, 1).unwrap();
         let start = device.read(LocalTime(0)).unwrap();
         let later = device.read(LocalTime(500_000_000)).unwrap();
-        assert_eq!(start, later);
+        assert_eq!((start.motion, start.target), (later.motion, later.target));
         device.command(LocalTime(500_000_000), Command { is_running: true, ..Command::default() });
         device.read(LocalTime(501_000_000)).unwrap();
         let moving = device.read(LocalTime(901_000_000)).unwrap();
@@ -117,7 +131,7 @@ mod tests {
         laboratory.stations[0].agent = telespring::rig::Agent::Skilled { stiffness: 0.0, damping: 0.0 };
         let reach = |stall: i64| {
             let mut device = Simulated::new(&laboratory, 0, 1).unwrap();
-            let push = Command { force: [5.0, 0.0], is_running: true };
+            let push = Command { force: [5.0, 0.0], is_running: true, is_over: false };
             device.command(LocalTime(0), push);
             device.read(LocalTime(1_000_000)).unwrap();
             device.command(LocalTime(1_000_000), push);

@@ -1,16 +1,20 @@
 //! The site file: what one site is told, checked. One room per table of the file.
 
 mod device;
+mod limits;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
+mod session;
 mod several;
 mod telemetry;
 
 pub use device::DeviceChoice;
 pub use network::{IrohChoice, NetworkChoice};
 pub use real_time::{LoopChoice, PaceChoice};
+pub use session::SessionChoice;
 pub use telemetry::TelemetryChoice;
 
 use std::net::SocketAddr;
@@ -22,7 +26,7 @@ use telespring::session::Span;
 use telespring::session::architecture::{PredictorDesign, StrategyDesign};
 use telespring::study::Study;
 
-use crate::site::Safety;
+use crate::site::{Limits, Safety, SiteSettings};
 use range::span;
 
 /// What a site file says.
@@ -38,10 +42,18 @@ pub struct SiteFile {
     pub network: NetworkChoice,
     /// The robot.
     pub device: DeviceChoice,
-    /// The limits.
+    /// What keeps the person safe whatever the network does.
     pub safety: Safety,
+    /// The limits of robot and person, the tighter of both.
+    pub limits: Limits,
+    /// When the two sites may be coupled.
+    pub session: SessionChoice,
     /// The loop.
     pub real_time: LoopChoice,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
     /// Who on this machine is sent what every tick says.
     pub telemetry: Option<TelemetryChoice>,
 }
@@ -57,9 +69,19 @@ struct Text {
     device: device::Text,
     #[serde(default)]
     safety: safety::Text,
+    #[serde(default)]
+    limits: limits::Text,
+    #[serde(default)]
+    session: session::SessionText,
+    #[serde(default)]
+    fallback: session::FallbackText,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
@@ -72,7 +94,8 @@ impl SiteFile {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
-        Ok(Self { network: file.network.within(folder), ..file })
+        let recording = file.recording.map(|recording| folder.join(recording));
+        Ok(Self { network: file.network.within(folder), recording, ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -84,29 +107,53 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
-            toml::from_str(text).map_err(|error| {
-                let allowed = error.to_string().trim_end().to_owned();
-                InvalidInput::new(
-                    "site",
-                    "the file",
-                    allowed,
-                    "docs/connect.md has every key of a site file.",
-                )
-            })?;
+        let Text {
+            study: path,
+            side,
+            seconds,
+            network,
+            device,
+            safety,
+            limits,
+            session,
+            fallback,
+            real_time,
+            telemetry,
+            recording,
+            live,
+        } = toml::from_str(text).map_err(|error| {
+            let allowed = error.to_string().trim_end().to_owned();
+            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
+        })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
+        let (network, device) = (NetworkChoice::new(network)?, DeviceChoice::new(device)?);
         let file = Self {
             study,
             side,
             duration: seconds.map(check_duration).transpose()?,
-            network: NetworkChoice::new(network)?,
-            device: DeviceChoice::new(device)?,
+            network,
+            device,
             safety: safety::read(&safety)?,
+            limits: limits::read(&limits)?,
+            session: SessionChoice::new(session, fallback, device.is_real())?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
+            recording: recording.folder,
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)
+    }
+
+    /// What the site is made of, for a session with this id.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`SiteSettings::new`].
+    pub fn site(&self, session: u64) -> Result<SiteSettings, InvalidInput> {
+        let settings = SiteSettings::new(&self.study, self.side, session, self.safety)?;
+        let rules = self.session.rules(settings.rules, self.device.is_real());
+        Ok(SiteSettings { limits: self.limits, rules, ..settings })
     }
 
     /// Checks what concerns several keys.
