@@ -1,4 +1,4 @@
-"""Recordings of a live session, made without the live program: messages as docs/recording.md describes them."""
+"""Recordings of a live session, made without the live program, as docs/recording.md describes them."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ SESSIONS = {1: 0x1111, 2: 0x2222}
 #: Fields of messages by type, as docs/recording.md lists them; those with a question mark may be absent.
 PAIR, MOTION = "Pair", "HandleMotion"
 FIELDS = {
-    "tick.Tick": """tick:u time:u asked_time?:u commanded_time:u lateness:d duration:d phase:s watchdog:s watchdog_cause?:s
-        watchdog_factor:d is_measured:b is_limited:b own?:M device_sequence?:d device_time?:d target?:M partner_played?:M
-        partner_predicted?:M partner_newest?:M partner_sequence?:u partner_sent_time?:u partner_arrival_time?:u
-        commanded_force:P wanted_force?:P acted_force?:P told_force?:P measured_force?:P age?:d played_age?:d playout_delay:d
-        round_trip?:d smallest_round_trip?:d clock_offset?:z clock_offset_error?:z energy_balance?:d energy_given_out:d
-        energy_sent:d energy_received:d partner_energy_sent?:d stiffness_wanted:d stiffness:d partner_stiffness?:d
-        latency_device?:d latency_loop:d latency_network?:d latency_playout?:d packets_sent:u packets_received:u
+    "tick.Tick": """tick:u time:u asked_time?:u commanded_time:u lateness:d duration:d phase:s watchdog:s
+    watchdog_cause?:s
+        watchdog_factor:d is_measured:b is_limited:b own?:M device_sequence?:d device_time?:d target?:M
+        partner_played?:M partner_predicted?:M partner_newest?:M partner_sequence?:u partner_sent_time?:u
+        partner_arrival_time?:u commanded_force:P wanted_force?:P acted_force?:P told_force?:P
+        measured_force?:P age?:d played_age?:d playout_delay:d round_trip?:d smallest_round_trip?:d
+        clock_offset?:z clock_offset_error?:z energy_balance?:d energy_given_out:d energy_sent:d
+        energy_received:d partner_energy_sent?:d stiffness_wanted:d stiffness:d partner_stiffness?:d
+        latency_device?:d latency_loop:d latency_network?:d latency_playout?:d packets_sent:u
+        packets_received:u
         packets_refused:u packets_lost:u packets_late:u held_ticks:u unrecorded_arrivals:u""",
     "arrival.Arrival": "tick:u time:u is_taken:b length:u datagram:y",
     "event.Event": "time:u event:s cause?:s",
@@ -75,7 +78,9 @@ def message(full: str) -> tuple[bytes, Any]:
 class SiteFile:
     """Writes the file of one site, as the live program does: a chunk and a flush every 0.5 s."""
 
-    def __init__(self, path: Path, side: int, *, period: float, zero: int, **metadata: str) -> None:
+    def __init__(
+        self, path: Path, side: int, *, period: float, zero: int, changed: dict[str, str] | None = None
+    ) -> None:
         self.path, self.zero = path, zero
         self.side = side
         self.stream = path.open("wb")
@@ -88,7 +93,7 @@ class SiteFile:
             "session": f"{SESSIONS[side]:#018x}",
             "wall_time_zero": str(zero),
         }
-        self.writer.add_metadata("telespring", described | metadata)
+        self.writer.add_metadata("telespring", described | (changed or {}))
         self.writer.add_metadata("endpoint", {"sample_period_ns": str(round(period * 1e9))})
         self.writer.add_attachment(0, 0, "study.toml", "application/toml", STUDY.encode())
         self.channels = {
@@ -162,7 +167,7 @@ class MadeSession:
     def write_site(self, folder: Path, side: int, *, end: bool = True) -> Path:
         path = folder / f"site{side}.mcap"
         file = SiteFile(
-            path, side, period=self.period, zero=10**18 + 1000 * side, **self.metadata.get(side, {})
+            path, side, period=self.period, zero=10**18 + 1000 * side, changed=self.metadata.get(side)
         )
         count = round(self.seconds / self.period)
         times = np.arange(count) * self.period

@@ -40,7 +40,8 @@ def written(compression: CompressionType, *, finish: bool = True) -> bytes:
 
 
 def read(path: Path) -> tuple[McapFile, list[int]]:
-    file, values = McapFile(path), []
+    file = McapFile(path)
+    values: list[int] = []
     for chunk in file.chunks():
         for messages in chunk.messages.values():
             assert messages.log_time.tolist() == [1000 + number for number in messages.sequence.tolist()]
@@ -111,7 +112,7 @@ def hostile(uncompressed_size: int, data: bytes, compression: str) -> bytes:
         uncompressed_crc=0,
         uncompressed_size=uncompressed_size,
     ).write(builder)
-    return MCAP0_MAGIC + builder.end()
+    return bytes(MCAP0_MAGIC + builder.end())
 
 
 def test_law_a_chunk_that_would_fill_the_memory_is_refused_or_left_out(tmp_path: Path) -> None:

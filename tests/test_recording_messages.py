@@ -11,7 +11,8 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from hypothesis import given
 from hypothesis import strategies as st
 
-# The decoder has no public name: recordings are read through it, and it must agree with protobuf message by message.
+# The decoder has no public name: recordings are read through it, and it must agree with protobuf message by
+# message.
 from telespring.recording.columns import PADDING, MalformedMessage, decode_messages
 from telespring.recording.schema import message_layout
 

@@ -78,8 +78,8 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time: LoopChoice { priority, lock_memory, pace: choice }, limits, observers, recording } =
-        plan;
+    let Plan { real_time, limits, observers, recording } = plan;
+    let LoopChoice { priority, lock_memory, pace: choice } = real_time;
     let follows = choice == PaceChoice::Device;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);

@@ -18,6 +18,8 @@
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
+//! | [`console`] | status and events as JSON lines, while a session runs | one of its own |
+//! | [`check`] | loop, device and partner of a site, tried without any force | starts the loop |
 //! | [`probe`] | measures the path to a partner | a loop of its own |
 //! | [`demo`] | both sides on this machine | starts two loops |
 //!
@@ -32,8 +34,10 @@ compile_error!(
     "telespring-link runs on Linux only: its loop needs Linux's absolute sleep and real-time priority"
 );
 
+pub mod check;
 pub mod clock;
 pub mod conduct;
+pub mod console;
 pub mod demo;
 pub mod device;
 pub mod feed;

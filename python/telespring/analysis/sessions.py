@@ -1,4 +1,4 @@
-"""What a live session shows: the measures of a rehearsal, and what the network, the guard and the loop did."""
+"""What a live session shows: the measures of a rehearsal, and what network, guard and loop did."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def analyse_recording(
     Returns
     -------
     dict
-        The contents of `analysis.json` of a session, in SI units; docs/recording.md lists its keys. None is not
-        known: with one site's file nothing is known of the other's force, account and network.
+        The contents of `analysis.json` of a session, in SI units; docs/recording.md lists its keys. None is
+        not known: with one site's file nothing is known of the other's force, account and network.
 
     Raises
     ------
@@ -84,7 +84,10 @@ def analyse_recording(
 
 
 def analyse_session(
-    recording: SessionRecording, session: xr.Dataset, discard: float | None = None, baseline: str | None = None
+    recording: SessionRecording,
+    session: xr.Dataset,
+    discard: float | None = None,
+    baseline: str | None = None,
 ) -> dict[str, Any]:
     """Measure a session whose dataset has been made; see `analyse_recording`."""
     trials = recording.marked_trials(session)
@@ -114,10 +117,10 @@ def session_trials(
 ) -> tuple[Trials, NDArray[np.bool_]]:
     """Lay the trials of a session out for the measures, and say of which robots each trial knows the motion.
 
-    Each person has a target of their own: both started the same one, but at their own time. With `robot` (0 or 1) the
-    target is its own; without, it is that of robot 1, and robot 2 is moved by the difference of both, so that each is as far
-    from the target as it was from its own. Samples at which the spring did not act, or at which a robot of known
-    motion has a gap, are not analysed.
+    Each person has a target of their own: both started the same one, but at their own time. With `robot` (0
+    or 1) the target is its own; without, it is that of robot 1, and robot 2 is moved by the difference of
+    both, so that each is as far from the target as it was from its own. Samples at which the spring did not
+    act, or at which a robot of known motion has a gap, are not analysed.
     """
     if "own_target" in dataset:
         own = dataset["own_target"]
@@ -239,16 +242,20 @@ def _growth(session: xr.Dataset, name: str, robot: int) -> int | None:
 def _experiment(
     dataset: xr.Dataset, discard: float | None, baseline: str | None
 ) -> tuple[dict[str, Any] | None, list[str]]:
-    """Compare the conditions of the marked trials as those of a rehearsal; None, and why, where that is not possible."""
+    """Compare the conditions of the marked trials as those of a rehearsal; None, and why, if that fails."""
     trials, known = session_trials(dataset, discard)
     if not (np.asarray(dataset["source"]) == "recorded").all():
-        return None, ["Conditions are compared from both sites' recordings only: merge them (telespring merge)."]
+        return None, [
+            "Conditions are compared from both sites' recordings only: merge them (telespring merge)."
+        ]
     if not np.isfinite(np.asarray(dataset["target"])).any():
         return None, ["No target was recorded: there is no tracking error to compare."]
     usable = trials.completed & known.all(axis=-1) & (trials.window.sum(axis=-1) > 1)
     if usable.sum() < 2:
         return None, []
-    return compare_conditions(replace(trials, status=np.where(usable, trials.status, "stopped")), baseline), []
+    return compare_conditions(
+        replace(trials, status=np.where(usable, trials.status, "stopped")), baseline
+    ), []
 
 
 def recording_facts(recording: SessionRecording) -> dict[str, Any]:
@@ -316,8 +323,8 @@ def _warnings(recording: SessionRecording) -> list[str]:
     clock = recording.clock
     if clock is not None and clock.disagreement > 0.0:
         found.append(
-            f"The sites contradict each other's clocks by {format_time(clock.disagreement * 1e-9, 3)}: a clock was set, "
-            "or runs too fast. Times of one site against the other's are in doubt."
+            f"The sites contradict each other's clocks by {format_time(clock.disagreement * 1e-9, 3)}: a "
+            "clock was set, or runs too fast. Times of one site against the other's are in doubt."
         )
     if len(recording.sides) == 1:
         found.append(_only_one_site(recording))

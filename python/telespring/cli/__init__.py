@@ -15,6 +15,7 @@ import typer
 from telespring.cli.analyse import analyse_command
 from telespring.cli.common import refusals
 from telespring.cli.compare import compare_command
+from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
@@ -45,6 +46,7 @@ app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("replay", cls=Command)(refusals()(replay_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("connect", cls=Command)(refusals()(connect_command))
 app.command("merge", cls=Command)(refusals()(merge_command))
 app.command("predictor", cls=Command)(predictor_command)
 app.command("reproduce", cls=Command)(reproduce_command)

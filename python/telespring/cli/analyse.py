@@ -54,7 +54,9 @@ def analyse_command(
     ] = None,
     out: Annotated[
         Path,
-        typer.Option(help="Folder for analysis.json, table1.csv, the figures and a session's dataset (netCDF)."),
+        typer.Option(
+            help="Folder for analysis.json, table1.csv, the figures and a session's dataset (netCDF)."
+        ),
     ] = Path("out/analysis"),
     export: Annotated[Path | None, typer.Option(help="Also write the trials as CSV to this folder.")] = None,
     figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8, or the session over time.")] = True,

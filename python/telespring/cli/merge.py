@@ -26,8 +26,8 @@ def merge_command(
 ) -> None:
     """Put the recordings of both sites of a live session on one time base.
 
-    The clocks are compared by what each site knew of the other's; the rest is stated as the uncertainty of the common
-    time.
+    The clocks are compared by what each site knew of the other's; the rest is stated as the uncertainty of
+    the common time.
 
     Example: telespring merge site1.mcap site2.mcap --out session.mcap
     """

@@ -1,7 +1,7 @@
 """Decodes many protobuf messages of one schema at once: a field of all messages becomes one array.
 
-All messages are walked in parallel, field by field, so that a step costs one operation on arrays instead of one per
-message. Order and absence of fields may differ from message to message, as protobuf allows.
+All messages are walked in parallel, field by field, so that a step costs one operation on arrays instead of
+one per message. Order and absence of fields may differ from message to message, as protobuf allows.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Column:
     present: NDArray[np.bool_]
 
     def numbers(self) -> NDArray[np.float64]:
-        """The numbers as float64, NaN where absent."""
+        """Return the numbers as float64, NaN where absent."""
         values = self.values.astype(np.float64)
         if not self.present.all():
             values[~self.present] = np.nan
@@ -66,8 +66,8 @@ def decode_messages(
 ) -> dict[str, Column]:
     """Decode the messages at ``buffer[start:end]``, behind which the buffer has `PADDING` more bytes.
 
-    The last value of a field that stands twice counts, as protobuf says; lists are skipped. MalformedMessage where
-    the bytes do not fit the layout.
+    The last value of a field that stands twice counts, as protobuf says; lists are skipped. MalformedMessage
+    where the bytes do not fit the layout.
     """
     columns: dict[str, Column] = {}
     _declare(columns, layout, "", len(starts), inside=False)
@@ -160,7 +160,8 @@ def _walk(
             tag[fresh[is_over]] = _NO_TAG
             fresh = fresh[~is_over]
             tag[fresh], position[fresh] = _varints(views, position[fresh], end[fresh])
-        # The messages with the first field go on, the others wait, so that those with the same fields stay together.
+        # The messages with the first field go on, the others wait, so that those with the same fields stay
+        # together.
         value = int(tag.min())
         if value == _NO_TAG:
             return
@@ -232,7 +233,7 @@ def _set(column: Column, rows: _Indices, values: NDArray[Any]) -> None:
 
 def _from_varint(field: Field, raw: NDArray[np.uint64]) -> NDArray[Any]:
     if field.kind == "bool":
-        return raw != 0
+        return np.asarray(raw != 0)
     if field.kind == "signed":
         return raw.view(np.int64)
     if field.kind == "zigzag":

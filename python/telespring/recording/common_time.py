@@ -1,8 +1,9 @@
 """One time base for two sites whose clocks differ: from what each knew of the other's clock.
 
-Each site bounds the other's clock: it reads its own plus `offset`, with an error of at most `error` (the two ways may
-differ by the whole round trip). Both bounds together, of all instants, leave an interval for the true difference. No
-quartz clock drifts faster than `MAX_DRIFT`, so that a tight bound of one instant helps at others.
+Each site bounds the other's clock: it reads its own plus `offset`, with an error of at most `error` (the two
+ways may differ by the whole round trip). Both bounds together, of all instants, leave an interval for the
+true difference. No quartz clock drifts faster than `MAX_DRIFT`, so that a tight bound of one instant helps at
+others.
 """
 
 from __future__ import annotations
@@ -51,8 +52,8 @@ class CommonTime:
     knots
         ns on the second clock.
     base, offsets
-        ns at the knots: the second clock minus the first is their sum; in between linear, outside constant but for
-        the drift.
+        ns at the knots: the second clock minus the first is their sum; in between linear, outside constant
+        but for the drift.
     errors
         ns at the knots: a bound on the error of these offsets.
     drift
@@ -91,7 +92,7 @@ class CommonTime:
 
 
 def common_time(first: ClockEstimates, second: ClockEstimates) -> CommonTime | None:
-    """Find the second clock minus the first over time from both sites' estimates; None where there are none."""
+    """Find the second clock minus the first over time from both sites' estimates; None without any."""
     if not first.time.size and not second.time.size:
         return None
     # Whole numbers of ns of clocks that run for months have more digits than a float.
@@ -110,12 +111,12 @@ def common_time(first: ClockEstimates, second: ClockEstimates) -> CommonTime | N
     count = int(np.clip((end - begin) * 1e-9 / _INSTANT, _FEWEST, _MOST)) + 1
     instants = begin + np.rint(np.linspace(0.0, float(end - begin), count)).astype(np.int64)
     tightened = [_at_instants(instants, *each) for each in bounds]
-    lower = np.max([low for low, _ in tightened], axis=0)
-    upper = np.min([high for _, high in tightened], axis=0)
+    lower: FloatArray = np.max([low for low, _ in tightened], axis=0)
+    upper: FloatArray = np.min([high for _, high in tightened], axis=0)
     missed = np.maximum(lower - upper, 0.0)
     # Where the sites contradict each other, nothing between their bounds is excluded.
     lower, upper = np.minimum(lower, upper), np.maximum(lower, upper)
-    seconds = (instants - begin) * 1e-9
+    seconds: FloatArray = np.asarray((instants - begin) * 1e-9, dtype=np.float64)
     offsets, errors, drift, is_linear = _line_or_knots(seconds, lower, upper)
     knots = instants + base + np.rint(offsets).astype(np.int64)
     distinct = np.concatenate([[True], np.diff(knots) > 0])

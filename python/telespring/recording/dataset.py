@@ -1,4 +1,4 @@
-"""A live session as a labelled dataset: over time, robot and axis, with the names and units of a rehearsal's."""
+"""A live session as a labelled dataset: over time, robot and axis, in the words of a rehearsal's."""
 
 from __future__ import annotations
 
@@ -100,7 +100,9 @@ def _target(sites: Sequence[SiteSeries], grid: NDArray[np.int64], gap: float) ->
     return target
 
 
-def _words(sites: Sequence[SiteSeries], name: str, long_name: str, grid: NDArray[np.int64], gap: float) -> Any:
+def _words(
+    sites: Sequence[SiteSeries], name: str, long_name: str, grid: NDArray[np.int64], gap: float
+) -> Any:
     """Return words over time as numbers with their meanings; -1 is not known."""
     import pandas as pd
 

@@ -64,9 +64,10 @@ def marked_trials(
 ) -> list[MarkedTrial]:
     """Split a session that was coupled from `begin` to `end` by its markers: time, side, kind, text.
 
-    A trial lasts from its marker to the next one of a trial, to its end's, or to the end of the coupling. Both sites may
-    mark the same: what one repeats within a second of the other counts once. A condition and a participant hold for
-    the trials that begin at their time or later. Without any trial marked, the session is one trial.
+    A trial lasts from its marker to the next one of a trial, to its end's, or to the end of the coupling.
+    Both sites may mark the same: what one repeats within a second of the other counts once. A condition and a
+    participant hold for the trials that begin at their time or later. Without any trial marked, the session
+    is one trial.
 
     Examples
     --------
@@ -95,8 +96,12 @@ def marked_trials(
             latest = time, side, text
             close(min(time, end))
             is_end = text.strip().casefold() in _ENDS
-            opened = None if is_end else (text, condition, (participants[0], participants[1]), max(time, begin))
+            opened = (
+                None if is_end else (text, condition, (participants[0], participants[1]), max(time, begin))
+            )
     close(end)
     if not trials and end > begin:
-        trials = [MarkedTrial("1", condition, (participants[0], participants[1]), begin, end, is_marked=False)]
+        trials = [
+            MarkedTrial("1", condition, (participants[0], participants[1]), begin, end, is_marked=False)
+        ]
     return trials

@@ -1,4 +1,4 @@
-"""Reads the records of an MCAP file, whole or cut off anywhere, without believing any length that it states."""
+"""Reads the records of an MCAP file, whole or cut off anywhere, and believes no length that it states."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ class McapFile:
                 self.lost_bytes = max(0, size - place)
 
     def _record(self, opcode: int, content: bytes) -> None:
-        """Take a record outside the chunks, or a schema or channel inside; a damaged one is as if it was absent."""
+        """Take a record outside the chunks, or a schema or channel inside; a damaged one counts as absent."""
         from mcap import records
         from mcap.data_stream import ReadDataStream
         from mcap.exceptions import EndOfFile
@@ -177,9 +177,14 @@ class McapFile:
                 self.attachments[attachment.name] = attachment.data
         except (EndOfFile, struct.error, UnicodeDecodeError):
             return
-        if max(len(self.channels), len(self.schemas), len(self.metadata), len(self.attachments)) > _MOST_CHANNELS:
+        if (
+            max(len(self.channels), len(self.schemas), len(self.metadata), len(self.attachments))
+            > _MOST_CHANNELS
+        ):
             raise refuse_file(
-                self.name, f"more than {_MOST_CHANNELS} channels", "a recording of a live session has fewer than 100"
+                self.name,
+                f"more than {_MOST_CHANNELS} channels",
+                "a recording of a live session has fewer than 100",
             )
 
     def _chunk(self, file: Any, length: int) -> Chunk | None:
@@ -235,7 +240,7 @@ class McapFile:
         return refuse_file(
             self.name,
             f"a chunk of {size / 2**20:.0f} MB",
-            f"chunks of at most {_LARGEST_CHUNK // 2**20} MB are required: the live program writes one every 0.5 s",
+            f"chunks of at most {_LARGEST_CHUNK // 2**20} MB, of half a second each, are required",
         )
 
     def _messages(self, data: bytes) -> dict[int, Messages]:

@@ -34,17 +34,17 @@ def merge_recordings(
 ) -> SessionRecording:
     """Put the recordings of both sites of one session on one time base, that of robot 1.
 
-    Each site knows the other's clock with a bound on the error. The bounds of both sites over the whole session are
-    intersected; what is left is the uncertainty of the common time (`clock` of the result). Where they contradict each
-    other, `clock.disagreement` says by how much.
+    Each site knows the other's clock with a bound on the error. The bounds of both sites over the whole
+    session are intersected; what is left is the uncertainty of the common time (`clock` of the result). Where
+    they contradict each other, `clock.disagreement` says by how much.
 
     Parameters
     ----------
     first, second : str or path
         The files of both sites, in any order.
     out : str or path, optional
-        Where to write the merged recording, an MCAP file. It has every message of both files as it was; only the times
-        at which the messages are shown (`log_time`) are those of the common clock.
+        Where to write the merged recording, an MCAP file. It has every message of both files as it was; only
+        the times at which the messages are shown (`log_time`) are those of the common clock.
 
     Returns
     -------
@@ -54,18 +54,19 @@ def merge_recordings(
     Raises
     ------
     telespring.InvalidInput
-        If both are of one robot, of different studies, or of different sessions, or if no site knew the other's
-        clock.
+        If both are of one robot, of different studies, or of different sessions, or if no site knew the
+        other's clock.
     OSError
         If a file cannot be read or written.
 
     Examples
     --------
     >>> import telespring as ts
-    >>> merged = ts.merge_recordings("examples/session.mcap", "examples/session.mcap")
-    Traceback (most recent call last):
-    ...
-    telespring.InvalidInput: ...
+    >>> try:
+    ...     ts.merge_recordings("examples/session.mcap", "examples/session.mcap")
+    ... except ts.InvalidInput as refused:
+    ...     print(refused.remedy)
+    A merged file has both sites already: analyse it as it is.
     """
     one, other = read_recording(first), read_recording(second)
     both = [*one.sides.values(), *other.sides.values()]
@@ -78,7 +79,10 @@ def merge_recordings(
         target = Path(out)
         if target.suffix.lower() != ".mcap":
             raise InvalidInput(
-                "out", str(out), "the name of an MCAP file is required", f"Write {target.with_suffix('.mcap')}."
+                "out",
+                str(out),
+                "the name of an MCAP file is required",
+                f"Write {target.with_suffix('.mcap')}.",
             )
         with replacing(target) as beside, beside.open("wb") as stream:
             _write(merged, stream)
@@ -137,7 +141,7 @@ def _write(merged: SessionRecording, stream: Any) -> None:
     """Write all messages of both files in the order of the common time."""
     from mcap.writer import CompressionType, Writer
 
-    writer = Writer(stream, compression=CompressionType.LZ4)
+    writer = Writer(stream, compression=CompressionType.ZSTD)
     writer.start("telespring", "telespring merge")
     files = []
     for number, side in merged.sides.items():

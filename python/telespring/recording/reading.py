@@ -27,7 +27,15 @@ FORMAT_VERSION = 1
 _TOPIC = re.compile(r"/site([12])/(tick|arrival|event)")
 #: Fields without which a message says nothing.
 _NEEDED = {
-    "tick": ("tick", "time", "phase", "own.position.x", "own.position.y", "commanded_force.x", "commanded_force.y"),
+    "tick": (
+        "tick",
+        "time",
+        "phase",
+        "own.position.x",
+        "own.position.y",
+        "commanded_force.x",
+        "commanded_force.y",
+    ),
     "arrival": ("tick", "time", "is_taken", "datagram"),
     "event": ("time", "event"),
 }
@@ -48,14 +56,14 @@ def is_recording(path: str | os.PathLike[str]) -> bool:
 def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
     """Read the recording of a live session, of one site or of both, whole or cut off.
 
-    Of a file whose end is missing, because the program was killed, everything in whole chunks is read; the result says
-    up to when.
+    Of a file whose end is missing, because the program was killed, everything in whole chunks is read; the
+    result says up to when.
 
     Parameters
     ----------
     path : str or path
-        A file that `telespring-link` recorded or that `merge_recordings` wrote (``.mcap``). docs/recording.md describes
-        it.
+        A file that `telespring-link` recorded or that `merge_recordings` wrote (``.mcap``). docs/recording.md
+        describes it.
 
     Returns
     -------
@@ -65,8 +73,8 @@ def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
     Raises
     ------
     telespring.InvalidInput
-        If the file is no recording of a live session, is empty, is of a newer version, or states sizes that no session
-        has.
+        If the file is no recording of a live session, is empty, is of a newer version, or states sizes that
+        no session has.
     OSError
         If the file cannot be read.
 
@@ -131,7 +139,9 @@ def _side(file: McapFile, tables: dict[str, TopicTable], side: int) -> SideRecor
         """Choose the records of this side: a merged file has each under the name of its site."""
         if not is_merged:
             return records
-        return {name.removeprefix(prefix): record for name, record in records.items() if name.startswith(prefix)}
+        return {
+            name.removeprefix(prefix): record for name, record in records.items() if name.startswith(prefix)
+        }
 
     metadata = own(file.metadata)
     stated = metadata.get("telespring", {}).get("side")
@@ -140,14 +150,16 @@ def _side(file: McapFile, tables: dict[str, TopicTable], side: int) -> SideRecor
             file.name, f"messages of site {side} of a recording of site {str(stated)[:10]}", "they must agree"
         )
     ticks = tables[f"/site{side}/tick"]
-    found = {
-        kind: tables.get(f"/site{side}/{kind}", _empty(kind)) for kind in ("arrival", "event")
-    } | {"tick": ticks}
+    found = {kind: tables.get(f"/site{side}/{kind}", _empty(kind)) for kind in ("arrival", "event")} | {
+        "tick": ticks
+    }
     for kind, table in found.items():
         missing = [field for field in _NEEDED[kind] if field not in table.columns]
         if missing:
             raise refuse_file(
-                file.name, f"/site{side}/{kind} without {missing[0]}", f"{', '.join(_NEEDED[kind])} are required"
+                file.name,
+                f"/site{side}/{kind} without {missing[0]}",
+                f"{', '.join(_NEEDED[kind])} are required",
             )
     time = np.asarray(ticks.columns["time"])
     if time.dtype.kind not in "iu" or (time >= _LATEST).any() or (np.diff(time.astype(np.int64)) <= 0).any():

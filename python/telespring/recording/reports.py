@@ -1,4 +1,4 @@
-"""What the coupling of each side reports of a stretch of time: what a rehearsal reports of a trial, by the same names."""
+"""What the coupling of each side reports of a stretch of time, as a rehearsal does of a trial."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ class SideReport:
     name, units, long_name
         Of the variable in the dataset; as in a rehearsal's.
     compute
-        From the session's dataset and a stretch of its samples: one number for each robot, NaN where not known.
+        From the session's dataset and a stretch of its samples: one number for each robot, NaN where not
+        known.
     """
 
     name: str
@@ -89,8 +90,6 @@ SIDE_REPORTS = (
     SideReport("age_mean", "s", "mean age of the partner's motion in use", _reduced("age", np.mean)),
     SideReport("age_low", "s", "smallest age of a partner's sample in use", _reduced("age", np.min)),
     SideReport("age_high", "s", "largest age of a partner's sample in use", _reduced("age", np.max)),
-    SideReport(
-        "held_share", "1", "share of the ticks at which an old motion was held", _held_share
-    ),
+    SideReport("held_share", "1", "share of the ticks at which an old motion was held", _held_share),
     SideReport("lost", "1", "packets that had not come although later ones had", _grown("packets_lost")),
 )

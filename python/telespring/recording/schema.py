@@ -96,7 +96,7 @@ def message_layout(schema: bytes, name: str) -> MessageLayout:
             collect(message, file.package)
 
     def resolve(written: str, scope: str) -> str | None:
-        """Find a message by the name in a field: with a leading dot in full, otherwise from the inside out."""
+        """Find a message by the name in a field: in full after a dot, otherwise from the inside out."""
         if written.startswith("."):
             return written[1:] if written[1:] in messages else None
         while True:

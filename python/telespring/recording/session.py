@@ -86,7 +86,7 @@ class SessionRecording:
 
     @cached_property
     def study(self) -> Study | None:
-        """The study of the session; None if the recording does not have it, or this version cannot read it."""
+        """The study of the session; None if it is not in the recording, or this version cannot read it."""
         text = next((side.study for side in self.sides.values() if side.study), "")
         try:
             return Study.from_toml(text) if text else None
@@ -147,21 +147,21 @@ class SessionRecording:
     def dataset(self, rate: float | None = None) -> xr.Dataset:
         """Return the session as a dataset over time, robot and axis.
 
-        Quantities that a rehearsal has, too, have its names, units and dimensions, without `condition` and `trial`.
-        What no site recorded is NaN. Of the robot of a site whose file is missing, position and velocity are those that
-        the partner's packets told; `source` says so.
+        Quantities that a rehearsal has, too, have its names, units and dimensions, without `condition` and
+        `trial`. What no site recorded is NaN. Of the robot of a site whose file is missing, position and
+        velocity are those that the partner's packets told; `source` says so.
 
         Parameters
         ----------
         rate : float, optional
-            Samples per second. Default: one per sample period. Positions and velocities are interpolated between ticks,
-            forces and all else are held.
+            Samples per second. Default: one per sample period. Positions and velocities are interpolated
+            between ticks, forces and all else are held.
 
         Returns
         -------
         xarray.Dataset
-            The signals, and what happened over `event`. Attributes: `status`, `whole_until` (s), `missed`, and with
-            both sites `clock_uncertainty` (s), the largest error of their common time.
+            The signals, and what happened over `event`. Attributes: `status`, `whole_until` (s), `missed`,
+            and with both sites `clock_uncertainty` (s), the largest error of their common time.
         """
         period = self.sample_period
         if rate is not None:
@@ -218,15 +218,16 @@ class SessionRecording:
         return found
 
     def marked_trials(self, dataset: xr.Dataset | None = None) -> list[MarkedTrial]:
-        """Return the trials that the markers name; without a marker the time in which the spring acted is one."""
+        """Return the trials that the markers name; without any, all the time in which the spring acted."""
         span = coupled_span(self.dataset() if dataset is None else dataset)
         return [] if span is None else marked_trials(self.marks(), *span)
 
     def trials(self, rate: float | None = None) -> xr.Dataset:
-        """Return the trials of the session in the layout of a rehearsal, which `telespring.analysis` measures.
+        """Return the trials of the session in the layout of a rehearsal's, to be measured like them.
 
-        Over condition, trial, time, robot and axis. Markers of trials, conditions and participants split the session;
-        without them it is one trial. A trial in which the spring ceased to act has the status "stopped".
+        Over condition, trial, time, robot and axis. Markers of trials, conditions and participants split the
+        session; without them it is one trial. A trial in which the spring ceased to act has the status
+        "stopped".
 
         Parameters
         ----------

@@ -46,8 +46,8 @@ class SideRecording:
     path
         The file.
     ticks, arrivals, events
-        The messages of the site, a column for each field as docs/recording.md names them (`own.position.x`). Times are ns
-        of the site's own clock.
+        The messages of the site, a column for each field as docs/recording.md names them (`own.position.x`).
+        Times are ns of the site's own clock.
     metadata
         By name; "telespring" says what the recording is.
     study
@@ -110,7 +110,9 @@ class SideRecording:
         if stated.isdigit() and len(stated) < 20:
             missed = int(stated)
         else:
-            causes = self._column(self.events, "cause", "")[self._column(self.events, "event", "") == "recording-missed"]
+            causes = self._column(self.events, "cause", "")[
+                self._column(self.events, "event", "") == "recording-missed"
+            ]
             missed = sum(int(cause) for cause in causes if str(cause).isdigit() and len(cause) < 20)
         unrecorded = self.ticks.columns.get("unrecorded_arrivals")
         return missed + (0 if unrecorded is None else int(unrecorded[-1]))
@@ -122,13 +124,15 @@ class SideRecording:
 
     @cached_property
     def packets(self) -> NDArray[np.void]:
-        """The packets that the session took, in the order of their arrival: session, sequence, sent (ns), motion."""
+        """The packets that were taken, in the order of arrival: session, sequence, sent (ns), motion."""
         datagrams = self.arrivals.columns.get("datagram")
         if datagrams is None:
             return np.zeros(0, dtype=_PACKET)
         taken = np.asarray(self.arrivals.columns["is_taken"], dtype=bool)
         if datagrams.dtype == object:
-            whole = [raw for raw, is_taken in zip(datagrams, taken, strict=True) if is_taken and len(raw) == 112]
+            whole = [
+                raw for raw, is_taken in zip(datagrams, taken, strict=True) if is_taken and len(raw) == 112
+            ]
             return np.frombuffer(b"".join(whole), dtype=_PACKET)
         if datagrams.shape[1] != _PACKET.itemsize:
             return np.zeros(0, dtype=_PACKET)
@@ -140,7 +144,7 @@ class SideRecording:
         return tuple(f"{number:#018x}" for number in np.unique(self.packets["session"]).tolist())
 
     def clock_estimates(self) -> ClockEstimates:
-        """What the site knew of the partner's clock, at times that increase."""
+        """Return what the site knew of the partner's clock, at times that increase."""
         columns, present = self.ticks.columns, self.ticks.present
         names = ("clock_offset", "clock_offset_error")
         if not all(name in columns for name in names):
@@ -172,7 +176,7 @@ class SideRecording:
         return values
 
     def partner_series(self, to_common: Any) -> SiteSeries | None:
-        """Return the partner's motion as its packets tell it, at the times of its measurements; None without any.
+        """Return the partner's motion as its packets tell it, when it was measured; None without any.
 
         `to_common` converts this site's times (ns) to the common clock.
         """
@@ -186,7 +190,8 @@ class SideRecording:
         packets = packets[first]
         sent = packets["sent"].astype(np.int64)
         offset = int(clock.offset[-1])
-        # The offset drifts by microseconds a second: what it was at about that time is exact enough to look it up.
+        # The offset drifts by microseconds a second: what it was at about that time is exact enough to look
+        # it up.
         correction = np.interp(
             (sent - offset - clock.time[0]).astype(np.float64),
             (clock.time - clock.time[0]).astype(np.float64),
@@ -196,5 +201,7 @@ class SideRecording:
         increasing = np.concatenate([[True], np.diff(np.maximum.accumulate(local)) > 0])
         motion = packets["motion"][increasing]
         return SiteSeries(
-            3 - self.side, to_common(local[increasing]), {"position": motion[:, :2], "velocity": motion[:, 2:]}
+            3 - self.side,
+            to_common(local[increasing]),
+            {"position": motion[:, :2], "velocity": motion[:, 2:]},
         )

@@ -52,9 +52,15 @@ SIGNALS = (
     LiveSignal("account", "J", "energy in the account of the side's strategy", ("energy_balance",)),
     LiveSignal("age", "s", "age of the oldest partner's sample that a robot uses", ("age",)),
     # of live sessions only
-    LiveSignal("wanted_force", "N", "force of the spring before the limits of the site", _axes("wanted_force")),
-    LiveSignal("acted_force", "N", "force that acted until then, as the account takes it", _axes("acted_force")),
-    LiveSignal("measured_force", "N", "force on the handle as the device measured it", _axes("measured_force")),
+    LiveSignal(
+        "wanted_force", "N", "force of the spring before the limits of the site", _axes("wanted_force")
+    ),
+    LiveSignal(
+        "acted_force", "N", "force that acted until then, as the account takes it", _axes("acted_force")
+    ),
+    LiveSignal(
+        "measured_force", "N", "force on the handle as the device measured it", _axes("measured_force")
+    ),
     LiveSignal(
         "own_target", "m", "target that the person at this robot saw", _axes("target.position"), "linear"
     ),
@@ -76,7 +82,9 @@ SIGNALS = (
     LiveSignal("lateness", "s", "how late the loop woke up", ("lateness",)),
     LiveSignal("tick_duration", "s", "duration of the tick", ("duration",)),
     LiveSignal("latency_device", "s", "latency of the device beyond its shortest", ("latency_device",)),
-    LiveSignal("latency_loop", "s", "from the time at which a tick was due to its command", ("latency_loop",)),
+    LiveSignal(
+        "latency_loop", "s", "from the time at which a tick was due to its command", ("latency_loop",)
+    ),
     LiveSignal("latency_network", "s", "from the partner's measurement to its arrival", ("latency_network",)),
     LiveSignal("latency_playout", "s", "from the arrival of a motion to its use", ("latency_playout",)),
     LiveSignal("packets_received", "1", "packets of the partner so far", ("packets_received",)),

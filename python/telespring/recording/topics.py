@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from telespring._errors import InvalidInput
 from telespring.recording.columns import PADDING, Column, MalformedMessage, decode_messages
 from telespring.recording.mcap_file import Chunk, McapFile, Messages, refuse_file
 from telespring.recording.schema import MessageLayout, message_layout
@@ -32,8 +31,8 @@ class TopicTable:
     Attributes
     ----------
     columns
-        By field, "a.b" for a field of a message inside: an array of numbers, of texts (str), or of bytes: (n, length)
-        where all are as long, otherwise of objects.
+        By field, "a.b" for a field of a message inside: an array of numbers, of texts (str), or of bytes: (n,
+        length) where all are as long, otherwise of objects.
     present
         Which messages have the field; absent numbers are NaN where they are of floating point, else 0.
     log_time, publish_time
@@ -55,7 +54,8 @@ class TopicTable:
 def read_topics(path: Path, is_wanted: Any) -> tuple[McapFile, dict[str, TopicTable]]:
     """Read the topics for which `is_wanted` returns True; the file says how whole it is.
 
-    InvalidInput if it is no MCAP file, or its messages do not fit their schemas; OSError if it cannot be read.
+    InvalidInput if it is no MCAP file, or its messages do not fit their schemas; OSError if it cannot be
+    read.
     """
     file = McapFile(path)
     reader = _TopicReader(file, is_wanted)

@@ -50,8 +50,9 @@ def coupled_span(session: xr.Dataset) -> tuple[float, float] | None:
 def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dataset:
     """Lay the trials of a session out as those of a rehearsal.
 
-    Without a marked condition, trials with the same stiffness, to 0.1 N/m, are of one condition. The stiffness of a
-    condition is the median of what was wanted, its delay the median age of the partner's motion in use.
+    Without a marked condition, trials with the same stiffness, to 0.1 N/m, are of one condition. The
+    stiffness of a condition is the median of what was wanted, its delay the median age of the partner's
+    motion in use.
     """
     import xarray as xr
 
@@ -78,7 +79,12 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
             count = span.stop - span.start
             for name, array in values.items():
                 array[i, j, :count] = np.asarray(session[name][span])
-            status[i, j], label[i, j], begin[i, j], samples[i, j] = "completed", trial.label, trial.begin, count
+            status[i, j], label[i, j], begin[i, j], samples[i, j] = (
+                "completed",
+                trial.label,
+                trial.begin,
+                count,
+            )
             spring_acted[i, j, :count] = acted[span]
             # Without a marker the trial is what there was of the session, pauses and all.
             if trial.is_marked and count and acted[span].mean() < _COMPLETED:
@@ -123,7 +129,10 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
     }
     if any(each.any() for each in participant):
         dyads = np.array(
-            [" and ".join(filter(None, pair)) for pair in zip(*(p.ravel() for p in participant), strict=True)],
+            [
+                " and ".join(filter(None, pair))
+                for pair in zip(*(p.ravel() for p in participant), strict=True)
+            ],
             dtype=object,
         ).reshape(shape)
         variables["dyad"] = (_PER_TRIAL, dyads, _attributes("1", "codes of who took part"))
@@ -174,7 +183,10 @@ def _conditions(
         groups.setdefault(key, []).append(i)
     pairs = []
     for members in groups.values():
-        middle, known = np.median([stiffness[i] for i in members]), [d for i in members if (d := delay[i]) == d]
+        middle, known = (
+            np.median([stiffness[i] for i in members]),
+            [d for i in members if (d := delay[i]) == d],
+        )
         pairs.append((float(middle), float(np.median(known)) if known else 0.0))
     names = condition_labels((None if math.isnan(k) else k, d) for k, d in pairs)
     return [

@@ -60,7 +60,7 @@ pub fn run<D: Device, T: Transport>(
             watch(Item::Arrival(*arrival));
         }
         let duration = clock.now() - now;
-        watch(Item::Tick { moment, lateness, duration });
+        watch(Item::Tick { moment, lateness, duration, overruns: pace.overruns() });
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
         }

@@ -103,8 +103,7 @@ impl Tick {
     pub fn new(moment: &Moment, lateness: Span, duration: Span) -> Self {
         let site::Latency { device, control, network, playout } = moment.latency(lateness);
         let session = &moment.session;
-        // before the endpoint is asked, its view of the partner is that of an earlier time
-        let used = moment.asked.and(session.partner);
+        let used = moment.used_partner();
         let newest = moment.newest.map(|newest| newest.packet);
         let clock = session.clock;
         let (watchdog, watchdog_cause) = summary::watchdog_words(moment.state);

@@ -83,7 +83,7 @@ impl Topics {
         let time = time_of(item);
         self.latest = self.latest.max(time);
         match item {
-            Item::Tick { moment, lateness, duration } => {
+            Item::Tick { moment, lateness, duration, .. } => {
                 let tick = Tick::new(moment, *lateness, *duration);
                 self.tick.log_with_meta(&tick, self.date(time));
                 self.show(&tick);

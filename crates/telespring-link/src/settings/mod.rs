@@ -43,12 +43,12 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
-    /// Who on this machine is sent what every tick says.
-    pub telemetry: Option<TelemetryChoice>,
     /// The folder for a recording; `None` for none.
     pub recording: Option<PathBuf>,
     /// Where viewers may look on; `None` for nowhere.
     pub live: Option<SocketAddr>,
+    /// Who on this machine is sent what every tick says.
+    pub telemetry: Option<TelemetryChoice>,
 }
 
 #[derive(Deserialize)]
@@ -80,18 +80,18 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let file = Self::from_toml(&text, folder, |study| read(&folder.join(study), "study"))?;
-        Ok(Self { network: file.network.within(folder), ..file })
+        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        let recording = file.recording.map(|recording| folder.join(recording));
+        Ok(Self { network: file.network.within(folder), recording, ..file })
     }
 
-    /// As [`SiteFile::read`], from the text of a file in `folder`; `study` returns the text of the study.
+    /// As [`SiteFile::read`], from the text; `study` returns that of the study.
     ///
     /// # Errors
     ///
     /// As [`SiteFile::read`], and every error of `study`.
     pub fn from_toml(
         text: &str,
-        folder: &Path,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
         let Text {
@@ -119,7 +119,7 @@ impl SiteFile {
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
-            recording: record::folder(recording, folder),
+            recording: recording.folder,
             live: record::address(&live)?,
         };
         file.check()?;

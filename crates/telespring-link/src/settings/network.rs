@@ -72,6 +72,7 @@ impl NetworkChoice {
     pub fn word(&self) -> &'static str {
         match self {
             Self::Udp { .. } => "udp",
+            Self::Iroh(_) => "iroh",
         }
     }
 

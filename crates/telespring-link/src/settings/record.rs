@@ -1,7 +1,7 @@
 //! `[recording]` and `[live]`: who sees the session beside the people.
 
 use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::Deserialize;
 use telespring::InvalidInput;
@@ -11,18 +11,13 @@ use super::loopback;
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Recording {
-    folder: Option<PathBuf>,
+    pub(super) folder: Option<PathBuf>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Live {
     address: Option<SocketAddr>,
-}
-
-/// The folder for recordings, relative to that of the site file.
-pub(super) fn folder(recording: Recording, home: &Path) -> Option<PathBuf> {
-    recording.folder.map(|folder| home.join(folder))
 }
 
 /// Where viewers may look on.

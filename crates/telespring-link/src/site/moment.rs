@@ -1,5 +1,6 @@
 //! One tick of a site as others see it, and sums over all of them.
 
+use telespring::session::strategy::PartnerView;
 use telespring::session::{LocalTime, Motion, SessionSnapshot, Span, WatchdogState};
 
 use super::notes::{Forces, Latency, Newest, transit};
@@ -114,10 +115,16 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// The partner as the force of this tick used it; `None` if it used none.
+    pub fn used_partner(&self) -> Option<PartnerView> {
+        // while the endpoint is not asked, its view of the partner is that of an earlier time
+        self.asked.and(self.session.partner)
+    }
+
     /// Where the time went, of a tick that began `lateness` after it was due.
     pub fn latency(&self, lateness: Span) -> Latency {
         let network = self.newest.as_ref().and_then(|newest| transit(newest, self.session.clock.offset));
-        let used = self.asked.and(self.session.partner);
+        let used = self.used_partner();
         Latency {
             device: self.device_delay,
             control: (lateness + (self.commanded - self.time)).seconds(),

@@ -36,17 +36,8 @@ _SHOWN = {
 
 
 def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Figure:
-    """Draw handles and target, forces, ages and accounts of a session over time, with its events and trials."""
-    events = [
-        (float(time), f"{name} ({robot})")
-        for time, name, robot in zip(
-            session["event_time"].values,
-            session["event_name"].values,
-            session["event_robot"].values,
-            strict=True,
-        )
-        if name in _SHOWN
-    ]
+    """Draw handles and target, forces, ages and accounts of a session over time, with events and trials."""
+    events = _named_events(session)
     force = np.asarray(session["coupling_force"])
     received = [
         str(robot)
@@ -62,7 +53,30 @@ def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Fig
             age=np.asarray(session["age"]),
             account=np.asarray(session["account"]),
             events=events,
-            trials=[(trial.begin, trial.end, trial.label) for trial in trials if trial.is_marked],
-            note=f"Robot {received[0]} as its packets told: its site's recording is missing." if received else "",
+            trials=[
+                (trial.begin, trial.end, f"trial {trial.label}"[:20]) for trial in trials if trial.is_marked
+            ],
+            note=f"Robot {received[0]} as its packets told: its site's recording is missing."
+            if received
+            else "",
         )
     )
+
+
+def _named_events(session: xr.Dataset) -> list[tuple[float, str]]:
+    """Name the events of the figure with their sites; what both sites say within 0.2 s is said once."""
+    named: list[tuple[float, str, list[int]]] = []
+    for time, name, robot in zip(
+        session["event_time"].values,
+        session["event_name"].values,
+        session["event_robot"].values,
+        strict=True,
+    ):
+        if name not in _SHOWN:
+            continue
+        before = next((one for one in reversed(named) if one[1] == name and time - one[0] < 0.2), None)
+        if before is not None and int(robot) not in before[2]:
+            before[2].append(int(robot))
+        else:
+            named.append((float(time), str(name), [int(robot)]))
+    return [(time, f"{name} ({', '.join(map(str, sorted(sides)))})") for time, name, sides in named]

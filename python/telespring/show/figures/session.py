@@ -72,7 +72,12 @@ class SessionPanels:
 def session_figure(panels: SessionPanels) -> Figure:
     """Draw the signals of a session below each other, over one axis of time."""
     rows = [
-        (f"{axis} of handles and target", f"Position {axis}, mm", 1e3 * panels.position[..., i], panels.target[:, i])
+        (
+            f"{axis} of handles and target",
+            f"Position {axis}, mm",
+            1e3 * panels.position[..., i],
+            panels.target[:, i],
+        )
         for i, axis in enumerate("xy")
     ]
     quantities = [
@@ -93,7 +98,7 @@ def session_figure(panels: SessionPanels) -> Figure:
             axes.set_ylabel(label)
             panel_label(axes, letter, title)
         all_axes[-1].set_xlabel("Time since the beginning of the recording, s")
-        _name_events(all_axes[0], panels.events)
+        _name_events(all_axes[0], panels)
         _add_legend(figure, panels)
         if panels.note:
             figure.supxlabel(panels.note, fontsize=7.0, color="#606060")
@@ -105,7 +110,7 @@ def session_figure(panels: SessionPanels) -> Figure:
 
 def _draw_signal(axes: Axes, panels: SessionPanels, values: FloatArray, target: FloatArray | None) -> None:
     for begin, end, _ in panels.trials:
-        axes.axvspan(begin, end, color=_TRIAL, linewidth=0.0, zorder=0)
+        axes.axvspan(begin, end, facecolor=_TRIAL, edgecolor="white", linewidth=1.5, zorder=0)
     for time, _ in panels.events:
         axes.axvline(time, color=GREY, linewidth=0.5, zorder=1)
     if target is not None:
@@ -135,18 +140,35 @@ def _add_legend(figure: Figure, panels: SessionPanels) -> None:
     figure.legend(handles=lines, loc="outside upper right", ncols=max(1, len(lines)))
 
 
-def _name_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
-    """Write the names of the first events above the uppermost panel, each where it happened."""
-    for i, (time, name) in enumerate(events[:_MOST_NAMES]):
+def _name_events(axes: Axes, panels: SessionPanels) -> None:
+    """Write the names of the first events into the uppermost panel, each where it happened."""
+    late = panels.time[-1] - 0.12 * np.ptp(panels.time) if panels.time.size else np.inf
+    for i, (time, name) in enumerate(panels.events[:_MOST_NAMES]):
+        is_late = time > late
         axes.annotate(
             name,
             (time, 1.0),
             xycoords=("data", "axes fraction"),
-            xytext=(1.0, -7.0 - 7.5 * (i % 4)),
+            xytext=(-1.5 if is_late else 1.5, -7.0 - 7.5 * (i % 4)),
             textcoords="offset points",
+            ha="right" if is_late else "left",
             fontsize=5.5,
             color="#404040",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.4},
             annotation_clip=True,
+        )
+    for begin, end, name in panels.trials:
+        axes.text(
+            (begin + end) / 2.0,
+            0.02,
+            name,
+            transform=axes.get_xaxis_transform(),
+            ha="center",
+            va="bottom",
+            fontsize=5.5,
+            color="#404040",
+            clip_on=True,
+            parse_math=False,
         )
 
 

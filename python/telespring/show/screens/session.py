@@ -1,4 +1,4 @@
-"""What a live session shows, as one screen: the recording, both robots side by side, the trials, what happened."""
+"""What a live session shows, as one screen: the recording, both robots, the trials, what happened."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def _facts(found: Mapping[str, Any]) -> list[str]:
     recording, clock = found["recording"], found["clock"]
     sides = [str(site["side"]) for site in recording["sites"]]
     sites = f"Site {sides[0]}" if len(sides) == 1 else f"Sites {' and '.join(sides)}"
+    period = format_time(recording["sample_period"], 3)
     lines = [
-        f"{sites}: {format_time(recording['duration'], 3)}, a tick every {format_time(recording['sample_period'], 3)}, "
-        f"{recording['status']}."
+        f"{sites}: {format_time(recording['duration'], 3)}, a tick every {period}, {recording['status']}."
     ]
     if clock is not None:
         drift = "" if clock["drift"] is None else f"; the clocks drift by {_micro(clock['drift'])} µs/s"
@@ -61,7 +61,7 @@ def _robots_table(session: Mapping[str, Any]) -> RenderableType:
         (name, *(write({**session[robot], **session["network"][robot]}) for robot in ("robot1", "robot2")))
         for name, write in _ROWS
     ]
-    title = f"While the spring acted, {format_time(session['analysed'], 3)}"
+    title = f"While the spring acted, {format_time(session['analysed'], 3)}. Times: median / 99 % / largest"
     known = [row for row in rows if any(cell != _UNKNOWN for cell in row[1:])]
     return fitting_table(title, ("", "robot 1", "robot 2"), known, right=(1, 2))
 
@@ -78,12 +78,15 @@ def _number(name: str, shift: int, digits: int = 3) -> Callable[[Mapping[str, An
     return write
 
 
-def _quantiles(name: str, shift: int) -> Callable[[Mapping[str, Any]], str]:
+def _quantiles(name: str) -> Callable[[Mapping[str, Any]], str]:
+    """Write the quantiles of a time in ms, to a hundredth."""
+
     def write(values: Mapping[str, Any]) -> str:
         found = values.get(name)
         if found is None:
             return _UNKNOWN
-        return " / ".join(format_number(found[key], 3, shift=shift) for key in ("median", "quantile_99", "largest"))
+        shown = (round(1e5 * found[key]) * 1e-5 for key in ("median", "quantile_99", "largest"))
+        return " / ".join(format_number(value, 3, shift=3) for value in shown)
 
     return write
 
@@ -96,7 +99,7 @@ def _loss(values: Mapping[str, Any]) -> str:
 _ROWS: Sequence[Row] = (
     ("recorded by", lambda values: "its site" if values["source"] == "recorded" else values["source"]),
     ("tracking error, mm", _number("tracking_error", 3)),
-    ("lag behind the target, ms", _number("lag", 3)),
+    ("lag behind the target, ms", _number("lag", 3, 2)),
     ("spring's force, rms, N", _number("interaction_force_rms", 0)),
     ("  largest, N", _number("interaction_force_peak", 0)),
     ("stiffness in use, mean, N/m", _number("stiffness_mean", 0)),
@@ -104,27 +107,31 @@ _ROWS: Sequence[Row] = (
     ("limited by the strategy, % of ticks", _number("limited_share", 2)),
     ("account, least, mJ", _number("account_least", 3)),
     ("given out to the handle, mJ", _number("given_out", 3)),
-    ("age in use, median / 99 % / largest, ms", _quantiles("age", 3)),
+    ("age of the motion in use, ms", _quantiles("age")),
     ("an old motion held, % of ticks", _number("held_share", 2)),
-    ("round trip, ms", _quantiles("round_trip", 3)),
-    ("packets lost on the way to it, %", _loss),
-    ("latency of the device, ms", _quantiles("latency_device", 3)),
-    ("  of the loop, ms", _quantiles("latency_loop", 3)),
-    ("  of the network, ms", _quantiles("latency_network", 3)),
-    ("  of the play-out, ms", _quantiles("latency_playout", 3)),
-    ("loop late by, ms", _quantiles("lateness", 3)),
+    ("round trip, ms", _quantiles("round_trip")),
+    ("packets to it lost, %", _loss),
+    ("latency: device, ms", _quantiles("latency_device")),
+    ("latency: loop, ms", _quantiles("latency_loop")),
+    ("latency: network, ms", _quantiles("latency_network")),
+    ("latency: play-out, ms", _quantiles("latency_playout")),
+    ("loop late by, ms", _quantiles("lateness")),
 )
 
 
 def _trials_table(trials: Sequence[Mapping[str, Any]]) -> RenderableType:
     rows = [
         (
-            trial["label"],
-            trial["condition"],
+            Text(_line(trial["label"])),
+            Text(_line(trial["condition"])),
             format_number(trial["begin"], 4),
             format_number(trial["duration"], 3),
             trial["status"],
-            *(_number(name, shift)(trial[robot]) for name, shift in _TRIAL_COLUMNS for robot in ("robot1", "robot2")),
+            *(
+                _number(name, shift)(trial[robot])
+                for name, shift in _TRIAL_COLUMNS
+                for robot in ("robot1", "robot2")
+            ),
         )
         for trial in trials
     ]
@@ -154,7 +161,12 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
         return [Text("Nothing happened.")]
     shown = list(events) if len(events) <= _MOST_EVENTS else [*events[: _MOST_EVENTS - 5], *events[-5:]]
     rows = [
-        (format_number(event["time"], 5), str(event["side"]), _line(event["event"]), _line(event["cause"] or ""))
+        (
+            format_number(event["time"], 5),
+            str(event["side"]),
+            Text(_line(event["event"])),
+            Text(_line(event["cause"] or "")),
+        )
         for event in shown
     ]
     found: list[RenderableType] = [
@@ -166,5 +178,5 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
 
 
 def _line(text: str) -> str:
-    """Return a text of the file as one short line without control characters: a partner may have caused it."""
+    """Return a text of the file as one short line of plain letters: a partner may have caused it."""
     return "".join(letter if letter.isprintable() else "?" for letter in text)[:60]

@@ -39,7 +39,7 @@ pub struct SessionReport {
 }
 
 /// What a session is at one tick: what of its report costs little, and what the latest force was made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SessionSnapshot {
     /// The partner as the latest force used it; `None` if it used none.
     pub partner: Option<PartnerView>,
