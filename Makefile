@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link test-link ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain remake
+.PHONY: help study test link test-link ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -39,18 +39,18 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	$(PYTHON_IN_VENV) -m pytest
 
 # The live program is no default member of the workspace: what does not name it does not build it.
-link: toolchain ## build the live program, target/release/telespring-link (Linux)
+link: link-toolchain ## build the live program, target/release/telespring-link (Linux)
 	cargo build --release --locked -p telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
-test-link: toolchain ## test the live program
+test-link: link-toolchain ## test the live program
 	cargo test --locked -p telespring-link
 
 # A workspace of its own, for its many dependencies; its tests need no ROS 2.
-ros2: toolchain ## build the bridge to ROS 2, drivers/ros2/target/release/telespring-ros2
+ros2: link-toolchain ## build the bridge to ROS 2, drivers/ros2/target/release/telespring-ros2
 	cargo build --release --locked --manifest-path drivers/ros2/Cargo.toml
 
-test-ros2: toolchain ## lint and test the bridge to ROS 2
+test-ros2: link-toolchain ## lint and test the bridge to ROS 2
 	cargo fmt --manifest-path drivers/ros2/Cargo.toml --check
 	cargo clippy --all-targets --locked --manifest-path drivers/ros2/Cargo.toml -- -D warnings
 	cargo test --locked --manifest-path drivers/ros2/Cargo.toml
@@ -102,6 +102,9 @@ clean: ## remove everything that was built (not out/)
 
 toolchain:
 	@tools/check-toolchain.sh
+
+link-toolchain:
+	@tools/check-toolchain.sh --link
 
 remake:
 

@@ -108,3 +108,12 @@ def test_law_a_newer_python_beside_an_old_one_is_found(root: Path, machine: Path
     program(machine, "python3.12", f'exec "{sys.executable}" "$@"')
     program(machine, "python3", "echo 3.9")
     assert check(root, machine, "--python").stdout == "python3.12\n"
+
+
+def test_law_the_live_program_alone_needs_a_newer_rust(root: Path, machine: Path) -> None:
+    done = check(root, machine, "--link")
+    assert done.returncode == 1
+    [sentence] = done.stderr.splitlines()
+    assert sentence.startswith("the live program needs Rust 1.91 or newer and found 1.89")
+    program(machine, "rustc", "echo 'rustc 1.91.0'")
+    assert check(root, machine, "--link").returncode == 0

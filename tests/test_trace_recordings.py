@@ -290,3 +290,27 @@ def test_law_delays_of_conditions_beside_a_trace_are_warned_of() -> None:
     assert preflight_warnings(one) == []
     assert preflight_warnings(one.replace(session={"playout": {"kind": "fixed", "delay": 0.05}})) == []
     assert len(preflight_warnings(one.replace(session={"playout": {"kind": "fixed", "delay": 0.04}}))) == 1
+
+
+def test_law_silences_are_those_of_a_session_over_the_recording() -> None:
+    time = np.arange(3000) / 100
+    delay = np.full(3000, 0.02)
+    delay[1000:1020] = math.nan  # 0.2 s and a step without a packet
+    delay[2000] = 0.5  # overtaken: no silence
+    way = ts.assess_trace(ts.Trace(time, delay)).ways[0]
+    assert (way.silences.count, way.silences.limit) == (1, 0.15)
+    assert way.silences.longest == pytest.approx(0.201, abs=1e-9)
+    assert way.silences.share == pytest.approx(0.051 / 30.0, rel=1e-9)
+    # a step of the sender that is a pause tells nothing of the network
+    paused = ts.Trace(np.concatenate([time[:1500], time[1500:] + 20.0]), np.full(3000, 0.02))
+    assert ts.assess_trace(paused).ways[0].silences.count == 0
+
+
+def test_law_a_recorded_silence_is_on_the_screen_and_in_json(tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    rows = [f"{n / 100},{'' if 1000 <= n < 1040 else 0.02}" for n in range(3000)]
+    path.write_text("time_s,delay_s\n" + "\n".join(rows))
+    shown = run("trace", str(path)).stdout
+    assert "Nothing comes for 150 ms or more once, 401 ms at the longest" in " ".join(shown.split())
+    silences = json.loads(run("trace", str(path), "--json").stdout)["ways"][0]["silences"]
+    assert silences["count"] == 1

@@ -3,6 +3,7 @@
 #
 #   check-toolchain.sh            prints a sentence on stderr for each tool that is missing or too old, and exits with 1
 #   check-toolchain.sh --python   also prints the name of the Python to use
+#   check-toolchain.sh --link     checks for what the live program needs, which is a newer Rust
 #
 # The required versions are read from Cargo.toml and pyproject.toml, so that each is stated only once.
 set -u
@@ -24,18 +25,23 @@ tell() {
 }
 
 rust_wanted=$(first_number Cargo.toml rust-version)
+who=telespring
+if [ "${1-}" = --link ]; then
+    rust_wanted=$(first_number crates/telespring-link/Cargo.toml rust-version)
+    who='the live program'
+fi
 python_wanted=$(first_number pyproject.toml requires-python)
 
 check_rust() {
     if ! command -v cargo >/dev/null 2>&1 || ! command -v rustc >/dev/null 2>&1; then
-        tell "telespring needs Rust $rust_wanted or newer and found no cargo and rustc: install Rust from https://rustup.rs."
+        tell "$who needs Rust $rust_wanted or newer and found no cargo and rustc: install Rust from https://rustup.rs."
         return
     fi
     have=$(rustc --version 2>/dev/null | sed -n 's/^rustc \([0-9]*\.[0-9]*\).*/\1/p')
     if [ -z "$have" ]; then
-        tell "telespring needs Rust $rust_wanted or newer and rustc does not run: install a toolchain with 'rustup default stable'."
+        tell "$who needs Rust $rust_wanted or newer and rustc does not run: install a toolchain with 'rustup default stable'."
     elif ! at_least "$have" "$rust_wanted"; then
-        tell "telespring needs Rust $rust_wanted or newer and found $have: update it with 'rustup update stable', or install it from https://rustup.rs."
+        tell "$who needs Rust $rust_wanted or newer and found $have: update it with 'rustup update stable', or install it from https://rustup.rs."
     fi
 }
 

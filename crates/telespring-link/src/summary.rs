@@ -1,13 +1,12 @@
 //! What a session was, as JSON.
 
 use serde::Serialize;
-use telespring::session::event::EventKind;
 use telespring::session::playout::PlayoutReport;
-use telespring::session::watchdog::Cause as Fault;
-use telespring::session::{LocalTime, SessionReport, Span};
+use telespring::session::{LocalTime, SessionReport, Span, WatchdogState};
 
 use crate::device::Device;
 use crate::real_time::{Lateness, Privileges};
+use crate::record::RecordingSummary;
 use crate::site::{Cause, Happened, Site, Tally};
 use crate::transport::{PathEvent, Transport, TransportReport};
 
@@ -37,6 +36,8 @@ pub struct Summary {
     pub age: Option<Age>,
     /// What the network did.
     pub loss: Loss,
+    /// What the transport knows of its path.
+    pub path: Path,
     /// How late the loop was.
     pub lateness: LatenessSummary,
     /// The share of the ticks at which the strategy changed the force of the spring; `null` without a tick with a partner.
@@ -55,6 +56,8 @@ pub struct Summary {
     pub events: Vec<Entry>,
     /// Events for which there was no room.
     pub missed_events: u64,
+    /// What became of the recording; `null` if there is none.
+    pub recording: Option<RecordingSummary>,
 }
 
 /// See [`Summary::round_trip`].
@@ -100,6 +103,27 @@ pub struct Loss {
     pub late: u64,
     /// Times that the network said that the partner is not there.
     pub unreachable: u64,
+}
+
+/// See [`Summary::path`]. All is 0 or `null` for a transport that knows nothing of its path.
+#[derive(Debug, Clone, Serialize)]
+pub struct Path {
+    /// The latest round trip of the transport's own packets.
+    pub round_trip: Option<f64>,
+    /// Packets that got lost on the way to the partner.
+    pub lost: u64,
+    /// Of how many packets one was sent at last, because of the loss that lasted; `null` if the transport leaves out none.
+    pub every: Option<u8>,
+    /// Packets that were left out.
+    pub thinned: u64,
+    /// Packets for which there was no way.
+    pub unsent: u64,
+    /// Datagrams that made room for newer ones before the loop looked.
+    pub overflowed: u64,
+    /// Connections with the partner, one after the other.
+    pub connections: u64,
+    /// Connections that were refused: unknown keys, and more than this site answers.
+    pub strangers: u64,
 }
 
 /// See [`Summary::lateness`].
@@ -199,6 +223,7 @@ impl Summary {
             round_trip: round_trip(&report),
             age: age(&report.playout),
             loss: loss(&report, &site.transport_report()),
+            path: path(&site.transport_report()),
             lateness: LatenessSummary {
                 ticks: lateness.ticks,
                 median: lateness.median.seconds(),
@@ -230,6 +255,7 @@ impl Summary {
                 .map(|(time, happened)| entry(first, *time, happened))
                 .collect(),
             missed_events: site.log().missed() + report.missed_events,
+            recording: None,
         }
     }
 }
@@ -267,6 +293,22 @@ fn loss(report: &SessionReport, transport: &TransportReport) -> Loss {
     }
 }
 
+fn path(report: &TransportReport) -> Path {
+    let TransportReport {
+        round_trip, lost, every, thinned, unsent, overflowed, connections, strangers, ..
+    } = *report;
+    Path {
+        round_trip: round_trip.map(Span::seconds),
+        lost,
+        every: (every > 0).then_some(every),
+        thinned,
+        unsent,
+        overflowed,
+        connections,
+        strangers,
+    }
+}
+
 fn refused(report: &SessionReport, tally: &Tally) -> Refused {
     Refused {
         datagrams: report.refused,
@@ -288,49 +330,39 @@ fn granted(outcome: Option<bool>) -> &'static str {
 
 /// An entry of the log.
 fn entry(first: LocalTime, time: LocalTime, happened: &Happened) -> Entry {
-    let (event, cause) = match happened {
+    let (event, cause) = event_words(happened);
+    Entry { time: (time - first).seconds(), event, cause }
+}
+
+/// What happened in a word, and why or with which value.
+pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
+    match happened {
         Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
         Happened::Disagreed(disagreement) => ("disagreed", Some(disagreement.word().to_owned())),
         Happened::Running => ("running", None),
         Happened::Leaving(cause) => ("leaving", Some(cause.word().to_owned())),
         Happened::Ended(cause) => ("ended", Some(cause.word().to_owned())),
-        Happened::Path(PathEvent::Changed) => ("path-changed", None),
-        Happened::Path(PathEvent::Lost) => ("path-lost", None),
-        Happened::Session(kind) => session_event(kind),
-    };
-    Entry { time: (time - first).seconds(), event, cause }
-}
-
-/// An event of the endpoint, in a word, and why.
-fn session_event(kind: &EventKind) -> (&'static str, Option<String>) {
-    let because = |cause: &Fault| Some(fault(*cause).to_owned());
-    match kind {
-        EventKind::PartnerFound { session } => ("partner-found", Some(format!("{session:#018x}"))),
-        EventKind::PartnerRestarted { session } => ("partner-restarted", Some(format!("{session:#018x}"))),
-        EventKind::Holding(cause) => ("holding", because(cause)),
-        EventKind::RampingOut(cause) => ("ramping-out", because(cause)),
-        EventKind::Disengaged(cause) => ("disengaged", because(cause)),
-        EventKind::RampingIn => ("ramping-in", None),
-        EventKind::Engaged => ("engaged", None),
-        EventKind::Refused(refusal) => ("datagram-refused", Some(refusal.to_string())),
-        EventKind::ImpossibleValue { value } => ("impossible-value", Some(value.to_string())),
-        EventKind::ClockStepped => ("clock-stepped", None),
-        EventKind::ImpossibleForce => ("impossible-force", None),
-        _ => ("other", None),
+        Happened::Path(event) => (event.word(), path_cause(*event)),
+        Happened::RecordingBroken => ("recording-broken", None),
+        Happened::Session(kind) => (kind.word(), kind.reason()),
     }
 }
 
-/// A cause of the watchdog in a word.
-fn fault(cause: Fault) -> &'static str {
-    match cause {
-        Fault::Starting => "starting",
-        Fault::Silence => "silence",
-        Fault::FrozenStamps => "frozen-stamps",
-        Fault::FrozenMotion => "frozen-motion",
-        Fault::PartnerRestarted => "partner-restarted",
-        Fault::ClockStepped => "clock-stepped",
-        Fault::OwnMeasurement => "own-measurement",
-        Fault::OwnSilence => "own-silence",
-        _ => "other",
+/// The state of the watchdog in a word, and why.
+pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
+    match state {
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
+        WatchdogState::RampingIn => ("ramping-in", None),
+        WatchdogState::Engaged => ("engaged", None),
+        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
+    }
+}
+
+/// How much of the stream is sent from now on, if that is what a path event says.
+fn path_cause(event: PathEvent) -> Option<String> {
+    match event {
+        PathEvent::Rate { every } => Some(format!("one packet of {every}")),
+        _ => None,
     }
 }

@@ -26,6 +26,7 @@ def trace_json(found: TraceAssessment) -> dict[str, Any]:
                 "missing_rows": None if way.missing is None else asdict(way.missing),
                 "fit": way.fit.to_dict(),
                 "evidence": asdict(way.evidence),
+                "silences": asdict(way.silences),
             }
             for way in found.ways
         ],

@@ -20,6 +20,7 @@ from telespring.traces.playouts import (
     judge_playouts,
     longest_useful,
 )
+from telespring.traces.silences import Silences, find_silences
 
 if TYPE_CHECKING:
     from telespring.study.robot_file import RobotRecord
@@ -46,6 +47,8 @@ class RecordedWay:
         The emulator's models that fit it.
     evidence
         How much was recorded, and what that cannot show.
+    silences
+        How often nothing comes for so long that a live session lets the force go.
     """
 
     trace: Trace
@@ -53,6 +56,7 @@ class RecordedWay:
     statistics: TraceStatistics
     fit: TraceFit
     evidence: TraceEvidence
+    silences: Silences
 
 
 @dataclass(frozen=True)
@@ -274,7 +278,7 @@ def assess_trace(
     different = completed[:1] if completed[0] is completed[1] else completed
     evidence = [check_evidence(one, allow_unusual=allow_unusual) for one, _ in different]
     ways = tuple(
-        RecordedWay(one, missing, one.statistics(), one.fit(), shown)
+        RecordedWay(one, missing, one.statistics(), one.fit(), shown, find_silences(one, period))
         for (one, missing), shown in zip(different, evidence, strict=True)
     )
     useful = longest_useful([way.trace for way in ways])

@@ -1,6 +1,12 @@
 //! The commands, one room each, and what they share.
 
+mod check;
 mod demo;
+mod id;
+mod keygen;
+mod parts;
+mod probe;
+mod relay_config;
 mod run;
 
 use std::process::ExitCode;
@@ -31,6 +37,11 @@ pub struct Arguments {
 enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Check(check::Check),
+    Keygen(keygen::Keygen),
+    Id(id::Id),
+    Probe(probe::Probe),
+    RelayConfig(relay_config::RelayConfig),
 }
 
 impl Arguments {
@@ -39,6 +50,11 @@ impl Arguments {
         let outcome = match self.command {
             Command::Run(command) => command.run(),
             Command::Demo(command) => command.run(),
+            Command::Check(command) => command.run(),
+            Command::Keygen(command) => command.run(),
+            Command::Id(command) => command.run(),
+            Command::Probe(command) => command.run(),
+            Command::RelayConfig(command) => command.run(),
         };
         outcome.unwrap_or_else(|failure| {
             eprintln!("{failure}");

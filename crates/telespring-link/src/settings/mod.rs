@@ -4,11 +4,13 @@ mod device;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
+mod several;
 mod telemetry;
 
 pub use device::DeviceChoice;
-pub use network::NetworkChoice;
+pub use network::{IrohChoice, NetworkChoice};
 pub use real_time::{LoopChoice, PaceChoice};
 pub use telemetry::TelemetryChoice;
 
@@ -41,6 +43,10 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
     /// Who on this machine is sent what every tick says.
     pub telemetry: Option<TelemetryChoice>,
 }
@@ -59,10 +65,14 @@ struct Text {
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
-    /// Reads a site file and the study that it names, whose path is relative to the file.
+    /// Reads a site file and the study that it names. Paths in it are relative to the file.
     ///
     /// # Errors
     ///
@@ -70,7 +80,9 @@ impl SiteFile {
     pub fn read(path: &Path) -> Result<Self, InvalidInput> {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&text, |study| read(&folder.join(study), "study"))
+        let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
+        let recording = file.recording.map(|recording| folder.join(recording));
+        Ok(Self { network: file.network.within(folder), recording, ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -82,16 +94,21 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
-            toml::from_str(text).map_err(|error| {
-                let allowed = error.to_string().trim_end().to_owned();
-                InvalidInput::new(
-                    "site",
-                    "the file",
-                    allowed,
-                    "docs/connect.md has every key of a site file.",
-                )
-            })?;
+        let Text {
+            study: path,
+            side,
+            seconds,
+            network,
+            device,
+            safety,
+            real_time,
+            telemetry,
+            recording,
+            live,
+        } = toml::from_str(text).map_err(|error| {
+            let allowed = error.to_string().trim_end().to_owned();
+            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
+        })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
         let file = Self {
             study,
@@ -102,6 +119,8 @@ impl SiteFile {
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
+            recording: recording.folder,
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)
@@ -155,7 +174,7 @@ fn loopback(field: &str, address: SocketAddr) -> Result<SocketAddr, InvalidInput
         field,
         address,
         "an address of this machine: nobody checks who sends a packet",
-        "Write 127.0.0.1 with a port; lead other machines' packets there through an authenticated tunnel.",
+        "Write 127.0.0.1 with a port here, or transport = \"iroh\" for another machine.",
     ))
 }
 

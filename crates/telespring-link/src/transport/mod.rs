@@ -1,17 +1,19 @@
 //! Transports: datagrams to and from the partner.
 //!
 //! A transport loses, repeats and reorders as it likes; the endpoint and the hello see to that. It never waits. Who the
-//! partner is, the transport decides: [`Udp`] believes the address, so it is for one machine, a wire or a virtual private
-//! network.
+//! partner is, the transport decides: [`Iroh`] knows the partner by its key; [`Udp`] believes the address, so it is for one
+//! machine.
 
 mod emulated;
+mod iroh;
 mod udp;
 
+pub use self::iroh::{ALPN, Iroh, IrohSettings};
 pub use emulated::Emulated;
 pub use udp::Udp;
 
-use telespring::session::LocalTime;
 use telespring::session::wire::LENGTH;
+use telespring::session::{LocalTime, Span};
 
 /// Room for the longest datagram that is looked at; what is longer is cut, and refused by its length.
 pub const ROOM: usize = 2 * LENGTH;
@@ -20,10 +22,38 @@ pub const ROOM: usize = 2 * LENGTH;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PathEvent {
-    /// The datagrams take another way, with another delay.
+    /// The datagrams take another way of the same kind, perhaps with another delay.
     Changed,
-    /// No way is left.
+    /// The datagrams go from address to address from now on.
+    Direct,
+    /// The datagrams go over a relay from now on: over TCP, where a loss delays all that is behind it.
+    Relayed,
+    /// There is a way over a relay only, which this site does not allow: nothing is sent or taken.
+    Withheld,
+    /// One packet of `every` is sent from now on, because of the loss that lasts, or because it is over.
+    Rate {
+        /// 1, 2 or 4.
+        every: u8,
+    },
+    /// The partner does not know this site's key. Said once; the transport goes on asking.
+    Refused,
+    /// No way is left, or the partner is silent on it. The transport goes on looking for one.
     Lost,
+}
+
+impl PathEvent {
+    /// The event in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Changed => "path-changed",
+            Self::Direct => "path-direct",
+            Self::Relayed => "path-relayed",
+            Self::Withheld => "path-withheld",
+            Self::Rate { .. } => "path-rate",
+            Self::Refused => "path-refused",
+            Self::Lost => "path-lost",
+        }
+    }
 }
 
 /// What a transport has counted.
@@ -37,6 +67,20 @@ pub struct TransportReport {
     pub received: u64,
     /// Times that the network said that the partner is not there.
     pub unreachable: u64,
+    /// Datagrams that came, and made room for newer ones before the loop looked.
+    pub overflowed: u64,
+    /// Packets that were left out, because the network lost many: see `every`.
+    pub thinned: u64,
+    /// Of how many packets one is sent now; 0 for a transport that leaves out none.
+    pub every: u8,
+    /// Packets that got lost on the way to the partner, as far as the transport knows.
+    pub lost: u64,
+    /// The round trip of the path in use, as far as the transport knows.
+    pub round_trip: Option<Span>,
+    /// Connections with the partner, one after the other.
+    pub connections: u64,
+    /// Connections that were refused: unknown keys, and more than this site answers.
+    pub strangers: u64,
 }
 
 /// Datagrams to and from one partner.

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from telespring._types import Tier
     from telespring.traces import MissingRows, PlayoutChoice, RecordedWay, TraceAssessment, TraceEvidence
     from telespring.traces.reading import TraceRecording
+    from telespring.traces.silences import Silences
 
 __all__ = ["study_lines", "taken_delays", "trace_screen", "written_lines"]
 
@@ -71,7 +72,7 @@ def _recorded(way: RecordedWay, label: str) -> list[RenderableType]:
     if way.missing is not None:
         lines.append(_missing(way.missing))
     lines.append(f"Delay: median {_ms(shown.median)}, {quantiles}, longest {_ms(shown.maximum)}.")
-    lines += _fits(way)
+    lines += [*_silences(way.silences), *_fits(way)]
     return [*(Text(line) for line in lines), *(Text(line, style="yellow") for line in _doubts(way.evidence))]
 
 
@@ -86,6 +87,19 @@ def _doubts(evidence: TraceEvidence) -> list[str]:
     if "delays below 1 ms" in evidence.doubts:
         lines.append("All delays are below 1 ms. If the column is in s, name it delay_s.")
     return lines
+
+
+def _silences(silences: Silences) -> list[str]:
+    """Say how often a live session has no force, because nothing comes."""
+    if not silences.count:
+        return []
+    times = "once" if silences.count == 1 else f"{silences.count} times"
+    longest = f"{format_time(silences.longest, 3)} at the longest"
+    share = f"then a live session has no force, {_percent(silences.share)} of the time"
+    return [
+        f"Nothing comes for {_ms(silences.limit)} or more {times}, {longest}: {share}.",
+        "With a longer safety.silence the guard holds on to the last position instead.",
+    ]
 
 
 def _missing(missing: MissingRows) -> str:

@@ -300,7 +300,6 @@ impl Trace {
         })?;
         let start = measured.round_trips.first().map_or(0, |trip| trip.timestamps.client.send.nanoseconds());
         let rows = measured.round_trips.iter().enumerate().map(|(index, trip)| {
-            let lost = trip.lost != "false";
             let since = trip.timestamps.client.send.nanoseconds() - start;
             let delay = trip.delay.as_ref().and_then(|delay| match taken {
                 IrttDelay::RoundTrip => delay.rtt,
@@ -314,6 +313,12 @@ impl Trace {
                     "Take the round trip (--round-trip, or round_trip = true in a study): one way needs a server that \
                      stamps packets.",
                 )
+            };
+            // a trip that was lost on one way only tells of the other, if its delay is known
+            let lost = match (taken, trip.lost.as_str()) {
+                (_, "false") => false,
+                (IrttDelay::Send, "true_down") | (IrttDelay::Receive, "true_up") => delay.is_none(),
+                _ => true,
             };
             let delay = if lost { 0 } else { delay.ok_or_else(missing)? };
             Ok(TraceRow { time: since as f64 / 1e9, delay: delay as f64 / 1e9, lost })
