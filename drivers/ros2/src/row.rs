@@ -1,5 +1,7 @@
 //! A row of the telemetry stream.
 
+use std::sync::LazyLock;
+
 /// The version, the first value of every row.
 pub const VERSION: f64 = 1.0;
 /// Values in a row.
@@ -7,52 +9,35 @@ pub const VALUES: usize = 40;
 /// Bytes in a row.
 pub const LENGTH: usize = 8 * VALUES;
 
-/// What a place holds, in their order; the rest is not used.
-pub const COLUMNS: [&str; 38] = [
-    "version",
-    "sequence",
-    "side",
-    "time",
-    "phase",
-    "watchdog",
-    "measured",
-    "position x",
-    "position y",
-    "velocity x",
-    "velocity y",
-    "partner position x",
-    "partner position y",
-    "partner velocity x",
-    "partner velocity y",
-    "target position x",
-    "target position y",
-    "target velocity x",
-    "target velocity y",
-    "force x",
-    "force y",
-    "measured force x",
-    "measured force y",
-    "stiffness wanted",
-    "stiffness in use",
-    "limited",
-    "balance",
-    "age",
-    "silence",
-    "round trip",
-    "clock error",
-    "lateness",
-    "device delay",
-    "network delay",
-    "play-out delay",
-    "interval",
-    "missed",
-    "marker",
-];
+/// The page that defines the rows. A test of telespring-link holds the two together.
+const PAGE: &str = include_str!("../../../docs/telemetry.md");
 
-/// The words of place 4, by their codes.
-pub const PHASES: [&str; 4] = ["greeting", "running", "leaving", "ended"];
-/// The words of place 5, by their codes.
-pub const WATCHDOGS: [&str; 5] = ["disengaged", "ramping-in", "engaged", "holding", "ramping-out"];
+/// What a place holds, in their order; the rest is not used.
+pub static COLUMNS: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| (0..VALUES).map_while(|place| Some(cells(place)?.0)).collect());
+/// The codes and words of place 4.
+static PHASES: LazyLock<Words> = LazyLock::new(|| words(4));
+/// The codes and words of place 5.
+static WATCHDOGS: LazyLock<Words> = LazyLock::new(|| words(5));
+
+type Words = Vec<(f64, &'static str)>;
+
+/// What the page says of a place: its content, and its values.
+fn cells(place: usize) -> Option<(&'static str, &'static str)> {
+    PAGE.lines().find_map(|line| {
+        let mut cells = line.split('|').map(str::trim).skip(1);
+        let is_it = cells.next()?.parse() == Ok(place);
+        let (content, _, values) = (cells.next()?, cells.next()?, cells.next()?);
+        is_it.then_some((content, values))
+    })
+}
+
+/// "0 greeting, 1 running" as codes and words.
+fn words(place: usize) -> Words {
+    let values = cells(place).map_or("", |(_, values)| values);
+    let pairs = values.split(", ").filter_map(|value| value.split_once(' '));
+    pairs.filter_map(|(code, word)| Some((code.parse().ok()?, word))).collect()
+}
 
 /// The first of two places, x and y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,19 +102,17 @@ impl Row {
 }
 
 /// The word of a code, the code itself for one of a newer program; `None` if it is not known.
-fn word(words: &[&str], code: f64) -> Option<String> {
+fn word(words: &Words, code: f64) -> Option<String> {
     if code.is_nan() {
         return None;
     }
-    let named = words.iter().enumerate().find(|(place, _)| *place as f64 == code);
+    let named = words.iter().find(|(known, _)| *known == code);
     Some(named.map_or_else(|| code.to_string(), |(_, word)| (*word).to_owned()))
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-
-    const PAGE: &str = include_str!("../../../docs/telemetry.md");
 
     /// A row with some of its places.
     pub(crate) fn row(places: &[(usize, f64)]) -> Row {
@@ -146,17 +129,11 @@ pub(crate) mod tests {
 
     #[test]
     fn law_the_places_are_those_of_the_page() {
-        let cells = |line: &'static str| line.split('|').map(str::trim).collect::<Vec<_>>();
-        let rows: Vec<_> = PAGE.lines().map(cells).filter(|cells| cells.len() == 6).collect();
-        let place = |place: usize| rows.iter().find(|cells| cells[1] == place.to_string()).unwrap();
-        for (number, name) in COLUMNS.iter().enumerate() {
-            assert_eq!(place(number)[2], *name);
-        }
-        for (number, words) in [(4, &PHASES[..]), (5, &WATCHDOGS[..])] {
-            let codes: Vec<_> =
-                words.iter().enumerate().map(|(code, word)| format!("{code} {word}")).collect();
-            assert_eq!(place(number)[4], codes.join(", "));
-        }
+        assert_eq!(COLUMNS.len(), 38);
+        assert_eq!([COLUMNS[0], COLUMNS[1], COLUMNS[2], COLUMNS[3]], ["version", "sequence", "side", "time"]);
+        assert_eq!([COLUMNS[4], COLUMNS[5], COLUMNS[37]], ["phase", "watchdog", "marker"]);
+        assert!(PHASES.len() > 1 && PHASES.iter().any(|(_, word)| *word == "running"));
+        assert_eq!(WATCHDOGS[1..3], [(1.0, "ramping-in"), (2.0, "engaged")]);
         for (pair, name) in [
             (Pair::Handle, "position"),
             (Pair::Partner, "partner position"),
@@ -189,9 +166,10 @@ pub(crate) mod tests {
 
     #[test]
     fn law_the_status_is_in_words() {
-        assert_eq!(row(&[(4, 0.0)]).status(), "greeting");
-        assert_eq!(row(&[(4, 1.0), (5, 3.0)]).status(), "running, holding");
-        assert_eq!(row(&[(4, 9.0), (5, 0.5)]).status(), "9, 0.5");
+        let (running, _) = PHASES.iter().find(|(_, word)| *word == "running").unwrap();
+        assert_eq!(row(&[(4, *running)]).status(), "running");
+        assert_eq!(row(&[(4, *running), (5, 3.0)]).status(), "running, holding");
+        assert_eq!(row(&[(4, 99.0), (5, 0.5)]).status(), "99, 0.5");
         assert_eq!(row(&[]).status(), "unknown");
     }
 }

@@ -8,7 +8,7 @@ use ros2_client::{Context, MessageTypeName, Name, Node, NodeName, NodeOptions, Q
 use serde::de::DeserializeOwned;
 use telespring_ros2::messages::{Float64MultiArray, PoseStamped, Text, WrenchStamped};
 use telespring_ros2::node::{STATUS, STREAM, context};
-use telespring_ros2::row::{COLUMNS, VALUES};
+use telespring_ros2::row::{COLUMNS, Row, VALUES};
 
 /// How long the two may take to find each other.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -108,7 +108,7 @@ fn cross_a_subscriber_hears_what_the_rows_say() {
     let (values, _) = values.expect("no array came");
     assert_eq!((values.data.len(), values.data[7]), (COLUMNS.len(), 0.25));
     assert!(values.data[15].is_nan());
-    assert_eq!(text.expect("no status came").0.data, "running, engaged");
+    assert_eq!(text.expect("no status came").0.data, Row::decode(&row(1)).unwrap().status());
     // there is no target
     assert!(target.take().unwrap().is_none());
 
