@@ -83,7 +83,7 @@ fn law_the_loop_allocates_nothing_over_iroh() {
     let study = study();
     let keys = [(); 2].map(|()| SiteKey::generate());
     let places = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap());
-    let [mut first, mut second] = [0, 1].map(|side: usize| {
+    let [first, second] = [0, 1].map(|side: usize| {
         Iroh::new(&IrohSettings {
             key: keys[side].clone(),
             peer_ids: vec![keys[1 - side].id()],
