@@ -1,5 +1,7 @@
 //! One session on its own thread: from the settings to the summary.
 
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use telespring::InvalidInput;
@@ -8,6 +10,8 @@ use telespring::session::Span;
 use crate::device::Device;
 use crate::feed::{self, Item, Observer};
 use crate::real_time::{self, Limits, Pace};
+use crate::record::live::LiveServer;
+use crate::record::{Facts, Recorder, Recording};
 use crate::settings::{LoopChoice, PaceChoice};
 use crate::site::{Moment, Site, SiteSettings};
 use crate::summary::Summary;
@@ -22,6 +26,32 @@ pub struct Plan {
     pub limits: Limits,
     /// Who sees it, each on a thread of its own.
     pub observers: Vec<Box<dyn Observer>>,
+    /// The recording that one of the observers writes.
+    pub recording: Option<Recording>,
+}
+
+impl Plan {
+    /// The same, recorded in `folder`, which a field of the input names, and shown by `server`.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if no file can be created in the folder.
+    pub fn watched(
+        mut self,
+        facts: &Facts,
+        folder: Option<(&str, &PathBuf)>,
+        server: Option<&Arc<LiveServer>>,
+    ) -> Result<Self, InvalidInput> {
+        if let Some((field, folder)) = folder {
+            let (recorder, recording) = Recorder::create(field, folder, facts)?;
+            self.observers.push(Box::new(recorder));
+            self.recording = Some(recording);
+        }
+        if let Some(server) = server {
+            self.observers.push(Box::new(server.view(facts)));
+        }
+        Ok(self)
+    }
 }
 
 /// Why a session did not take place.
@@ -48,11 +78,15 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time: LoopChoice { priority, lock_memory, pace: choice }, limits, observers } = plan;
+    let Plan { real_time, limits, observers, recording } = plan;
+    let LoopChoice { priority, lock_memory, pace: choice } = real_time;
     let follows = choice == PaceChoice::Device;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
+    if let Some(recording) = &recording {
+        site.watch_recording(recording.alarm());
+    }
     let mut pace = Pace::new(period);
     let (mut feed, observers) = feed::start(observers)?;
     let privileges = real_time::claim(priority, lock_memory);
@@ -62,9 +96,10 @@ pub fn conduct<D: Device, T: Transport>(
         }
         feed.publish(item);
     });
-    let summary = Summary::new(side, &site, &pace.lateness(), &privileges);
+    let mut summary = Summary::new(side, &site, &pace.lateness(), &privileges);
     for name in observers.finish(&summary) {
         eprintln!("The {name} did not finish.");
     }
+    summary.recording = recording.map(|recording| recording.summary());
     Ok(summary)
 }

@@ -1,6 +1,8 @@
 //! Both sides on this machine: simulated robots and people, real sockets and clocks, and an emulated path between them.
 
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
@@ -12,13 +14,15 @@ use crate::conduct::{ConductError, Plan, conduct};
 use crate::device::Simulated;
 use crate::hello::draw_session;
 use crate::real_time::Limits;
+use crate::record::live::LiveServer;
+use crate::record::{Facts, check_folder};
 use crate::settings::LoopChoice;
 use crate::site::{Safety, SiteSettings};
 use crate::summary::{SCHEMA, Summary};
 use crate::transport::{Emulated, Udp};
 
 /// What a demonstration shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Demo {
     /// How long, s.
     pub seconds: f64,
@@ -36,6 +40,10 @@ pub struct Demo {
     pub seed: u64,
     /// What both loops ask the operating system for.
     pub real_time: LoopChoice,
+    /// The folder for the recordings of both sides; `None` for none.
+    pub record: Option<PathBuf>,
+    /// Where viewers may look on both sides; `None` for nowhere.
+    pub live: Option<SocketAddr>,
 }
 
 impl Default for Demo {
@@ -50,6 +58,8 @@ impl Default for Demo {
             strategy: "guard",
             seed: 1,
             real_time: LoopChoice::default(),
+            record: None,
+            live: None,
         }
     }
 }
@@ -111,12 +121,16 @@ impl Demo {
             return Err(InvalidInput::new("seconds", self.seconds, allowed, "Give 20.").into());
         }
         let study = self.study()?;
+        if let Some(folder) = &self.record {
+            check_folder("--record", folder)?;
+        }
+        let server = self.live.map(|address| LiveServer::start("--live", address)).transpose()?;
         let sockets = [UdpSocket::bind("127.0.0.1:0")?, UdpSocket::bind("127.0.0.1:0")?];
         let [here, there] = [sockets[0].local_addr()?, sockets[1].local_addr()?];
         let [first, second] = sockets;
         let links = [Udp::on(first, there)?, Udp::on(second, here)?];
         let [first, second] = std::thread::scope(|scope| {
-            let study = &study;
+            let (study, server) = (&study, server.as_ref());
             let mut sides = (1_u8..).zip(links);
             [(); 2]
                 .map(|()| {
@@ -124,7 +138,7 @@ impl Demo {
                         let name = format!("site {side}");
                         std::thread::Builder::new()
                             .name(name)
-                            .spawn_scoped(scope, move || self.run_side(study, side, link, stop))
+                            .spawn_scoped(scope, move || self.run_side(study, side, link, server, stop))
                     })
                 })
                 .map(|thread| match thread {
@@ -136,7 +150,14 @@ impl Demo {
         Ok(DemoSummary { schema: SCHEMA, study: study.to_toml(), sites: [first?, second?] })
     }
 
-    fn run_side(&self, study: &Study, side: u8, link: Udp, stop: &AtomicBool) -> Result<Summary, DemoError> {
+    fn run_side(
+        &self,
+        study: &Study,
+        side: u8,
+        link: Udp,
+        server: Option<&Arc<LiveServer>>,
+        stop: &AtomicBool,
+    ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
         let index = usize::from(side) - 1;
         let travel = Span::from_seconds(self.delay - laboratory.controller.sample_period).max(Span(0));
@@ -147,7 +168,10 @@ impl Demo {
         // The second side only follows, so that its goodbye is an answer.
         let after = if side == 1 { 0.0 } else { 1.0 };
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
-        let plan = Plan { real_time: self.real_time, limits, observers: Vec::new() };
+        let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
+        let folder = self.record.as_ref().map(|folder| ("--record", folder));
+        let plan = Plan { real_time: self.real_time, limits, ..Plan::default() };
+        let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }
 }

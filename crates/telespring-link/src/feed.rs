@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 use rtrb::{Consumer, Producer, RingBuffer};
 use telespring::session::{LocalTime, Span};
 
-use crate::site::{Happened, Moment};
+use crate::site::{Arrival, Happened, Moment};
 use crate::summary::Summary;
 
-/// Items that a queue holds: 16 s at 1 kHz.
+/// Items that a queue holds: 8 s at 1 kHz, with an arrival per tick.
 const CAPACITY: usize = 16_384;
 /// How long an observer's thread rests once its queue is empty.
 const REST: Duration = Duration::from_millis(5);
@@ -23,6 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Something that the loop tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "most items are ticks, and a box would allocate on the loop")]
 pub enum Item {
     /// A tick.
     Tick {
@@ -30,7 +31,13 @@ pub enum Item {
         moment: Moment,
         /// How late it began.
         lateness: Span,
+        /// How long it took.
+        duration: Span,
+        /// Ticks that were left out so far.
+        overruns: u64,
     },
+    /// A datagram that the endpoint was given; it comes before the tick at which it was.
+    Arrival(Arrival),
     /// Something has happened; it comes before the tick at which it did.
     Event {
         /// When.
@@ -129,13 +136,22 @@ impl Observers {
                 std::thread::sleep(REST);
             }
             let observer = if thread.is_finished() { thread.join().ok() } else { None };
-            match observer {
-                Some(mut observer) => observer.finish(summary),
-                None => unfinished.push(name),
+            if !observer.is_some_and(|observer| conclude(observer, summary.clone(), end)) {
+                unfinished.push(name);
             }
         }
         unfinished
     }
+}
+
+/// Lets an observer finish, but waits for it until `end` only; returns whether it has.
+fn conclude(mut observer: Box<dyn Observer>, summary: Summary, end: Instant) -> bool {
+    let name = observer.name().to_owned();
+    let Ok(thread) = Builder::new().name(name).spawn(move || observer.finish(&summary)) else { return false };
+    while !thread.is_finished() && Instant::now() < end {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    thread.is_finished() && thread.join().is_ok()
 }
 
 /// The thread of an observer.

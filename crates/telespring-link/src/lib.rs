@@ -14,9 +14,12 @@
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
 //! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
 //! | [`telemetry`] | a row of numbers per tick for programs beside this one | its own |
+//! | [`record`] | the recording and the live view, watching through the feed | threads of their own |
 //! | [`settings`] | the site file, checked | before the loop |
 //! | [`summary`] | what a session was, as JSON | after the loop |
 //! | [`conduct`] | one session on its own thread: settings in, summary out | starts the loop |
+//! | [`console`] | status and events as JSON lines, while a session runs | one of its own |
+//! | [`check`] | loop, device and partner of a site, tried without any force | starts the loop |
 //! | [`probe`] | measures the path to a partner | a loop of its own |
 //! | [`demo`] | both sides on this machine | starts two loops |
 //!
@@ -31,8 +34,10 @@ compile_error!(
     "telespring-link runs on Linux only: its loop needs Linux's absolute sleep and real-time priority"
 );
 
+pub mod check;
 pub mod clock;
 pub mod conduct;
+pub mod console;
 pub mod demo;
 pub mod device;
 pub mod feed;
@@ -40,6 +45,7 @@ pub mod hello;
 pub mod keys;
 pub mod probe;
 pub mod real_time;
+pub mod record;
 pub mod settings;
 pub mod site;
 pub mod summary;

@@ -1,13 +1,12 @@
 //! What a session was, as JSON.
 
 use serde::Serialize;
-use telespring::session::event::EventKind;
 use telespring::session::playout::PlayoutReport;
-use telespring::session::watchdog::Cause as Fault;
-use telespring::session::{LocalTime, SessionReport, Span};
+use telespring::session::{LocalTime, SessionReport, Span, WatchdogState};
 
 use crate::device::Device;
 use crate::real_time::{Lateness, Privileges};
+use crate::record::RecordingSummary;
 use crate::site::{Cause, Happened, Site, Tally};
 use crate::transport::{PathEvent, Transport, TransportReport};
 
@@ -57,6 +56,8 @@ pub struct Summary {
     pub events: Vec<Entry>,
     /// Events for which there was no room.
     pub missed_events: u64,
+    /// What became of the recording; `null` if there is none.
+    pub recording: Option<RecordingSummary>,
 }
 
 /// See [`Summary::round_trip`].
@@ -254,6 +255,7 @@ impl Summary {
                 .map(|(time, happened)| entry(first, *time, happened))
                 .collect(),
             missed_events: site.log().missed() + report.missed_events,
+            recording: None,
         }
     }
 }
@@ -328,16 +330,33 @@ fn granted(outcome: Option<bool>) -> &'static str {
 
 /// An entry of the log.
 fn entry(first: LocalTime, time: LocalTime, happened: &Happened) -> Entry {
-    let (event, cause) = match happened {
+    let (event, cause) = event_words(happened);
+    Entry { time: (time - first).seconds(), event, cause }
+}
+
+/// What happened in a word, and why or with which value.
+pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
+    match happened {
         Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
         Happened::Disagreed(disagreement) => ("disagreed", Some(disagreement.word().to_owned())),
         Happened::Running => ("running", None),
         Happened::Leaving(cause) => ("leaving", Some(cause.word().to_owned())),
         Happened::Ended(cause) => ("ended", Some(cause.word().to_owned())),
         Happened::Path(event) => (event.word(), path_cause(*event)),
-        Happened::Session(kind) => session_event(kind),
-    };
-    Entry { time: (time - first).seconds(), event, cause }
+        Happened::RecordingBroken => ("recording-broken", None),
+        Happened::Session(kind) => (kind.word(), kind.reason()),
+    }
+}
+
+/// The state of the watchdog in a word, and why.
+pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
+    match state {
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
+        WatchdogState::RampingIn => ("ramping-in", None),
+        WatchdogState::Engaged => ("engaged", None),
+        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
+    }
 }
 
 /// How much of the stream is sent from now on, if that is what a path event says.
@@ -345,39 +364,5 @@ fn path_cause(event: PathEvent) -> Option<String> {
     match event {
         PathEvent::Rate { every } => Some(format!("one packet of {every}")),
         _ => None,
-    }
-}
-
-/// An event of the endpoint, in a word, and why.
-fn session_event(kind: &EventKind) -> (&'static str, Option<String>) {
-    let because = |cause: &Fault| Some(fault(*cause).to_owned());
-    match kind {
-        EventKind::PartnerFound { session } => ("partner-found", Some(format!("{session:#018x}"))),
-        EventKind::PartnerRestarted { session } => ("partner-restarted", Some(format!("{session:#018x}"))),
-        EventKind::Holding(cause) => ("holding", because(cause)),
-        EventKind::RampingOut(cause) => ("ramping-out", because(cause)),
-        EventKind::Disengaged(cause) => ("disengaged", because(cause)),
-        EventKind::RampingIn => ("ramping-in", None),
-        EventKind::Engaged => ("engaged", None),
-        EventKind::Refused(refusal) => ("datagram-refused", Some(refusal.to_string())),
-        EventKind::ImpossibleValue { value } => ("impossible-value", Some(value.to_string())),
-        EventKind::ClockStepped => ("clock-stepped", None),
-        EventKind::ImpossibleForce => ("impossible-force", None),
-        _ => ("other", None),
-    }
-}
-
-/// A cause of the watchdog in a word.
-fn fault(cause: Fault) -> &'static str {
-    match cause {
-        Fault::Starting => "starting",
-        Fault::Silence => "silence",
-        Fault::FrozenStamps => "frozen-stamps",
-        Fault::FrozenMotion => "frozen-motion",
-        Fault::PartnerRestarted => "partner-restarted",
-        Fault::ClockStepped => "clock-stepped",
-        Fault::OwnMeasurement => "own-measurement",
-        Fault::OwnSilence => "own-silence",
-        _ => "other",
     }
 }

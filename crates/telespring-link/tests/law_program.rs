@@ -103,6 +103,8 @@ fn law_input_that_cannot_be_is_refused_with_the_field_and_a_remedy() {
         (vec!["demo", "site.toml"], "unexpected argument 'site.toml'"),
         (vec!["run"], "<SITE>"),
         (vec!["run", "nowhere.toml"], "site = nowhere.toml"),
+        (vec!["demo", "--record", "nowhere"], "--record = nowhere"),
+        (vec!["demo", "--live", "0.0.0.0:8765"], "--live = 0.0.0.0:8765"),
     ] {
         let message = refusal(&arguments);
         assert!(message.contains(said), "{arguments:?}: {message}");
@@ -233,20 +235,26 @@ fn law_the_page_has_every_key() {
         ("safety.", "[safety]\n"),
         ("loop.", "[loop]\n"),
         ("telemetry.", "[telemetry]\n"),
+        ("recording.", "[recording]\n"),
+        ("live.", "[live]\n"),
     ] {
-        let text = format!("{good}\n[loop]\npriority = 0\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n");
+        let text = format!(
+            "{good}\n[loop]\npriority = 0\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n\n[recording]\n\n[live]\n"
+        );
         let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
         fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
         let message = refusal(&["run", site.to_str().unwrap()]);
         let allowed = message.split("expected ").nth(1).unwrap_or_else(|| panic!("{message}"));
         for key in allowed.split('`').skip(1).step_by(2) {
-            if !(section.is_empty() && ["network", "device", "safety", "loop", "telemetry"].contains(&key)) {
+            let is_table =
+                ["network", "device", "safety", "loop", "telemetry", "recording", "live"].contains(&key);
+            if !(section.is_empty() && is_table) {
                 assert!(page.contains(&format!("`{section}{key}`")), "{section}{key} {message}");
                 keys += 1;
             }
         }
     }
-    assert!(keys >= 20, "{keys}");
+    assert!(keys >= 22, "{keys}");
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group

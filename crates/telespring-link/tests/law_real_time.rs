@@ -42,7 +42,7 @@ fn site(study: &Study, side: u8, link: Udp, stop: &AtomicBool, watch: impl FnMut
             .unwrap();
     // no test waits longer
     let limits = Limits { duration: Some(Span::from_seconds(60.0)) };
-    let plan = Plan { real_time: PRIORITY, limits, observers: Vec::new() };
+    let plan = Plan { real_time: PRIORITY, limits, ..Plan::default() };
     conduct(settings, device, transport, plan, stop, watch).unwrap()
 }
 

@@ -1,5 +1,7 @@
 //! `telespring-link demo`.
 
+use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -32,6 +34,12 @@ pub struct Demo {
     /// Draws the path and what the simulated people see
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// The folder for the recordings of both sides
+    #[arg(long, value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    /// An address of this machine for Foxglove or Lichtblick
+    #[arg(long, value_name = "ADDRESS")]
+    live: Option<SocketAddr>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -42,13 +50,14 @@ enum Strategy {
 
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed } = self;
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, record, live } = self;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
         };
         let real_time = LoopChoice::default();
-        let demo = demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time };
+        let demo =
+            demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time, record, live };
         let summary = demo.run(&stop_on_signal()).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),
             DemoError::Conduct(error) => error.into(),

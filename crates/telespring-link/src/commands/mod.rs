@@ -1,5 +1,6 @@
 //! The commands, one room each, and what they share.
 
+mod check;
 mod demo;
 mod id;
 mod keygen;
@@ -36,6 +37,7 @@ pub struct Arguments {
 enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Check(check::Check),
     Keygen(keygen::Keygen),
     Id(id::Id),
     Probe(probe::Probe),
@@ -48,6 +50,7 @@ impl Arguments {
         let outcome = match self.command {
             Command::Run(command) => command.run(),
             Command::Demo(command) => command.run(),
+            Command::Check(command) => command.run(),
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
             Command::Probe(command) => command.run(),

@@ -1,5 +1,6 @@
 //! `telespring-link run`.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -8,6 +9,8 @@ use telespring_link::conduct::{Plan, conduct};
 use telespring_link::feed::Observer;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
+use telespring_link::record::Facts;
+use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
 use telespring_link::site::SiteSettings;
 
@@ -21,21 +24,41 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// The folder for a recording
+    #[arg(long, value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    /// An address of this machine for Foxglove or Lichtblick
+    #[arg(long, value_name = "ADDRESS")]
+    live: Option<SocketAddr>,
 }
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile { study, side, duration, network, device, safety, real_time, telemetry } =
-            SiteFile::read(&self.site)?;
-        let duration = self.seconds.map(check_duration).transpose()?.or(duration);
-        let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
-        let transport = parts::transport(&network, real_time.priority)?;
-        let device = parts::device(&device, &study, side)?;
+        let file = SiteFile::read(&self.site)?;
+        let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
+        let settings = SiteSettings::new(&file.study, file.side, draw_session(), file.safety)?;
+        let facts = Facts::new(&file.study, &settings)
+            .with("device", file.device.word())
+            .with("network", file.network.word());
+        let transport = parts::transport(&file.network, file.real_time.priority)?;
+        let device = parts::device(&file.device, &file.study, file.side)?;
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
-        if let Some(choice) = telemetry {
-            observers.push(parts::telemetry(&choice, &settings.terms)?);
+        if let Some(choice) = &file.telemetry {
+            observers.push(parts::telemetry(choice, &settings.terms)?);
         }
-        let plan = Plan { real_time, limits: Limits { duration }, observers };
+        let server = match (self.live, file.live) {
+            (Some(address), _) => Some(LiveServer::start("--live", address)?),
+            (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
+            (None, None) => None,
+        };
+        let folder = match (&self.record, &file.recording) {
+            (Some(folder), _) => Some(("--record", folder)),
+            (None, Some(folder)) => Some(("recording.folder", folder)),
+            (None, None) => None,
+        };
+        let plan =
+            Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
+        let plan = plan.watched(&facts, folder, server.as_ref())?;
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);
         Ok(outcome([&summary]))

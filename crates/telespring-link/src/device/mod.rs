@@ -14,11 +14,22 @@ use std::os::fd::BorrowedFd;
 
 use telespring::session::{LocalTime, Motion};
 
+/// The device's own count and time of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stamp {
+    /// Counts the measurements of the device.
+    pub sequence: f64,
+    /// The device's own time, s.
+    pub time: f64,
+}
+
 /// What a device says at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// The motion, if a new one has been measured since the last tick.
     pub motion: Option<Motion>,
+    /// The stamp of the newest measurement.
+    pub stamp: Option<Stamp>,
     /// The mean force that acted on the handle since the last measurement, N, if it is known better than by the commands.
     pub acted: Option<[f64; 2]>,
     /// The target that the person is shown, if this program shows one.

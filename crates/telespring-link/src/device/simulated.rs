@@ -4,7 +4,7 @@ use telespring::InvalidInput;
 use telespring::rig::{Laboratory, SimulatedRobot};
 use telespring::session::{LocalTime, Span};
 
-use super::{Command, Device, Fault, Reading};
+use super::{Command, Device, Fault, Reading, Stamp};
 
 /// The most steps of one call: after a longer standstill the simulated robot skips time.
 const MOST_STEPS: i64 = 10_000;
@@ -22,6 +22,8 @@ pub struct Simulated {
     told: LocalTime,
     /// Whether the actuator lags.
     lags: bool,
+    /// Measurements so far.
+    measurements: u64,
 }
 
 impl Simulated {
@@ -39,6 +41,7 @@ impl Simulated {
             moved: LocalTime(0),
             told: LocalTime(0),
             lags: laboratory.controller.actuator_lag > 0.0,
+            measurements: 0,
         })
     }
 
@@ -80,8 +83,10 @@ impl Device for Simulated {
             (self.began, self.moved, self.told) = (Some(now), now, now);
         }
         let began = self.began.unwrap_or(now);
+        self.measurements += 1;
         Ok(Reading {
             motion: Some(self.robot.measure()),
+            stamp: Some(Stamp { sequence: self.measurements as f64, time: now.seconds() }),
             acted,
             target: Some(self.robot.target((now - began).seconds())),
             is_ready: true,
@@ -103,7 +108,7 @@ mod tests {
         let mut device = Simulated::new(&Laboratory::paper(), 0, 1).unwrap();
         let start = device.read(LocalTime(0)).unwrap();
         let later = device.read(LocalTime(500_000_000)).unwrap();
-        assert_eq!(start, later);
+        assert_eq!((start.motion, start.target), (later.motion, later.target));
         device.command(LocalTime(500_000_000), Command { is_running: true, ..Command::default() });
         device.read(LocalTime(501_000_000)).unwrap();
         let moving = device.read(LocalTime(901_000_000)).unwrap();

@@ -7,7 +7,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 use telespring::session::{LocalTime, Span};
 
 use super::protocol::{Order, State};
-use super::{Command, Device, Fault, Reading};
+use super::{Command, Device, Fault, Reading, Stamp};
 use crate::transport::{ROOM, Transport, Udp};
 
 /// Rows that are looked at in one tick.
@@ -84,6 +84,7 @@ impl Device for UdpDevice {
         let state = self.newest;
         Ok(Reading {
             motion: state.filter(|_| fresh).map(|state| state.motion),
+            stamp: state.map(|State { sequence, time, .. }| Stamp { sequence, time }),
             acted: (measured > 0).then(|| sum.map(|sum| sum / f64::from(measured))),
             target: None,
             is_ready: state.is_some_and(|state| state.is_enabled && state.is_homed),
@@ -154,6 +155,7 @@ mod tests {
         robot.send(7.0, 0.3, Some(2.0));
         let reading = device.read(now).unwrap();
         assert_eq!(reading.motion.unwrap().position, [0.3, 0.0]);
+        assert_eq!(reading.stamp, Some(Stamp { sequence: 7.0, time: 0.5 }));
         assert_eq!(reading.acted, Some([1.5, 0.0]));
         assert!(reading.is_ready);
         // told once only

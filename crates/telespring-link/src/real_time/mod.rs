@@ -56,7 +56,11 @@ pub fn run<D: Device, T: Transport>(
             watch(Item::Event { time: *time, happened: *happened });
         }
         told = site.log().entries().len();
-        watch(Item::Tick { moment, lateness });
+        for arrival in site.arrivals() {
+            watch(Item::Arrival(*arrival));
+        }
+        let duration = clock.now() - now;
+        watch(Item::Tick { moment, lateness, duration, overruns: pace.overruns() });
         if moment.phase == Phase::Ended && now - *ended.get_or_insert(now) >= LINGER {
             return;
         }

@@ -69,6 +69,14 @@ impl DeviceChoice {
         })
     }
 
+    /// The kind in a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Simulated { .. } => "simulated",
+            Self::Udp { .. } => "udp",
+        }
+    }
+
     /// Whether a person may hold this robot.
     pub fn is_real(&self) -> bool {
         !matches!(self, Self::Simulated { .. })

@@ -4,6 +4,7 @@ mod device;
 mod network;
 mod range;
 mod real_time;
+mod record;
 mod safety;
 mod several;
 mod telemetry;
@@ -42,6 +43,10 @@ pub struct SiteFile {
     pub safety: Safety,
     /// The loop.
     pub real_time: LoopChoice,
+    /// The folder for a recording; `None` for none.
+    pub recording: Option<PathBuf>,
+    /// Where viewers may look on; `None` for nowhere.
+    pub live: Option<SocketAddr>,
     /// Who on this machine is sent what every tick says.
     pub telemetry: Option<TelemetryChoice>,
 }
@@ -60,6 +65,10 @@ struct Text {
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
+    #[serde(default)]
+    recording: record::Recording,
+    #[serde(default)]
+    live: record::Live,
 }
 
 impl SiteFile {
@@ -72,7 +81,8 @@ impl SiteFile {
         let text = read(path, "site")?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = Self::from_toml(&text, |study| read(&folder.join(study), "study"))?;
-        Ok(Self { network: file.network.within(folder), ..file })
+        let recording = file.recording.map(|recording| folder.join(recording));
+        Ok(Self { network: file.network.within(folder), recording, ..file })
     }
 
     /// As [`SiteFile::read`], from the text; `study` returns that of the study.
@@ -84,16 +94,21 @@ impl SiteFile {
         text: &str,
         study: impl FnOnce(&Path) -> Result<String, InvalidInput>,
     ) -> Result<Self, InvalidInput> {
-        let Text { study: path, side, seconds, network, device, safety, real_time, telemetry } =
-            toml::from_str(text).map_err(|error| {
-                let allowed = error.to_string().trim_end().to_owned();
-                InvalidInput::new(
-                    "site",
-                    "the file",
-                    allowed,
-                    "docs/connect.md has every key of a site file.",
-                )
-            })?;
+        let Text {
+            study: path,
+            side,
+            seconds,
+            network,
+            device,
+            safety,
+            real_time,
+            telemetry,
+            recording,
+            live,
+        } = toml::from_str(text).map_err(|error| {
+            let allowed = error.to_string().trim_end().to_owned();
+            InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
+        })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
         let file = Self {
             study,
@@ -104,6 +119,8 @@ impl SiteFile {
             safety: safety::read(&safety)?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
+            recording: recording.folder,
+            live: record::address(&live)?,
         };
         file.check()?;
         Ok(file)

@@ -68,6 +68,14 @@ pub(super) struct Text {
 }
 
 impl NetworkChoice {
+    /// The kind in a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Udp { .. } => "udp",
+            Self::Iroh(_) => "iroh",
+        }
+    }
+
     pub(super) fn new(text: Text) -> Result<Self, InvalidInput> {
         match text.transport {
             Word::Udp => udp(text),

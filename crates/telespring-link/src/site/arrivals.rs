@@ -10,7 +10,7 @@ use crate::hello::{Disagreement, Greeting, NoGreeting};
 use crate::transport::{ROOM, Transport};
 
 /// Datagrams that are looked at in one tick; the rest waits, or is lost in the kernel's buffer.
-const MOST_DATAGRAMS: usize = 256;
+pub(super) const MOST_DATAGRAMS: usize = 256;
 
 impl<D: Device, T: Transport> Site<D, T> {
     /// Takes what has come.
@@ -70,8 +70,8 @@ impl<D: Device, T: Transport> Site<D, T> {
 
     /// Takes a packet: only that of the session agreed to reaches the endpoint.
     fn take_packet(&mut self, now: LocalTime, datagram: &[u8]) {
-        let session = wire::Packet::decode(datagram).map(|packet| packet.session);
-        if let Ok(session) = session {
+        let packet = wire::Packet::decode(datagram).ok();
+        if let Some(session) = packet.map(|packet| packet.session) {
             if self.greeter.partner() != Some(session) {
                 self.tally.strange_packets += 1;
                 if self.is_idle() {
@@ -87,8 +87,10 @@ impl<D: Device, T: Transport> Site<D, T> {
             self.tally.early_datagrams += 1;
             return;
         }
-        if self.endpoint.handle_datagram(now, datagram).is_ok() {
+        let is_taken = self.endpoint.handle_datagram(now, datagram).is_ok();
+        if is_taken {
             self.heard = Some(now);
         }
+        self.notes.arrive(now, datagram, packet.filter(|_| is_taken));
     }
 }

@@ -62,6 +62,11 @@ impl Greeter {
         }
     }
 
+    /// What both sides must agree on.
+    pub(super) fn terms(&self) -> &Terms {
+        &self.terms
+    }
+
     /// The partner agreed to.
     pub(super) fn partner(&self) -> Option<u64> {
         self.partner

@@ -30,6 +30,8 @@ pub enum Happened {
     Session(EventKind),
     /// The way of the datagrams has changed.
     Path(PathEvent),
+    /// The recording has broken off; the session goes on.
+    RecordingBroken,
 }
 
 /// What happened, and when.

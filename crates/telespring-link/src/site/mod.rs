@@ -15,13 +15,17 @@ mod force;
 mod greeter;
 mod log;
 mod moment;
+mod notes;
 mod settings;
 
 pub use log::{Happened, LOG_CAPACITY, Log};
 pub use moment::{Cause, Moment, Phase, Tally};
+pub use notes::{Arrival, Forces, Latency, Newest};
 pub use settings::{Safety, SiteSettings};
 
 use std::os::fd::BorrowedFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use telespring::InvalidInput;
 use telespring::session::{Endpoint, LocalTime, SessionReport, Span};
@@ -32,6 +36,7 @@ use crate::hello::Purpose;
 use crate::transport::{Transport, TransportReport};
 use force::ForceGate;
 use greeter::Greeter;
+use notes::Notes;
 
 /// From one greeting to the next.
 const GREETING_INTERVAL: Span = Span(50_000_000);
@@ -58,6 +63,9 @@ pub struct Site<D, T> {
     heard: Option<LocalTime>,
     log: Log,
     tally: Tally,
+    notes: Notes,
+    /// Somebody outside sets it when the recording has broken off.
+    recording_alarm: Arc<AtomicBool>,
 }
 
 impl<D: Device, T: Transport> Site<D, T> {
@@ -92,12 +100,15 @@ impl<D: Device, T: Transport> Site<D, T> {
             heard: None,
             log: Log::new(),
             tally: Tally::default(),
+            notes: Notes::new(),
+            recording_alarm: Arc::default(),
         })
     }
 
     /// Measures, sends, receives and commands once; `stop` asks the session to end.
     pub fn tick(&mut self, clock: &impl Clock, stop: bool) -> Moment {
         let now = clock.now();
+        self.notes.begin();
         let reading = match self.device.read(now) {
             Ok(reading) => Some(reading),
             Err(fault) => {
@@ -114,8 +125,9 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.greet(now, reading.as_ref());
         self.receive(clock);
         let force = self.force(clock.now());
-        self.device.command(clock.now(), Command { force, is_running: self.phase.is_coupled() });
-        self.collect(now, reading.as_ref(), force)
+        let commanded = clock.now();
+        self.device.command(commanded, Command { force, is_running: self.phase.is_coupled() });
+        self.collect(now, commanded, reading.as_ref(), force)
     }
 
     /// Judges whether the session may go on.
@@ -167,9 +179,11 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// Gives the endpoint the own motion, and sends its packet.
     fn measure(&mut self, now: LocalTime, reading: &Reading) {
         let Some(motion) = reading.motion else { return };
-        if let Some(acted) = reading.acted.or_else(|| self.gate.acted()) {
+        let told = reading.acted.or_else(|| self.gate.acted());
+        if let Some(acted) = told {
             self.endpoint.handle_acted(acted);
         }
+        (self.notes.is_measured, self.notes.forces.told) = (true, told);
         // A motion that cannot be is an event of the endpoint, and its watchdog sees to the force.
         let _ = self.endpoint.handle_measurement(now, motion);
         if let Some(target) = reading.target {
@@ -209,33 +223,68 @@ impl<D: Device, T: Transport> Site<D, T> {
             }
         };
         let wanted = self.endpoint.force(now);
+        (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
         self.gate.pass(wanted, share.clamp(0.0, 1.0))
     }
 
     /// What there is to say of this tick.
-    fn collect(&mut self, now: LocalTime, reading: Option<&Reading>, force: [f64; 2]) -> Moment {
+    fn collect(
+        &mut self,
+        now: LocalTime,
+        commanded: LocalTime,
+        reading: Option<&Reading>,
+        force: [f64; 2],
+    ) -> Moment {
         while let Some(event) = self.endpoint.poll_event() {
             self.log.push(event.time, Happened::Session(event.kind));
         }
         while let Some(event) = self.transport.poll_path() {
             self.log.push(now, Happened::Path(event));
         }
-        let balance = self.endpoint.strategy_report().balance;
+        if self.recording_alarm.load(Ordering::Relaxed) && self.recording_alarm.swap(false, Ordering::Relaxed)
+        {
+            self.log.push(now, Happened::RecordingBroken);
+        }
+        let session = self.endpoint.snapshot();
         let motion = reading.and_then(|reading| reading.motion);
         let target = reading.and_then(|reading| reading.target);
+        let measured = reading.and_then(|reading| reading.acted);
+        let device_delay = reading.and_then(|reading| self.notes.device_delay(now, reading));
         let moment = Moment {
+            tick: self.notes.tick,
             time: now,
+            commanded,
             phase: self.phase,
             state: self.endpoint.state(),
             motion,
             target,
             force,
-            balance,
+            balance: session.strategy.balance,
             age: self.endpoint.partner_age(),
             heard: self.heard,
+            stamp: reading.and_then(|reading| reading.stamp),
+            device_delay,
+            is_measured: self.notes.is_measured,
+            forces: Forces { measured, ..self.notes.forces },
+            asked: self.notes.asked,
+            newest: self.notes.newest,
+            session,
+            wanted_stiffness: self.greeter.terms().coupling[0],
+            unnoted_arrivals: self.notes.unnoted,
         };
+        self.notes.tick += 1;
         self.tally.count(&moment);
         moment
+    }
+
+    /// Says in the log when this switch is set, and resets it: the recording has broken off.
+    pub fn watch_recording(&mut self, alarm: Arc<AtomicBool>) {
+        self.recording_alarm = alarm;
+    }
+
+    /// The datagrams that the endpoint was given at the latest tick, in their order.
+    pub fn arrivals(&self) -> &[Arrival] {
+        self.notes.arrivals()
     }
 
     /// The state of the session.

@@ -1,8 +1,10 @@
 //! One tick of a site as others see it, and sums over all of them.
 
-use telespring::session::{LocalTime, Motion, Span, WatchdogState};
+use telespring::session::strategy::PartnerView;
+use telespring::session::{LocalTime, Motion, SessionSnapshot, Span, WatchdogState};
 
-use crate::device::Fault;
+use super::notes::{Forces, Latency, Newest, transit};
+use crate::device::{Fault, Stamp};
 use crate::hello::Disagreement;
 
 /// The state of a live session.
@@ -70,8 +72,12 @@ impl Cause {
 /// One tick of a site.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
+    /// The number of the tick, from 0.
+    pub tick: u64,
     /// When.
     pub time: LocalTime,
+    /// When the force was commanded.
+    pub commanded: LocalTime,
     /// The state of the session.
     pub phase: Phase,
     /// The state of the endpoint's watchdog; it says nothing before the session runs.
@@ -88,6 +94,44 @@ pub struct Moment {
     pub age: Option<f64>,
     /// When the partner's latest packet came.
     pub heard: Option<LocalTime>,
+    /// The device's stamp of its newest measurement.
+    pub stamp: Option<Stamp>,
+    /// How much longer than ever the motion took from the device to the tick, s.
+    pub device_delay: Option<f64>,
+    /// Whether the endpoint was given the motion, and the target if there is one.
+    pub is_measured: bool,
+    /// The forces beside the commanded one.
+    pub forces: Forces,
+    /// When the endpoint was asked for its force; `None` if it was not.
+    pub asked: Option<LocalTime>,
+    /// The partner's newest packet.
+    pub newest: Option<Newest>,
+    /// The endpoint after this tick.
+    pub session: SessionSnapshot,
+    /// The stiffness of the study, N/m.
+    pub wanted_stiffness: f64,
+    /// Datagrams that the endpoint was given so far, but that are not among the arrivals: a flood.
+    pub unnoted_arrivals: u64,
+}
+
+impl Moment {
+    /// The partner as the force of this tick used it; `None` if it used none.
+    pub fn used_partner(&self) -> Option<PartnerView> {
+        // while the endpoint is not asked, its view of the partner is that of an earlier time
+        self.asked.and(self.session.partner)
+    }
+
+    /// Where the time went, of a tick that began `lateness` after it was due.
+    pub fn latency(&self, lateness: Span) -> Latency {
+        let network = self.newest.as_ref().and_then(|newest| transit(newest, self.session.clock.offset));
+        let used = self.used_partner();
+        Latency {
+            device: self.device_delay,
+            control: (lateness + (self.commanded - self.time)).seconds(),
+            network,
+            playout: used.zip(network).map(|(used, network)| used.age - network),
+        }
+    }
 }
 
 /// Counts and sums over the ticks of a site.

@@ -1,9 +1,8 @@
 //! What a site is made of.
 
 use telespring::InvalidInput;
-use telespring::rig::ConnectedMode;
-use telespring::session::{ClockSettings, EndpointSettings, SideFacts, Span, WatchdogSettings};
-use telespring::study::{Coupling, Study};
+use telespring::session::{EndpointSettings, Span, WatchdogSettings};
+use telespring::study::Study;
 
 use crate::hello::Terms;
 
@@ -52,31 +51,14 @@ impl Safety {
         Ok(())
     }
 
-    /// The watchdog that lets the force be zero `silence` after the last packet, counted to the tick that is due by then:
-    /// 2 parts of silence, 5 of holding on, 8 of ramp.
+    /// The watchdog that keeps these limits.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] if the time is too short for this sample period.
     pub fn watchdog(&self, sample_period: Span) -> Result<WatchdogSettings, InvalidInput> {
-        let whole = self.silence - sample_period - sample_period;
-        let silence = whole.scaled(2.0 / 15.0);
-        if silence < sample_period + sample_period {
-            return Err(InvalidInput::new(
-                "safety.silence",
-                format!("{} s", self.silence.seconds()),
-                format!("at least 17 sample periods of {} s", sample_period.seconds()),
-                "Lengthen it, or shorten the sample period.",
-            ));
-        }
-        let (hold, usual) = (whole.scaled(5.0 / 15.0), WatchdogSettings::for_period(sample_period));
-        Ok(WatchdogSettings {
-            silence,
-            hold,
-            ramp_out: whole - silence - hold,
-            own_silence: self.stall - usual.own_hold,
-            ..usual
-        })
+        let within = WatchdogSettings::within(self.silence, self.stall, sample_period);
+        within.map_err(|refusal| refusal.within("safety"))
     }
 }
 
@@ -98,24 +80,8 @@ impl SiteSettings {
     ///
     /// [`InvalidInput`] if the study or a value does not do for a live session.
     pub fn new(study: &Study, side: u8, session: u64, safety: Safety) -> Result<Self, InvalidInput> {
-        if !matches!(side, 1 | 2) {
-            return Err(InvalidInput::new(
-                "side",
-                side,
-                "1 or 2",
-                "Give the robot of the study that this site moves.",
-            ));
-        }
-        let laboratory = study.laboratory_without_traces()?;
-        let Coupling { stiffness, damping } = study.coupling()?;
-        let coupling = ConnectedMode { stiffness, damping, delay: study.network()?.delay() };
-        let facts = SideFacts { session, ..laboratory.side_facts(usize::from(side) - 1, &coupling) };
-        let sample_period = Span::from_seconds(facts.sample_period);
-        let endpoint = EndpointSettings {
-            clock: ClockSettings::estimated(),
-            watchdog: Some(safety.watchdog(sample_period)?),
-            ..laboratory.session.architecture.endpoint_settings(&facts)?
-        };
-        Ok(Self { terms: Terms::new(study, side)?, endpoint, safety })
+        let terms = Terms::new(study, side)?;
+        let watchdog = safety.watchdog(Span::from_seconds(terms.sample_period))?;
+        Ok(Self { endpoint: study.live_side(side, session, watchdog)?, terms, safety })
     }
 }

@@ -83,7 +83,7 @@ impl Observer for Telemetry {
     }
 
     fn take(&mut self, item: &Item) {
-        let Item::Tick { moment, lateness } = item else { return };
+        let Item::Tick { moment, lateness, .. } = item else { return };
         self.frame.motion = moment.motion.or(self.frame.motion);
         let is_due = self.ticks.is_multiple_of(self.every);
         self.ticks += 1;
@@ -124,7 +124,12 @@ mod tests {
         telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Running });
         telemetry.miss(5);
         for _ in 0..7 {
-            telemetry.take(&Item::Tick { moment: moment(), lateness: Span(0) });
+            telemetry.take(&Item::Tick {
+                moment: moment(),
+                lateness: Span(0),
+                duration: Span(0),
+                overruns: 0,
+            });
         }
         for listener in listeners {
             listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();

@@ -97,6 +97,10 @@ impl Frame {
         };
         let pair = |pair: Option<[f64; 2]>| pair.unwrap_or([f64::NAN; 2]);
         let is_coupled = moment.phase.is_coupled();
+        let used = moment.used_partner();
+        let clock = moment.session.clock;
+        let outgoing = moment.session.outgoing;
+        let latency = moment.latency(lateness);
         let mut row = [f64::NAN; VALUES];
         let mut places = row.iter_mut();
         let mut put =
@@ -108,13 +112,23 @@ impl Frame {
             f64::from(u8::from(moment.motion.is_some())),
         ]);
         put(&motion(self.motion));
-        put(&motion(None));
+        put(&motion(used.map(|used| used.wanted)));
         put(&motion(moment.target));
         put(&moment.force);
-        put(&pair(None));
-        put(&[self.stiffness, f64::NAN, f64::NAN, known(moment.balance), known(moment.age)]);
-        put(&[known(moment.heard.map(|heard| (moment.time - heard).seconds())), f64::NAN, f64::NAN]);
-        put(&[lateness.seconds(), f64::NAN, f64::NAN, f64::NAN]);
+        put(&pair(moment.forces.measured));
+        put(&[
+            self.stiffness,
+            known(is_coupled.then_some(outgoing.stiffness)),
+            known(is_coupled.then(|| f64::from(u8::from(outgoing.limited)))),
+            known(moment.balance),
+            known(moment.age),
+        ]);
+        put(&[
+            known(moment.heard.map(|heard| (moment.time - heard).seconds())),
+            known(clock.round_trip.map(Span::seconds)),
+            known(clock.offset_error.map(Span::seconds)),
+        ]);
+        put(&[lateness.seconds(), known(latency.device), known(latency.network), known(latency.playout)]);
         put(&[self.interval, self.missed as f64, f64::NAN]);
         row
     }
@@ -122,16 +136,51 @@ impl Frame {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use telespring::session::LocalTime;
+    use telespring::session::clock::ClockReport;
+    use telespring::session::strategy::{Outgoing, PartnerView};
     use telespring::session::watchdog::Cause;
+    use telespring::session::{LocalTime, Packet, PeerTime, SessionSnapshot};
 
     use super::*;
+    use crate::site::{Forces, Newest};
 
     const PAGE: &str = include_str!("../../../../docs/telemetry.md");
 
     pub(in crate::telemetry) fn moment() -> Moment {
+        let partner = PartnerView {
+            wanted: Motion { position: [13.0, 14.0], velocity: [15.0, 16.0] },
+            played: Motion { position: [0.0; 2], velocity: [0.0; 2] },
+            age: 12.0,
+            fresh: true,
+            signal: [0.0; 2],
+            energy_sent: 0.0,
+            stiffness: 0.0,
+        };
+        let packet = Packet::of(4, PeerTime(1_000_000_000), partner.played);
+        let session = SessionSnapshot {
+            partner: Some(partner),
+            outgoing: Outgoing { stiffness: 17.0, limited: true, ..Outgoing::default() },
+            clock: ClockReport {
+                round_trip: Some(Span(18_000_000_000)),
+                offset: Some(Span(-500_000_000)),
+                offset_error: Some(Span(19_000_000_000)),
+                ..ClockReport::default()
+            },
+            ..SessionSnapshot::default()
+        };
         Moment {
+            tick: 2500,
             time: LocalTime(2_500_000_000),
+            commanded: LocalTime(2_500_100_000),
+            stamp: None,
+            device_delay: Some(20.0),
+            is_measured: true,
+            forces: Forces { measured: Some([21.0, 22.0]), ..Forces::default() },
+            asked: Some(LocalTime(2_500_050_000)),
+            newest: Some(Newest { arrival: LocalTime(2_000_000_000), packet }),
+            session,
+            wanted_stiffness: 100.0,
+            unnoted_arrivals: 0,
             phase: Phase::Running,
             state: WatchdogState::Engaged,
             motion: Some(Motion { position: [1.0, 2.0], velocity: [3.0, 4.0] }),
@@ -208,6 +257,20 @@ pub(super) mod tests {
             ("force x", 9.0),
             ("force y", 10.0),
             ("stiffness wanted", 100.0),
+            ("partner position x", 13.0),
+            ("partner position y", 14.0),
+            ("partner velocity x", 15.0),
+            ("partner velocity y", 16.0),
+            ("measured force x", 21.0),
+            ("measured force y", 22.0),
+            ("stiffness in use", 17.0),
+            ("limited", 1.0),
+            ("round trip", 18.0),
+            ("clock error", 19.0),
+            ("device delay", 20.0),
+            // sent at 1.5 s of this clock
+            ("network delay", 0.5),
+            ("play-out delay", 11.5),
             ("balance", 11.0),
             ("age", 12.0),
             ("silence", 0.5),
@@ -229,6 +292,11 @@ pub(super) mod tests {
             balance: None,
             age: None,
             heard: None,
+            device_delay: None,
+            asked: None,
+            forces: Forces::default(),
+            newest: None,
+            session: SessionSnapshot::default(),
             ..moment()
         };
         let row = Frame { motion: None, ..frame() }.row(&moment, Span(0));

@@ -135,7 +135,7 @@ impl Device for Scripted {
         }
         let Script { position, velocity, is_measured, is_ready, is_stopped, .. } = script;
         let motion = is_measured.then_some(Motion { position, velocity });
-        Ok(Reading { motion, acted: None, target: None, is_ready, is_stopped })
+        Ok(Reading { motion, stamp: None, acted: None, target: None, is_ready, is_stopped })
     }
 
     fn command(&mut self, _: LocalTime, command: Command) {

@@ -47,7 +47,7 @@ pub mod wire;
 pub use account::{AccountSettings, EnergyAccount, Overdraft};
 pub use architecture::{Architecture, SideFacts};
 pub use clock::{Clock, ClockSettings};
-pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport};
+pub use endpoint::{DatagramError, Endpoint, EndpointSettings, SessionReport, SessionSnapshot};
 pub use event::{Event, EventKind};
 pub use law::Law;
 pub use motion::Motion;

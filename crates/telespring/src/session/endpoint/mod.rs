@@ -22,7 +22,7 @@ mod settings;
 mod watching;
 
 pub use receiving::DatagramError;
-pub use report::SessionReport;
+pub use report::{SessionReport, SessionSnapshot};
 pub use settings::EndpointSettings;
 
 use super::clock::Clock;

@@ -4,8 +4,8 @@
 
 use super::Endpoint;
 use crate::session::clock::ClockReport;
-use crate::session::playout::PlayoutReport;
-use crate::session::strategy::{Strategy, StrategyReport};
+use crate::session::playout::{PlayoutCounts, PlayoutReport};
+use crate::session::strategy::{Outgoing, PartnerView, Strategy, StrategyReport};
 use crate::session::wire::Flags;
 use crate::session::{Span, WatchdogState};
 
@@ -38,7 +38,52 @@ pub struct SessionReport {
     pub strategy: StrategyReport,
 }
 
+/// What a session is at one tick: what of its report costs little, and what the latest force was made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SessionSnapshot {
+    /// The partner as the latest force used it; `None` if it used none.
+    pub partner: Option<PartnerView>,
+    /// The force that, for the account, acted until the newest measurement, N.
+    pub acted: [f64; 2],
+    /// The watchdog's factor on the latest force, 0 to 1.
+    pub enabled: f64,
+    /// What the next packet tells the partner.
+    pub outgoing: Outgoing,
+    /// The strategy's account.
+    pub strategy: StrategyReport,
+    /// The partner's clock.
+    pub clock: ClockReport,
+    /// The delay that the play-out strives for.
+    pub playout_delay: Span,
+    /// The counts of the play-out.
+    pub playout: PlayoutCounts,
+    /// Packets sent.
+    pub sent: u64,
+    /// Packets taken.
+    pub received: u64,
+    /// Datagrams refused.
+    pub refused: u64,
+}
+
 impl Endpoint {
+    /// What the session is at this tick. Unlike [`Endpoint::report`] it computes no quantiles, so it may be asked at every
+    /// tick.
+    pub fn snapshot(&self) -> SessionSnapshot {
+        SessionSnapshot {
+            partner: self.view,
+            acted: self.acted,
+            enabled: self.enabled,
+            outgoing: self.strategy.outgoing(),
+            strategy: self.strategy.report(),
+            clock: self.clock.report(self.now),
+            playout_delay: self.playout.delay(),
+            playout: self.playout.counts(),
+            sent: self.sent,
+            received: self.received,
+            refused: self.refused,
+        }
+    }
+
     /// The age of the oldest sample in the partner's motion that the latest force used, s, before any prediction; `None` if
     /// it used none. Where samples are missing between the two that are interpolated, it is older than the played instant.
     pub fn partner_age(&self) -> Option<f64> {

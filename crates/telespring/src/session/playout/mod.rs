@@ -21,7 +21,7 @@ mod sequences;
 mod settings;
 
 pub use histogram::Histogram;
-pub use report::{Ages, PlayoutReport};
+pub use report::{Ages, PlayoutCounts, PlayoutReport};
 pub use settings::{AdaptiveDelay, MAX_CAPACITY, PlayoutSettings};
 
 use std::collections::VecDeque;
@@ -298,6 +298,11 @@ impl Playout {
         if let Pace::Adaptive(adaptation) = &mut self.pace {
             adaptation.forget();
         }
+    }
+
+    /// The counts of the report, which cost little.
+    pub fn counts(&self) -> PlayoutCounts {
+        self.counts.so_far()
     }
 
     /// What the play-out has done so far.

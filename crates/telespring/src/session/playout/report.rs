@@ -59,6 +59,17 @@ pub struct PlayoutReport {
     pub held_ticks: u64,
 }
 
+/// The counts of a [`PlayoutReport`] that change from tick to tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PlayoutCounts {
+    /// Samples that have not come, although later ones have.
+    pub lost: u64,
+    /// Samples that came after their time.
+    pub late: u64,
+    /// Ticks at which an old motion was held because no later sample had come.
+    pub held_ticks: u64,
+}
+
 impl PlayoutReport {
     /// The share of the ticks at which an old motion was held; 0 without ticks.
     pub fn held_share(&self) -> f64 {
@@ -119,6 +130,15 @@ impl Counts {
         self.sequences = Sequences::new();
     }
 
+    /// Samples that have not come, although later ones have.
+    fn lost(&self) -> u64 {
+        self.lost_before.saturating_add(self.sequences.missing())
+    }
+
+    pub(super) fn so_far(&self) -> PlayoutCounts {
+        PlayoutCounts { lost: self.lost(), late: self.late, held_ticks: self.held_ticks }
+    }
+
     pub(super) fn report(&self, delay: Span) -> PlayoutReport {
         let quantile = |share, largest: Span| self.ages.quantile(share).unwrap_or(largest).min(largest);
         let ages = self.range.map(|(smallest, largest)| Ages {
@@ -133,7 +153,7 @@ impl Counts {
             delay,
             ages,
             received: self.received,
-            lost: self.lost_before.saturating_add(self.sequences.missing()),
+            lost: self.lost(),
             repeated: self.repeated,
             late: self.late,
             overtaken: self.overtaken,
