@@ -221,6 +221,7 @@ fn law_loss_on_the_wire_makes_hardly_more_loss_in_the_session() {
         let lost = got[side].iter().filter(|came| !**came).count() as f64 / NUMBER as f64;
         let wire = path.share(1 - side);
         let report = sites[1 - side].report();
+        println!("{lost:.4} of the packets, {wire:.4} of the datagrams");
         assert!(lost <= wire + 0.01, "{lost} of the packets, {wire} of the datagrams: {report:?}");
         assert!(lost > 0.005 && report.unsent == 0 && report.every == 1, "{lost} {report:?}");
         // QUIC knows what got lost, and no more than that
