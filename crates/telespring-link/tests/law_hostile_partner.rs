@@ -151,7 +151,8 @@ fn law_a_site_that_stood_still_begins_from_zero() {
 fn law_a_device_that_reports_nonsense_or_nothing_takes_the_force_along_a_ramp() {
     let nonsense = |script: &mut Script| script.position = [f64::NAN, 0.0];
     let nothing = |script: &mut Script| script.is_measured = false;
-    let faults: [(fn(&mut Script), Cause, usize); 2] =
+    type Change = fn(&mut Script);
+    let faults: [(Change, Cause, usize); 2] =
         [(nonsense, Cause::OwnMeasurement, 85), (nothing, Cause::OwnSilence, 100)];
     for (fault, cause, longest) in faults {
         // 2 cm apart, and so 2 N

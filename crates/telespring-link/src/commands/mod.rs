@@ -14,10 +14,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::{Parser, Subcommand};
+use rtrb::Consumer;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use telespring::InvalidInput;
 use telespring_link::conduct::ConductError;
+use telespring_link::operator::{self, Order};
 use telespring_link::summary::Summary;
 
 /// One side of a live coupling.
@@ -96,6 +98,13 @@ fn stop_on_signal() -> Arc<AtomicBool> {
         }
     }
     stop
+}
+
+/// The orders from standard input, for each of `N` sides.
+fn orders<const N: usize>() -> Result<[Consumer<Order>; N], Failure> {
+    let lines = std::io::BufReader::new(std::io::stdin());
+    let (_, orders) = operator::listen(lines).map_err(|error| Failure::Other(error.to_string()))?;
+    Ok(orders)
 }
 
 /// Success if every side ran, and was left as people leave.

@@ -12,9 +12,8 @@ use telespring_link::real_time::Limits;
 use telespring_link::record::Facts;
 use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
-use telespring_link::site::SiteSettings;
 
-use super::{Failure, outcome, parts, print, stop_on_signal};
+use super::{Failure, orders, outcome, parts, print, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -24,6 +23,9 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// Takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for a recording
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -36,7 +38,7 @@ impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
         let file = SiteFile::read(&self.site)?;
         let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
-        let settings = SiteSettings::new(&file.study, file.side, draw_session(), file.safety)?;
+        let settings = file.site(draw_session())?;
         let facts = Facts::new(&file.study, &settings)
             .with("device", file.device.word())
             .with("network", file.network.word());
@@ -46,6 +48,7 @@ impl Run {
         if let Some(choice) = &file.telemetry {
             observers.push(parts::telemetry(choice, &settings.terms)?);
         }
+        let [orders] = if self.console { orders()?.map(Some) } else { [None] };
         let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
@@ -56,8 +59,13 @@ impl Run {
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
         };
-        let plan =
-            Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
+        let plan = Plan {
+            real_time: file.real_time,
+            limits: Limits { duration },
+            observers,
+            orders,
+            ..Plan::default()
+        };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);
