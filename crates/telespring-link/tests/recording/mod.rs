@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use mcap::read::{LinearReader, Options};
 use mcap::records::Record;
-use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor, Value};
+use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor, ReflectMessage, Value};
 
 /// A message as it is in the file.
 pub struct Message {
