@@ -24,6 +24,7 @@ DOCUMENTS = [
     "docs/device-protocol.md",
     "docs/drivers.md",
     "docs/prediction.md",
+    "docs/recording.md",
     "docs/recorded-trials.md",
     "docs/session.md",
     "docs/telemetry.md",

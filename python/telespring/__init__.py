@@ -139,12 +139,15 @@ __all__ = [
     "PlayoutChoice",
     "RecordedWay",
     "Remedies",
+    "Replay",
     "ResponseCurve",
     "Robot",
     "Sampled",
     "SampledSpectrum",
+    "SessionRecording",
     "Signal",
     "Sine",
+    "SiteRecording",
     "Spectrum",
     "StiffnessAllowed",
     "StiffnessMargin",
@@ -160,6 +163,7 @@ __all__ = [
     "Verdict",
     "Verdicts",
     "__version__",
+    "analyse_recording",
     "assess_trace",
     "certified_roots",
     "characteristic_roots",
@@ -177,13 +181,16 @@ __all__ = [
     "is_stable_over_stiffnesses",
     "maximum_delay",
     "maximum_stiffness",
+    "merge_recordings",
     "minimum_damping",
     "mobility_matrix",
     "nyquist",
     "open_loop",
     "partner_response",
+    "read_recording",
     "read_trace",
     "rehearse",
+    "replay",
     "simulate",
     "simulate_array",
     "solve_dde",
@@ -198,21 +205,36 @@ __all__ = [
 serve_moved_modules()
 if TYPE_CHECKING:
     from telespring import plot as plot
+    from telespring.analysis.sessions import analyse_recording as analyse_recording
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
+    from telespring.recording import SessionRecording as SessionRecording
+    from telespring.recording import merge_recordings as merge_recordings
+    from telespring.recording import read_recording as read_recording
+    from telespring.replays import Replay as Replay
+    from telespring.replays import SiteRecording as SiteRecording
+    from telespring.replays import replay as replay
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until it is used; an answer and a comparison wait, too.
+    # Importing matplotlib takes long, so `plot` waits until it is used; answers, comparisons and recordings
+    # wait, too.
     __getattr__ = old_names(
         __name__,
         submodules=("plot",),
         late={
             "Answer": "telespring.answer",
             "Comparison": "telespring.comparison",
+            "Replay": "telespring.replays",
+            "SessionRecording": "telespring.recording",
+            "SiteRecording": "telespring.replays",
+            "analyse_recording": "telespring.analysis.sessions",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "merge_recordings": "telespring.recording",
+            "read_recording": "telespring.recording",
+            "replay": "telespring.replays",
         },
     )
 

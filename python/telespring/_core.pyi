@@ -63,9 +63,11 @@ __all__ = [
     "OperatorRange",
     "PaperVerdict",
     "PlayedTrace",
+    "RecordedSite",
     "Recording",
     "Recordings",
     "Remedies",
+    "ReplayedSite",
     "ResponseCurve",
     "Robot",
     "RobotRecord",
@@ -107,6 +109,8 @@ __all__ = [
     "pose_stability",
     "pose_system",
     "predict_motion",
+    "replay_pair",
+    "replay_site",
     "robot_record",
     "simulate",
     "simulate_handle",
@@ -1065,6 +1069,73 @@ class Laboratory:
     def __hash__(self) -> int: ...
 
 @final
+class RecordedSite:
+    def __new__(
+        cls,
+        time: NDArray[np.uint64],
+        answered: NDArray[np.uint64],
+        is_given: NDArray[np.bool_],
+        position: ArrayLike,
+        velocity: ArrayLike,
+        acted: ArrayLike,
+        target_position: ArrayLike,
+        target_velocity: ArrayLike,
+        share: ArrayLike,
+        arrival_tick: NDArray[np.int64],
+        arrival_time: NDArray[np.uint64],
+        datagram: NDArray[np.uint8],
+    ) -> RecordedSite: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __len__(self) -> int: ...
+
+@final
+class ReplayedSite(_Record):
+    def __new__(
+        cls,
+        wanted: FloatArray,
+        force: FloatArray,
+        age: FloatArray,
+        account: FloatArray,
+        given_out: FloatArray,
+        is_limited: NDArray[np.bool_],
+        is_engaged: NDArray[np.bool_],
+        limited_share: float,
+        withheld_share: float,
+        energy_sent: float,
+        energy_received: float,
+        age_mean: float,
+        age_low: float,
+        age_high: float,
+        age_quantile_99: float,
+        held_share: float,
+        lost: float,
+        renewed: int,
+        events: Sequence[tuple[int, str, str]],
+        missed_events: int,
+    ) -> ReplayedSite: ...
+    wanted: Final[FloatArray]
+    force: Final[FloatArray]
+    age: Final[FloatArray]
+    account: Final[FloatArray]
+    given_out: Final[FloatArray]
+    is_limited: Final[NDArray[np.bool_]]
+    is_engaged: Final[NDArray[np.bool_]]
+    limited_share: Final[float]
+    withheld_share: Final[float]
+    energy_sent: Final[float]
+    energy_received: Final[float]
+    age_mean: Final[float]
+    age_low: Final[float]
+    age_high: Final[float]
+    age_quantile_99: Final[float]
+    held_share: Final[float]
+    lost: Final[float]
+    renewed: Final[int]
+    events: Final[Sequence[tuple[int, str, str]]]
+    missed_events: Final[int]
+
+@final
 class Recording(_Record):
     def __new__(
         cls,
@@ -1520,5 +1591,24 @@ def predict_motion(
     predictor: PredictorChoice,
     targets: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> FloatArray: ...
+def replay_site(
+    study: Study,
+    site: RecordedSite,
+    side: int,
+    session: int,
+    acted_as_recorded: bool,
+    largest_force: float,
+    silence: float,
+    stall: float,
+) -> ReplayedSite: ...
+def replay_pair(
+    study: Study,
+    sites: tuple[RecordedSite, RecordedSite],
+    sessions: tuple[int, int],
+    acted_as_recorded: bool,
+    largest_force: tuple[float, float],
+    silence: tuple[float, float],
+    stall: tuple[float, float],
+) -> tuple[ReplayedSite, ReplayedSite]: ...
 def robot_record(robot_file: str | PathLike[str]) -> RobotRecord: ...
 def arm_operator(arm: Arm | Mapping[str, Any], positions: ArrayLike) -> tuple[FloatArray, FloatArray]: ...

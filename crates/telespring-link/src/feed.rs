@@ -23,6 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Something that the loop tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "most items are ticks, and a box would allocate on the loop")]
 pub enum Item {
     /// A tick.
     Tick {
@@ -32,6 +33,8 @@ pub enum Item {
         lateness: Span,
         /// How long it took.
         duration: Span,
+        /// Ticks that were left out so far.
+        overruns: u64,
     },
     /// A datagram that the endpoint was given; it comes before the tick at which it was.
     Arrival(Arrival),
@@ -220,7 +223,7 @@ mod tests {
     }
 
     fn event(time: u64) -> Item {
-        Item::Event { time: LocalTime(time), happened: Happened::Running }
+        Item::Event { time: LocalTime(time), happened: Happened::Restored }
     }
 
     #[test]

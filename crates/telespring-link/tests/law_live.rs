@@ -40,14 +40,18 @@ fn tick(number: u64) -> Item {
         stamp: None,
         device_delay: None,
         is_measured: false,
+        is_timed: false,
         forces: Forces::default(),
         asked: None,
         newest: None,
         session: SessionSnapshot::default(),
         wanted_stiffness: 142.0,
         unnoted_arrivals: 0,
+        offset: None,
+        consents: [true; 2],
+        share: 1.0,
     };
-    Item::Tick { moment, lateness: Span(0), duration: Span(0) }
+    Item::Tick { moment, lateness: Span(0), duration: Span(0), overruns: 0 }
 }
 
 struct Viewer(WebSocket<TcpStream>);

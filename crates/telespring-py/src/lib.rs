@@ -25,6 +25,7 @@ mod poses;
 mod prediction;
 mod recording;
 mod records;
+mod replay;
 mod response;
 mod rig;
 mod robot_file;
@@ -87,6 +88,8 @@ mod _core {
     #[pymodule_export]
     use crate::recording::{HandleMotion, Recording, Recordings};
     #[pymodule_export]
+    use crate::replay::{RecordedSite, ReplayedSite, replay_pair, replay_site};
+    #[pymodule_export]
     use crate::response::{
         FrequencyGrid, FrequencyMargin, FrequencyResponse, Nyquist, ResponseCurve, frequency_grid,
         frequency_response, mobility_matrix, nyquist, open_loop, partner_response, transfer_matrix,
@@ -140,7 +143,7 @@ mod _core {
             module.getattr(name)?.setattr("__module__", "telespring")?;
         }
         // classes that the package does not list: pickles must find them
-        for name in ["HandleMotion", "Recording", "Recordings", "RobotRecord"] {
+        for name in ["HandleMotion", "Recording", "Recordings", "ReplayedSite", "RobotRecord"] {
             module.getattr(name)?.setattr("__module__", "telespring._core")?;
         }
         Ok(())

@@ -15,11 +15,15 @@ import typer
 from telespring.cli.analyse import analyse_command
 from telespring.cli.common import refusals
 from telespring.cli.compare import compare_command
+from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
+from telespring.cli.merge import merge_command
 from telespring.cli.predictor import predictor_command
+from telespring.cli.probe import probe_command
 from telespring.cli.rehearse import rehearse
+from telespring.cli.replay import replay_command
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
 from telespring.cli.terminal import close_output, output_trouble, prepare_streams
@@ -42,6 +46,10 @@ app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("probe", cls=Command)(refusals()(probe_command))
+app.command("connect", cls=Command)(refusals()(connect_command))
+app.command("merge", cls=Command)(refusals()(merge_command))
+app.command("replay", cls=Command)(refusals()(replay_command))
 app.command("predictor", cls=Command)(predictor_command)
 app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)

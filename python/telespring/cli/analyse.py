@@ -12,6 +12,7 @@ from rich.text import Text
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing, write_whole
+from telespring.cli.analyse_session import analyse_session_file
 from telespring.cli.common import TaskStudy, print_json, refusals
 from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.other_files import pointing_elsewhere
@@ -33,7 +34,10 @@ _FIGURES = tuple(f"{stem}.{form}" for stem in ("trajectories", "tracking-errors"
 def analyse_command(
     path: Annotated[
         Path | None,
-        typer.Argument(metavar="PATH", help="A rehearsal (.nc or its folder) or recorded trials (CSV)."),
+        typer.Argument(
+            metavar="PATH",
+            help="A rehearsal (.nc or its folder), recorded trials (CSV) or a live session (.mcap).",
+        ),
     ] = None,
     study: TaskStudy = None,
     discard: Annotated[
@@ -48,11 +52,14 @@ def analyse_command(
         str | None,
         typer.Option(help="Reference condition of the tests (its TE2). Default: the unconnected mode."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for analysis.json, table1.csv and the figures.")] = Path(
-        "out/analysis"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Folder for analysis.json, table1.csv, the figures and a session's dataset (netCDF)."
+        ),
+    ] = Path("out/analysis"),
     export: Annotated[Path | None, typer.Option(help="Also write the trials as CSV to this folder.")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8.")] = True,
+    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8, or the session over time.")] = True,
     template: Annotated[
         Path | None, typer.Option(help="Only write an example of recorded trials to this folder.")
     ] = None,
@@ -60,10 +67,11 @@ def analyse_command(
         bool, typer.Option("--json", help="Print analysis.json instead of the table.")
     ] = False,
 ) -> None:
-    """Measure the trials of an experiment, rehearsed or recorded, and compare its conditions."""
+    """Measure the trials of an experiment, rehearsed, recorded or live, and compare its conditions."""
     with refusals():
         from telespring import analysis
         from telespring.analysis.sources import files_of_trials, open_trials
+        from telespring.recording import is_recording
         from telespring.show.screens.analysis import analysis_screen
 
         if template is not None:
@@ -73,6 +81,17 @@ def analyse_command(
             raise InvalidInput(
                 "PATH", "missing", "a rehearsal or recorded trials are required", "Name a file or a folder."
             )
+        if is_recording(path):
+            analyse_session_file(
+                path,
+                out,
+                discard=discard,
+                baseline=baseline,
+                figures=figures,
+                as_json=as_json,
+                refused={"--study": study, "--export": export},
+            )
+            return
         experiment = None if study is None else Study.read(study).experiment
         if study is not None and experiment is None:
             raise InvalidInput(

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
-use super::{Failure, outcome, print, stop_on_signal};
+use super::{Failure, orders, outcome, print, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -34,6 +34,13 @@ pub struct Demo {
     /// Draws the path and what the simulated people see
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// A delay that is imposed on the partner's motion, s; it must not be below that of the path
+    #[arg(long, allow_negative_numbers = true)]
+    imposed_delay: Option<f64>,
+    /// Takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
+    /// resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for the recordings of both sides
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -50,15 +57,28 @@ enum Strategy {
 
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, record, live } = self;
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, .. } = self;
+        let Self { imposed_delay, console, record, live, .. } = self;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
         };
         let real_time = LoopChoice::default();
-        let demo =
-            demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time, record, live };
-        let summary = demo.run(&stop_on_signal()).map_err(|error| match error {
+        let demo = demo::Demo {
+            seconds,
+            delay,
+            jitter,
+            loss,
+            stiffness,
+            strategy,
+            seed,
+            imposed_delay,
+            real_time,
+            record,
+            live,
+        };
+        let orders = if console { orders()?.map(Some) } else { [None, None] };
+        let summary = demo.run(&stop_on_signal(), orders).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),
             DemoError::Conduct(error) => error.into(),
             other => Failure::Other(other.to_string()),

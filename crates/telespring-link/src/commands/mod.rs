@@ -1,5 +1,6 @@
 //! The commands, one room each, and what they share.
 
+mod check;
 mod demo;
 mod id;
 mod keygen;
@@ -13,10 +14,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::{Parser, Subcommand};
+use rtrb::Consumer;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use telespring::InvalidInput;
 use telespring_link::conduct::ConductError;
+use telespring_link::operator::{self, Order};
 use telespring_link::summary::Summary;
 
 /// One side of a live coupling.
@@ -36,6 +39,7 @@ pub struct Arguments {
 enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Check(check::Check),
     Keygen(keygen::Keygen),
     Id(id::Id),
     Probe(probe::Probe),
@@ -48,6 +52,7 @@ impl Arguments {
         let outcome = match self.command {
             Command::Run(command) => command.run(),
             Command::Demo(command) => command.run(),
+            Command::Check(command) => command.run(),
             Command::Keygen(command) => command.run(),
             Command::Id(command) => command.run(),
             Command::Probe(command) => command.run(),
@@ -93,6 +98,13 @@ fn stop_on_signal() -> Arc<AtomicBool> {
         }
     }
     stop
+}
+
+/// The orders from standard input, for each of `N` sides.
+fn orders<const N: usize>() -> Result<[Consumer<Order>; N], Failure> {
+    let lines = std::io::BufReader::new(std::io::stdin());
+    let (_, orders) = operator::listen(lines).map_err(|error| Failure::Other(error.to_string()))?;
+    Ok(orders)
 }
 
 /// Success if every side ran, and was left as people leave.

@@ -12,9 +12,8 @@ use telespring_link::real_time::Limits;
 use telespring_link::record::Facts;
 use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
-use telespring_link::site::SiteSettings;
 
-use super::{Failure, outcome, parts, print, stop_on_signal};
+use super::{Failure, orders, outcome, parts, print, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -24,6 +23,9 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// Takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for a recording
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -34,39 +36,36 @@ pub struct Run {
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile {
-            study,
-            side,
-            duration,
-            network,
-            device,
-            safety,
-            real_time,
-            telemetry,
-            recording,
-            live,
-        } = SiteFile::read(&self.site)?;
-        let duration = self.seconds.map(check_duration).transpose()?.or(duration);
-        let settings = SiteSettings::new(&study, side, draw_session(), safety)?;
-        let facts =
-            Facts::new(&study, &settings).with("device", device.word()).with("network", network.word());
-        let transport = parts::transport(&network, real_time.priority)?;
-        let device = parts::device(&device, &study, side)?;
+        let file = SiteFile::read(&self.site)?;
+        let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
+        let settings = file.site(draw_session())?;
+        let facts = Facts::new(&file.study, &settings)
+            .with("device", file.device.word())
+            .with("network", file.network.word());
+        let transport = parts::transport(&file.network, file.real_time.priority)?;
+        let device = parts::device(&file.device, &file.study, file.side)?;
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
-        if let Some(choice) = telemetry {
-            observers.push(parts::telemetry(&choice, &settings.terms)?);
+        if let Some(choice) = &file.telemetry {
+            observers.push(parts::telemetry(choice, &settings.terms)?);
         }
-        let server = match (self.live, live) {
+        let [orders] = if self.console { orders()?.map(Some) } else { [None] };
+        let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
             (None, None) => None,
         };
-        let folder = match (&self.record, &recording) {
+        let folder = match (&self.record, &file.recording) {
             (Some(folder), _) => Some(("--record", folder)),
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
         };
-        let plan = Plan { real_time, limits: Limits { duration }, observers, recording: None };
+        let plan = Plan {
+            real_time: file.real_time,
+            limits: Limits { duration },
+            observers,
+            orders,
+            ..Plan::default()
+        };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
         let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
         print(&summary);

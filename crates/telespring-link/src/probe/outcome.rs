@@ -116,15 +116,16 @@ impl Quantiles {
 }
 
 impl Way {
-    /// From the ages of the packets, ns; `None` for one that did not come. They were sent a `period` apart.
-    fn new(ages: &[Option<i64>], period: Span) -> Self {
+    /// From the ages of the packets, ns, `None` for one that did not come, and when each was sent.
+    fn new(ages: &[Option<i64>], sent: impl Fn(usize) -> i64) -> Self {
         let came: Vec<i64> = ages.iter().copied().flatten().collect();
         let rows = ages.split(Option::is_some).map(<[_]>::len).filter(|length| *length > 0);
         let (count, lost, longest) =
             rows.fold((0, 0, 0), |(count, all, longest), row| (count + 1, all + row, longest.max(row)));
-        let mut arrivals: Vec<i64> = (0_i64..)
-            .zip(ages)
-            .filter_map(|(number, age)| age.map(|age| number.saturating_mul(period.0).saturating_add(age)))
+        let mut arrivals: Vec<i64> = ages
+            .iter()
+            .enumerate()
+            .filter_map(|(number, age)| age.map(|age| sent(number).saturating_add(age)))
             .collect();
         let latest = arrivals.iter().scan(i64::MIN, |latest, arrival| {
             let is_overtaken = arrival < latest;
@@ -178,8 +179,14 @@ impl<T: Transport> Probe<T> {
             rate: 1.0 / period.seconds(),
             round_trip: Quantiles::of(self.round_trips.iter().map(|span| span.0).collect()),
             clock_error: clock.offset_error.map(Span::seconds),
-            towards_here: towards_here.map(|ages| Way::new(&ages, period)),
-            towards_partner: towards_partner.map(|ages| Way::new(&ages, period)),
+            // when the partner sent its packets is not kept: in time, by its pace
+            towards_here: towards_here.map(|ages| {
+                let way = Way::new(&ages, |number| period.0.saturating_mul(number as i64));
+                Way { overtaken: self.travels.overtaken, ..way }
+            }),
+            towards_partner: towards_partner.map(|ages| {
+                Way::new(&ages, |number| self.sent.get(number).map_or(0, |sent| sent.0.cast_signed()))
+            }),
             strange: self.strange,
             partner_runs_session: self.runs_session,
             paths: self

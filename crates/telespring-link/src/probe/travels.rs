@@ -9,9 +9,8 @@ pub(super) struct Travels {
     base: Option<i64>,
     /// Travels, ns; `None` for a packet that did not come.
     all: Vec<Option<i64>>,
-    /// Packets that came before another with a lower number, and those that came again.
+    /// Packets that came after one with a higher number.
     pub(super) overtaken: u64,
-    pub(super) repeated: u64,
     highest: Option<usize>,
 }
 
@@ -31,7 +30,6 @@ impl Travels {
         }
         let Some(place) = self.all.get_mut(number) else { return };
         if place.is_some() {
-            self.repeated += 1;
             return;
         }
         *place = Some(travel);
@@ -43,7 +41,7 @@ impl Travels {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.all.clear();
-        (self.base, self.overtaken, self.repeated, self.highest) = (None, 0, 0, None);
+        (self.base, self.overtaken, self.highest) = (None, 0, None);
     }
 
     /// The travels of the packets from `first` on, ns.

@@ -117,6 +117,11 @@ impl Pace {
         }
     }
 
+    /// Ticks left out so far.
+    pub fn overruns(&self) -> u64 {
+        self.overruns
+    }
+
     /// How late the loop was so far.
     pub fn lateness(&self) -> Lateness {
         let quantile = |share| self.histogram.quantile(share).unwrap_or_default().min(self.largest);

@@ -121,10 +121,15 @@ mod tests {
         addresses.insert(0, absent);
         let choice = TelemetryChoice { addresses, every: 3 };
         let mut telemetry = Telemetry::new(&choice, &Terms::new(&Study::paper(), 1).unwrap()).unwrap();
-        telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Running });
+        telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Restored });
         telemetry.miss(5);
         for _ in 0..7 {
-            telemetry.take(&Item::Tick { moment: moment(), lateness: Span(0), duration: Span(0) });
+            telemetry.take(&Item::Tick {
+                moment: moment(),
+                lateness: Span(0),
+                duration: Span(0),
+                overruns: 0,
+            });
         }
         for listener in listeners {
             listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();

@@ -6,6 +6,7 @@
 //! | [`Trial`] | one run with a seed; repeatable bit for bit on one type of CPU |
 //! | [`network`] | what a network does to packets; adversaries; recorded traces |
 //! | [`plant`] | robots held by arms, moved by forces |
+//! | [`replay`] | a recorded live session through endpoints of the same or other settings |
 //! | [`SimulatedRobot`] | one robot with its arm and agent, moved step by step by the caller |
 //! | [`trial_seed`] | the seed of each trial of a rehearsal |
 //!
@@ -38,6 +39,7 @@ pub mod network;
 pub mod plant;
 mod random;
 mod record;
+pub mod replay;
 mod robot;
 mod schedule;
 mod station;

@@ -50,6 +50,40 @@ pub enum EventKind {
     ImpossibleForce,
 }
 
+impl EventKind {
+    /// What happened in the session, in a word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::PartnerFound { .. } => "partner-found",
+            Self::PartnerRestarted { .. } => "partner-restarted",
+            Self::Holding(_) => "holding",
+            Self::RampingOut(_) => "ramping-out",
+            Self::Disengaged(_) => "disengaged",
+            Self::RampingIn => "ramping-in",
+            Self::Engaged => "engaged",
+            Self::Refused(_) => "datagram-refused",
+            Self::ImpossibleValue { .. } => "impossible-value",
+            Self::ClockStepped => "clock-stepped",
+            Self::ImpossibleForce => "impossible-force",
+        }
+    }
+
+    /// Why, or of whom; `None` if the word of the session's event says it all. It allocates: not for the control loop.
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            Self::PartnerFound { session } | Self::PartnerRestarted { session } => {
+                Some(format!("{session:#018x}"))
+            }
+            Self::Holding(cause) | Self::RampingOut(cause) | Self::Disengaged(cause) => {
+                Some(cause.word().to_owned())
+            }
+            Self::Refused(refusal) => Some(refusal.to_string()),
+            Self::ImpossibleValue { value } => Some(value.to_string()),
+            Self::RampingIn | Self::Engaged | Self::ClockStepped | Self::ImpossibleForce => None,
+        }
+    }
+}
+
 /// What happened in a session, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Event {

@@ -37,6 +37,22 @@ pub enum Cause {
     FrozenMotion,
 }
 
+impl Cause {
+    /// The cause in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::OwnMeasurement => "own-measurement",
+            Self::OwnSilence => "own-silence",
+            Self::PartnerRestarted => "partner-restarted",
+            Self::ClockStepped => "clock-stepped",
+            Self::Silence => "silence",
+            Self::FrozenStamps => "frozen-stamps",
+            Self::FrozenMotion => "frozen-motion",
+        }
+    }
+}
+
 /// What the watchdog makes of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WatchdogState {
@@ -120,6 +136,45 @@ impl WatchdogSettings {
     pub fn for_period(sample_period: Span) -> Self {
         let (usual, least) = (Self::default(), sample_period + sample_period + sample_period);
         Self { silence: usual.silence.max(least), frozen: usual.frozen.max(least), ..usual }
+    }
+
+    /// The watchdog that lets the force be zero `silence` after the partner's last packet, counted to the tick that is due by
+    /// then: 2 parts without a reaction, 5 of holding on, 8 of ramp. While the own device or the loop stands still, the force
+    /// stays for `stall`, then it ramps out.
+    ///
+    /// # Errors
+    ///
+    /// [`InvalidInput`] if the silence is too short for this sample period.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use telespring::session::{Span, WatchdogSettings};
+    /// let [silence, stall, period] = [0.152, 0.02, 0.001].map(Span::from_seconds);
+    /// let watchdog = WatchdogSettings::within(silence, stall, period)?;
+    /// let parts = [watchdog.silence, watchdog.hold, watchdog.ramp_out];
+    /// assert_eq!(parts, [0.02, 0.05, 0.08].map(Span::from_seconds));
+    /// # Ok::<(), telespring::InvalidInput>(())
+    /// ```
+    pub fn within(silence: Span, stall: Span, sample_period: Span) -> Result<Self> {
+        let whole = silence - sample_period - sample_period;
+        let unheeded = whole.scaled(2.0 / 15.0);
+        if unheeded < sample_period + sample_period {
+            return Err(InvalidInput::new(
+                "silence",
+                format!("{} s", silence.seconds()),
+                format!("at least 17 sample periods of {} s", sample_period.seconds()),
+                "Lengthen it, or shorten the sample period.",
+            ));
+        }
+        let (hold, usual) = (whole.scaled(5.0 / 15.0), Self::for_period(sample_period));
+        Ok(Self {
+            silence: unheeded,
+            hold,
+            ramp_out: whole - unheeded - hold,
+            own_silence: stall - usual.own_hold,
+            ..usual
+        })
     }
 
     /// Checks the values.

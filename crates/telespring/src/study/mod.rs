@@ -44,6 +44,7 @@ mod entry;
 mod guard;
 mod keys;
 mod laboratory;
+mod live;
 mod network;
 mod operator;
 mod other_files;

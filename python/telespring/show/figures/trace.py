@@ -12,6 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from telespring._types import FloatArray
 from telespring.show.figures.style import COLOURS, FULL_WIDTH, GREY, figure_style, panel_label
+from telespring.show.figures.thinning import extremes
 
 __all__ = ["FittedCurve", "StiffnessCurve", "TracePanels", "trace_figure"]
 
@@ -23,8 +24,6 @@ _LINES = (
     (COLOURS["purple"], (0.0, (5.0, 1.4, 1.2, 1.4))),
 )
 _MARKS = "osD^"
-#: No more points are drawn of a trace: the extremes of each stretch of time.
-_MOST_POINTS = 4000
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +72,7 @@ def trace_figure(panels: TracePanels) -> Figure:
 
 def _draw_delays(axes: Axes, panels: TracePanels) -> None:
     came = np.isfinite(panels.delay)
-    time, delay = _extremes(panels.time[came], panels.delay[came])
+    time, delay = extremes(panels.time[came], panels.delay[came])
     axes.plot(time, 1e3 * delay, color=COLOURS["blue"], linewidth=0.7, label="delay of a packet")
     playout = panels.recommended[0]
     axes.axhline(1e3 * playout, color=COLOURS["black"], linestyle=(0.0, (5.0, 1.6)), linewidth=0.9)
@@ -148,15 +147,3 @@ def _log_scale(axes: Axes, which: str, values: FloatArray) -> None:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(ScalarFormatter())
         axis.set_minor_formatter(NullFormatter())
-
-
-def _extremes(time: FloatArray, delay: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Thin a trace out to the smallest and the largest delay of each stretch."""
-    if time.size <= _MOST_POINTS:
-        return time, delay
-    kept = [
-        stretch[0] + place
-        for stretch in np.array_split(np.arange(time.size), _MOST_POINTS // 2)
-        for place in sorted((int(delay[stretch].argmin()), int(delay[stretch].argmax())))
-    ]
-    return time[kept], delay[kept]

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use iroh::endpoint::{Controller, ControllerFactory, QuicTransportConfig, VarInt};
+use iroh::endpoint::{AckFrequencyConfig, Controller, ControllerFactory, QuicTransportConfig, VarInt};
 use telespring::session::wire::LENGTH;
 
 /// After this time without anything from the partner a connection is given up.
@@ -26,6 +26,10 @@ const WINDOW: u64 = 1000 * IDLE.as_secs() * (LENGTH as u64 + 96);
 /// Later packets that were acknowledged, and the time in round trips, after which a packet counts as lost. Nothing is sent
 /// again, so there is no hurry, and jitter that lets packets overtake each other must not look like loss.
 const REORDERING: (u32, f32) = (64, 2.0);
+
+/// Packets after which the partner is asked for an acknowledgement, instead of after every second one: they tell loss and round
+/// trip only, and each is a packet of its own.
+const ACKNOWLEDGE: u32 = 10;
 
 /// A window that does not change.
 ///
@@ -66,6 +70,10 @@ impl ControllerFactory for FixedWindow {
 /// The settings of every connection.
 pub(super) fn settings() -> QuicTransportConfig {
     let (packets, round_trips) = REORDERING;
+    let mut acknowledgements = AckFrequencyConfig::default();
+    acknowledgements
+        .ack_eliciting_threshold(VarInt::from_u32(ACKNOWLEDGE - 1))
+        .reordering_threshold(VarInt::from_u32(packets - 1));
     QuicTransportConfig::builder()
         .congestion_controller_factory(Arc::new(FixedWindow))
         .datagram_send_buffer_size(SEND_BUFFER)
@@ -80,6 +88,7 @@ pub(super) fn settings() -> QuicTransportConfig {
         .keep_alive_interval(KEEP_ALIVE)
         .default_path_max_idle_timeout(IDLE)
         .default_path_keep_alive_interval(KEEP_ALIVE)
+        .ack_frequency_config(Some(acknowledgements))
         .initial_rtt(FIRST_ROUND_TRIP)
         .packet_threshold(packets)
         .time_threshold(round_trips)

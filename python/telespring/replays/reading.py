@@ -1,0 +1,164 @@
+"""From the recording of a live session to what a replay needs of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from telespring._core import Study
+from telespring._errors import InvalidInput
+from telespring._types import FloatArray
+from telespring.replays.sites import PACKET_LENGTH, SiteRecording
+
+if TYPE_CHECKING:
+    from telespring.recording import SideRecording
+    from telespring.recording.topics import TopicTable
+
+__all__ = ["read_sites", "site_recording"]
+
+#: A force this close to the limit was cut by it, as a share of the limit.
+_CUT = 1e-9
+
+
+def read_sites(path: str) -> list[SiteRecording]:
+    """Read the recording of one side, or the merged one of both; InvalidInput if it is none."""
+    from telespring.recording import read_recording
+
+    return [site_recording(side) for side in read_recording(path).sides.values()]
+
+
+def site_recording(side: SideRecording) -> SiteRecording:
+    """Return what a replay needs of one side of a recording."""
+    if not side.study:
+        raise _refuse(side, "no study.toml", "a replay needs the study of the session")
+    ticks, arrivals = side.ticks, side.arrivals
+    wanted, force = _pairs(ticks, "wanted_force"), _pairs(ticks, "commanded_force")
+    limit = _number(side, "safety", "force", 1.0)
+    target_position, target_velocity = _pairs(ticks, "target.position"), _pairs(ticks, "target.velocity")
+    offset = _column(ticks, "clock_offset")
+    places, is_kept = _places(side)
+    return SiteRecording(
+        study=Study.from_toml(side.study),
+        side=side.side,
+        session=_session(side),
+        silence=_number(side, "safety", "silence_ns", 1e-9),
+        stall=_number(side, "safety", "stall_ns", 1e-9),
+        largest_force=limit,
+        time=np.asarray(_column(ticks, "time"), dtype=np.uint64),
+        answered=np.where(_is_present(ticks, "asked_time"), _column(ticks, "asked_time"), 0).astype(
+            np.uint64
+        ),
+        is_given=np.asarray(_column(ticks, "is_measured"), dtype=bool) & _is_present(ticks, "own.position.x"),
+        position=_pairs(ticks, "own.position"),
+        velocity=_pairs(ticks, "own.velocity"),
+        acted=_pairs(ticks, "told_force"),
+        target_position=target_position,
+        target_velocity=target_velocity,
+        share=passed_share(wanted, force, limit),
+        wanted=wanted,
+        force=force,
+        clock_offset=np.where(_is_present(ticks, "clock_offset"), 1e-9 * offset.astype(np.float64), np.nan),
+        arrival_tick=places,
+        arrival_time=np.asarray(_column(arrivals, "time"), dtype=np.uint64)[is_kept],
+        datagram=_datagrams(arrivals)[is_kept],
+    )
+
+
+def passed_share(wanted: FloatArray, force: FloatArray, limit: float) -> FloatArray:
+    """Return the share of the endpoint's force that a site let through, per axis, before its limit.
+
+    Where the limit cut the force, or there was none, nobody sees the share: it is that of the tick before, at
+    first all.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wanted = np.array([[4.0, 0.0], [4.0, 2.0], [40.0, 0.0], [4.0, 2.0]])
+    >>> force = np.array([[4.0, 0.0], [2.0, 2.0], [10.0, 0.0], [0.0, 0.0]])
+    >>> passed_share(wanted, force, 10.0).tolist()
+    [[1.0, 1.0], [0.5, 1.0], [0.5, 1.0], [0.0, 0.0]]
+    """
+    is_cut = np.hypot(force[:, 0], force[:, 1]) >= limit * (1.0 - _CUT)
+    is_seen = np.isfinite(wanted) & np.isfinite(force) & (wanted != 0.0) & ~is_cut[:, None]
+    share = np.ones_like(wanted)
+    np.divide(force, wanted, out=share, where=is_seen)
+    # a first row of which all acts, and the place of the latest row that is seen
+    places = np.where(is_seen, np.arange(1, len(wanted) + 1)[:, None], 0)
+    latest = np.maximum.accumulate(places, axis=0)
+    filled = np.vstack([np.ones((1, 2)), share])
+    return np.asarray(np.clip(np.take_along_axis(filled, latest, axis=0), 0.0, 1.0))
+
+
+def _session(side: SideRecording) -> int:
+    """Return the session id, which is written in hexadecimal digits."""
+    try:
+        return int(side.session, 0)
+    except ValueError:
+        raise _refuse(side, side.session[:40] or "no session", "the id of the session is required") from None
+
+
+def _number(side: SideRecording, table: str, key: str, unit: float) -> float:
+    text = side.metadata.get(table, {}).get(key, "")
+    try:
+        return float(text) * unit
+    except ValueError:
+        raise _refuse(side, f"{table}.{key} = {text[:40]!r}", "a number is required") from None
+
+
+def _refuse(side: SideRecording, value: str, allowed: str) -> InvalidInput:
+    return InvalidInput(
+        side.path.name,
+        value,
+        allowed,
+        "Name a file that `telespring-link` recorded, or merge two again.",
+    )
+
+
+def _column(table: TopicTable, name: str) -> NDArray[Any]:
+    found = table.columns.get(name)
+    return np.zeros(len(table)) if found is None else np.asarray(found)
+
+
+def _is_present(table: TopicTable, name: str) -> NDArray[np.bool_]:
+    found = table.present.get(name)
+    return np.zeros(len(table), dtype=bool) if found is None else np.asarray(found)
+
+
+def _pairs(table: TopicTable, name: str) -> FloatArray:
+    """Return a pair of numbers for each message, NaN where it is not there."""
+    columns = []
+    for axis in ("x", "y"):
+        values = _column(table, f"{name}.{axis}").astype(np.float64)
+        columns.append(np.where(_is_present(table, f"{name}.{axis}"), values, np.nan))
+    return np.column_stack(columns)
+
+
+def _places(side: SideRecording) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the place of the tick in which each datagram came, and which datagrams are kept.
+
+    Of a tick that is missing, they go to the next one. What came in the tick in which a recording was cut off
+    is left out.
+    """
+    numbers = np.asarray(_column(side.ticks, "tick"), dtype=np.uint64)
+    came = np.asarray(_column(side.arrivals, "tick"), dtype=np.uint64)
+    places = np.searchsorted(numbers, came)
+    is_kept = places < len(numbers)
+    return places[is_kept].astype(np.int64), is_kept
+
+
+def _datagrams(arrivals: TopicTable) -> NDArray[np.uint8]:
+    """Return the bytes of all datagrams; shorter ones, which are no packets, are filled up with zeros."""
+    found = arrivals.columns.get("datagram")
+    rows = np.zeros((len(arrivals), PACKET_LENGTH), dtype=np.uint8)
+    if found is None:
+        return rows
+    if found.dtype != object:
+        width = min(found.shape[1], PACKET_LENGTH)
+        rows[:, :width] = found[:, :width]
+        return rows
+    for row, raw in zip(rows, found, strict=True):
+        kept = bytes(raw)[:PACKET_LENGTH]
+        row[: len(kept)] = np.frombuffer(kept, dtype=np.uint8)
+    return rows
